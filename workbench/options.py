@@ -36,16 +36,23 @@ class Run:
     overrides: tuple[str, ...]
     out: Path
     json_target: str | None
+    earlier: Path | None = None
+    """Parameter file of an earlier issue of the design, for the revision table of the drawings."""
 
     @functools.cached_property
     def design(self) -> Design:
         """The design of `--params` (default: stage.toml here, else the packaged thesis design) with `--set` applied."""
         from stagecad.parameters.load import load_design
 
-        path = self.params
-        if path is None and Path("stage.toml").is_file():
-            path = Path("stage.toml")
-        return load_design(path, self.overrides)
+        design = load_design(self.parameter_file, self.overrides)
+        return design if self.earlier is None else design.since(load_design(self.earlier))
+
+    @property
+    def parameter_file(self) -> Path | None:
+        """File of `--params`, else stage.toml here; None for the packaged design."""
+        if self.params is None and Path("stage.toml").is_file():
+            return Path("stage.toml")
+        return self.params
 
     @functools.cached_property
     def console(self) -> Console:

@@ -23,6 +23,10 @@ Symbol = Literal[
     "perpendicularity",
     "position",
     "cylindricity",
+    "straightness",
+    "angularity",
+    "coaxiality",
+    "profile",
 ]
 """Signs drawn as geometry (`drawings.annotations.symbols`)."""
 
@@ -146,6 +150,38 @@ class DatumSymbol:
 
 
 @dataclass(frozen=True)
+class DatumTarget:
+    """A datum target point: a cross on the face, and a divided circle with the target's name (ISO 5459).
+
+    Args:
+        at: the point on the face, view coordinates.
+        centre: of the circle, paper.
+        text: letter and number, `A1`.
+    """
+
+    view: str
+    at: Point2
+    centre: Point2
+    text: str
+
+
+@dataclass(frozen=True)
+class HoleTag:
+    """The name of a hole in the hole table, next to the hole.
+
+    Args:
+        at: centre of the hole, view coordinates.
+        middle: of the text, paper.
+        text: `A1`.
+    """
+
+    view: str
+    at: Point2
+    middle: Point2
+    text: str
+
+
+@dataclass(frozen=True)
 class SurfaceTextureSymbol:
     """A surface texture symbol with its requirement (`Ra 1`), its point on a line of the view (ISO 21920-1).
 
@@ -194,6 +230,23 @@ class SectionMark:
 
 
 @dataclass(frozen=True)
+class ReferenceArrow:
+    """Arrow in the direction of sight of a view that is not in its place by projection, with its letter (ISO 128-3).
+
+    Args:
+        view: that shows the arrow.
+        tip: paper; a little outside the part.
+        sight: unit vector, the direction in which one looks.
+        letter: label of the view seen so.
+    """
+
+    view: str
+    tip: Point2
+    sight: Point2
+    letter: str
+
+
+@dataclass(frozen=True)
 class DetailMark:
     """The thin circle around the area of a detail view, and the view's letter.
 
@@ -217,9 +270,12 @@ Annotation = (
     | Callout
     | FeatureControlFrame
     | DatumSymbol
+    | DatumTarget
+    | HoleTag
     | SurfaceTextureSymbol
     | Balloon
     | SectionMark
+    | ReferenceArrow
     | DetailMark
 )
 

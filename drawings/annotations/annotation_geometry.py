@@ -14,16 +14,19 @@ from drawings.annotations.annotation import (
     Balloon,
     Callout,
     DatumSymbol,
+    DatumTarget,
     DetailMark,
     FeatureControlFrame,
+    HoleTag,
     LinearDimension,
     Note,
     RadialDimension,
+    ReferenceArrow,
     SectionMark,
     SurfaceTextureSymbol,
 )
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, TEXT_HEIGHT
-from drawings.annotations.primitives import THICK, ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import LAYERS, THICK, ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
 from drawings.views.bounding_box import bounding_box, extreme_points, view_box
 from drawings.views.view import Arc, Box2, Point2, View
@@ -42,6 +45,8 @@ BOX = 2 * TEXT_HEIGHT
 """Height of a feature control frame and of a datum letter's frame, mm."""
 BALLOON = 5.0
 """Radius of a balloon, mm."""
+TARGET, CROSS = 6.0, 3.0
+"""Radius of the circle of a datum target, and size of its cross, mm."""
 DOT = 0.6
 """Radius of the dot at the end of a balloon's leader, mm."""
 THICK_END, STEM = 6.0, 9.0
@@ -67,15 +72,21 @@ def annotation_primitives(annotation: Annotation, view: View) -> Iterator[Primit
             yield from _feature_control_frame(annotation, view)
         case DatumSymbol():
             yield from _datum(annotation, view)
+        case DatumTarget():
+            yield from _datum_target(annotation, view)
+        case HoleTag():
+            yield _centred(annotation.text, annotation.middle)
         case SurfaceTextureSymbol():
             yield from _surface_texture(annotation, view)
         case Balloon():
             yield from _balloon(annotation, view)
         case SectionMark():
             yield from _section(annotation)
+        case ReferenceArrow():
+            yield from _reference_arrow(annotation)
         case DetailMark():
             centre = view.to_paper(annotation.centre)
-            yield ArcStroke(Arc(centre, annotation.radius * view.scale))
+            yield ArcStroke(Arc(centre, annotation.radius * view.scale), "HATCH")
             yield _centred(annotation.letter, annotation.letter_at, LARGE_HEIGHT)
 
 
@@ -268,6 +279,16 @@ def _datum(m: DatumSymbol, view: View) -> Iterator[Primitive]:
     yield _centred(m.letter, m.frame_at)
 
 
+def _datum_target(m: DatumTarget, view: View) -> Iterator[Primitive]:
+    (x, y), at, half = m.centre, view.to_paper(m.at), CROSS / 2
+    for rise in (-half, half):
+        yield Stroke(((at[0] - half, at[1] - rise), (at[0] + half, at[1] + rise)), style=LAYERS["VISIBLE"])
+    yield ArcStroke(Arc(m.centre, TARGET))
+    yield Stroke(((x - TARGET, y), (x + TARGET, y)))
+    yield Stroke((_offset(m.centre, _unit(m.centre, at), TARGET), at))
+    yield _centred(m.text, (x, y - TARGET * 0.48))
+
+
 def _surface_texture(m: SurfaceTextureSymbol, view: View) -> Iterator[Primitive]:
     at, u = view.to_paper(m.at), _direction(m.angle)
     low, high = 1.4 * TEXT_HEIGHT, 3.0 * TEXT_HEIGHT
@@ -284,6 +305,13 @@ def _balloon(b: Balloon, view: View) -> Iterator[Primitive]:
     yield Stroke((_offset(b.centre, _unit(b.centre, at), BALLOON), at))
     yield FilledPolygon(tuple(_offset(at, _direction(angle), DOT) for angle in range(0, 360, 30)))
     yield _centred(str(b.number), b.centre)
+
+
+def _reference_arrow(m: ReferenceArrow) -> Iterator[Primitive]:
+    start = _offset(m.tip, m.sight, -STEM * 1.3)
+    yield Stroke((start, m.tip))
+    yield _arrow(m.tip, m.sight, ARROW * 1.3)
+    yield _centred(m.letter, _offset(start, m.sight, -LARGE_HEIGHT * 0.9), LARGE_HEIGHT)
 
 
 def _section(m: SectionMark) -> Iterator[Primitive]:

@@ -36,6 +36,7 @@ LAYERS: dict[SheetLayer, LineStyle] = {
     "SECTION": LineStyle(0.25, "CHAIN"),
     "HATCH": LineStyle(0.18),
     "PHANTOM": LineStyle(0.25, "PHANTOM"),
+    "THREAD": LineStyle(0.25),
     "DIMENSION": LineStyle(0.25),
     "TEXT": LineStyle(0.25),
     "FRAME": LineStyle(0.7),

@@ -5,6 +5,7 @@ Proportions after ISO 7083 (form and position), ISO 129-1 (depth, counterbore) a
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -12,7 +13,7 @@ from typing import NamedTuple, get_args
 
 from drawings.annotations.annotation import Symbol
 from drawings.annotations.font import TEXT_HEIGHT, text_width
-from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
 from drawings.views.view import Arc, Point2
 
 _SPACE = 0.35
@@ -47,8 +48,24 @@ _SHAPES: dict[Symbol, _Shape] = {
     "perpendicularity": _Shape(1.3, (((0, 0.05), (1.3, 0.05)), ((0.65, 0.05), (0.65, 1)))),
     "position": _Shape(1.4, (((0, 0.5), (1.4, 0.5)), ((0.7, -0.2), (0.7, 1.2))), (((0.7, 0.5), 0.45),)),
     "cylindricity": _Shape(1.5, (((0.0, 0), (0.6, 1)), ((0.9, 0), (1.5, 1))), (((0.75, 0.5), 0.36),)),
+    "straightness": _Shape(1.4, (((0, 0.5), (1.4, 0.5)),)),
+    "angularity": _Shape(1.4, (((1.4, 0.05), (0, 0.05), (1.2, 0.95)),)),
+    "coaxiality": _Shape(1.0, (), (((0.5, 0.5), 0.5), ((0.5, 0.5), 0.25))),
+    "profile": _Shape(
+        1.4,
+        (
+            (
+                (0.0, 0.15),
+                *((0.7 - 0.7 * math.cos(k * math.pi / 16), 0.15 + 0.7 * math.sin(k * math.pi / 16)) for k in range(17)),
+                (0.0, 0.15),
+            ),
+        ),
+    ),
 }
-_NAMED = re.compile(r"\{(" + "|".join(get_args(Symbol)) + r")\}")
+_NAMED = re.compile(r"\{(" + "|".join(get_args(Symbol)) + r"|frame:[^}]*)\}")
+"""A symbol, or a control frame `{frame:position|⌀0.2|A|B}`: characteristic, tolerance and datum letters."""
+FRAME_HEIGHT = 1.5
+"""Height of a control frame within a text, over the height of capitals."""
 
 
 def symbol_width(symbol: Symbol, height: float = TEXT_HEIGHT) -> float:
@@ -71,15 +88,39 @@ def symbol_primitives(symbol: Symbol, at: Point2, height: float = TEXT_HEIGHT) -
         yield FilledPolygon(tuple(map(place, points)))
 
 
-def _pieces(text: str) -> Iterator[tuple[str, Symbol | None]]:
-    """The stretches of a text: plain text, or a symbol."""
+def _pieces(text: str) -> Iterator[tuple[str, str | None]]:
+    """The stretches of a text: plain text, or a symbol or control frame."""
     for number, piece in enumerate(_NAMED.split(text)):
         if piece:
-            yield (piece, None) if number % 2 == 0 else ("", piece)  # type: ignore[misc]
+            yield (piece, None) if number % 2 == 0 else ("", piece)
 
 
-def _piece_width(text: str, symbol: Symbol | None, height: float) -> float:
-    return symbol_width(symbol, height) + 2 * _SPACE * height if symbol else text_width(text, height)
+def _cells(frame: str, height: float) -> list[tuple[str, float]]:
+    """Content and width of the compartments of a control frame; the first is the name of a symbol."""
+    first, *others = frame.removeprefix("frame:").split("|")
+    return [
+        (first, symbol_width(first, height) + 0.8 * height),  # type: ignore[arg-type]
+        *((text, max(text_width(text, height) + 0.8 * height, FRAME_HEIGHT * height)) for text in others),
+    ]
+
+
+def _piece_width(text: str, symbol: str | None, height: float) -> float:
+    if symbol is None:
+        return text_width(text, height)
+    if symbol.startswith("frame:"):
+        return sum(width for _, width in _cells(symbol, height))
+    return symbol_width(symbol, height) + 2 * _SPACE * height  # type: ignore[arg-type]
+
+
+def _frame_primitives(frame: str, at: Point2, height: float) -> Iterator[Primitive]:
+    x, low = at[0], at[1] - (FRAME_HEIGHT - 1) / 2 * height
+    for number, (content, width) in enumerate(_cells(frame, height)):
+        yield rectangle((x, low, x + width, low + FRAME_HEIGHT * height))
+        if number:
+            yield Text(content, (x + width / 2, at[1]), height, "middle")
+        else:
+            yield from symbol_primitives(content, (x + 0.4 * height, at[1]), height)  # type: ignore[arg-type]
+        x += width
 
 
 @cache
@@ -92,8 +133,10 @@ def symbol_text_primitives(text: str, at: Point2, height: float = TEXT_HEIGHT) -
     """A text with symbols written as `{depth}` and the like, from its left end on the base line."""
     x, y = at
     for piece, symbol in _pieces(text):
-        if symbol:
-            yield from symbol_primitives(symbol, (x + _SPACE * height, y), height)
+        if symbol and symbol.startswith("frame:"):
+            yield from _frame_primitives(symbol, (x, y), height)
+        elif symbol:
+            yield from symbol_primitives(symbol, (x + _SPACE * height, y), height)  # type: ignore[arg-type]
         else:
             yield Text(piece, (x, y), height)
         x += _piece_width(piece, symbol, height)

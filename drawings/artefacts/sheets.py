@@ -6,21 +6,23 @@ The artefact of a part holds ``SHEET.dxf``, ``.svg``, ``.pdf``, ``.png`` of each
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad import __version__
 from stagecad.parameters.mass_properties import combined
+from stagecad.parameters.tables.machine import schema
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part
 from stagecad.solids.artefacts.source_digest import versions
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.machine import part_mass
 from stagecad.solids.modelling.mass import placed
+from stagecad.solids.modelling.part import notes_of
 from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_definition, part_names
 
 if TYPE_CHECKING:
@@ -31,13 +33,14 @@ if TYPE_CHECKING:
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
     from stagecad.solids.assembly.assemble import Instance
+    from stagecad.solids.modelling.verification import DimensionVerifier
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
 PROCEDURE = "procedure"
 """The sheet of the assembly procedure."""
 PICTURES = {
-    ASSEMBLY: ("top", "section A-A", "exploded", "from below"),
+    ASSEMBLY: ("top", "section A-A", "section B-B", "exploded", "from below"),
     PROCEDURE: ("exploded", "from below"),
 }
 """Sheets of the whole machine, which need every part, and the pictures on them (`drawings.pictures.machine`)."""
@@ -66,6 +69,7 @@ class BuiltSheet:
         part: that it shows, or `assembly`, `procedure`.
         paper, scale: as printed.
         views: names.
+        digest: hash of the parameters, as in the title block.
         hits: violations found by lint, a line each.
         artefact: that holds its files.
     """
@@ -75,12 +79,19 @@ class BuiltSheet:
     paper: str
     scale: str
     views: tuple[str, ...]
+    digest: str
     hits: tuple[str, ...]
     artefact: Artefact
 
     @property
     def files(self) -> tuple[str, ...]:
         return tuple(f"{self.name}.{kind}" for kind in FORMATS)
+
+    @property
+    def definition(self) -> str | None:
+        """File of what defines each face of the part; None for the sheets of the machine."""
+        name = f"{self.part}_definition.csv"
+        return name if name in self.artefact.hashes else None
 
     @property
     def model(self) -> str | None:
@@ -123,11 +134,13 @@ def build_sheets(
     values = _values(store, subject, design, calculate)
 
     def make(tracked: Any, folder: Path) -> None:
+        problems: list[str] = []
         if subject in PICTURES:
-            sheets = [_machine_sheet(subject, parts, tracked, values, exact=exact)]
+            sheets: Sequence[Sheet] = [_machine_sheet(subject, parts, tracked, values, exact=exact)]
         else:
-            sheets = _part_sheets(parts[subject], tracked, folder, exact=exact)
+            sheets, problems = _part_sheets(parts[subject], tracked, folder, exact=exact)
         documents = [write_sheet(sheet, folder) for sheet in sheets]
+        documents[0]["hits"] += problems
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
     return _sheets(store.make(_title(subject), design, _modules(subject), make, _dependencies(parts, values)))
@@ -169,8 +182,8 @@ def _sheets(artefact: Artefact) -> tuple[BuiltSheet, ...]:
     )
 
 
-def _part_sheets(part: BuiltPart, design: Any, folder: Path, *, exact: bool) -> Sequence[Sheet]:
-    """The sheets of a part; its STEP AP242 file is written into the folder."""
+def _part_sheets(part: BuiltPart, design: Any, folder: Path, *, exact: bool) -> tuple[Sequence[Sheet], list[str]]:
+    """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder."""
     from drawings.pmi.ap242 import write_ap242
     from drawings.sheets.part import part_sheets
     from stagecad.solids.modelling.verification import DimensionVerifier
@@ -178,7 +191,23 @@ def _part_sheets(part: BuiltPart, design: Any, folder: Path, *, exact: bool) -> 
     described = describe(part, design)
     verifier = DimensionVerifier(described.solid)
     write_ap242(part.name, design, described.solid, folder / f"{part.name}_ap242.step", verifier)
-    return part_sheets(described, design, verifier, exact=exact)
+    sheets = part_sheets(described, design, verifier, exact=exact)
+    return sheets, _write_definition(described, design, verifier, sheets, folder)
+
+
+def _write_definition(
+    described: PartDescription, design: Any, verifier: DimensionVerifier, sheets: Sequence[Sheet], folder: Path
+) -> list[str]:
+    """Write the table of what defines each face of a part; what is missing or given twice, a line each."""
+    from drawings.dimensions.definition import HEADINGS, definition, notes_on_shape
+
+    notes = notes_on_shape(part_definition(described.name), design)
+    views = [view for sheet in sheets for view in sheet.views if view.projection.name != "iso"]
+    roughness = 1e6 * design.drawing.roughness
+    found = definition(verifier, described.dimensions, described.requirements, notes, views, roughness)
+    with (folder / f"{described.name}_definition.csv").open("w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream, lineterminator="\n").writerows([HEADINGS, *(face.row for face in found.faces)])
+    return list(found.problems)
 
 
 def describe(part: BuiltPart, design: Any) -> PartDescription:
@@ -191,12 +220,19 @@ def describe(part: BuiltPart, design: Any) -> PartDescription:
         solid=part.solid,
         dimensions=module.dimensions(design),
         requirements=module.requirements(design) if hasattr(module, "requirements") else (),
-        notes=getattr(module, "NOTES", ()),
+        notes=notes_of(module, design),
         material=design.materials[part.material].description,
         mass=_mass_text(part_mass(part, design).mass),
         digest=digest(design, part.entry.reads),
-        revision=__version__,
+        reads=parameters_of(part.entry.reads),
+        treatment=design.materials[part.material].treatment,
+        brittle=design.materials[part.material].strength_kind == "fracture",
     )
+
+
+def parameters_of(reads: Iterable[str]) -> tuple[str, ...]:
+    """Those of the names read that are keys of the parameter file, without materials."""
+    return tuple(sorted(name for name in reads if name in schema()))
 
 
 def _machine_sheet(
@@ -239,6 +275,7 @@ def _pictures(
 def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> AssemblyDescription:
     """The machine as its sheets need it."""
     from drawings.sheets.assembly import AssemblyDescription
+    from stagecad.solids.assembly.accessories import accessories
     from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 
     masses = {name: part_mass(part, design) for name, part in parts.items()}
@@ -248,7 +285,8 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
         machine_size(instances, parts, design),
         _mass_text(combined(placed(masses[i.part], i.frame) for i in instances).mass),
         digest(design, reads),
-        __version__,
+        parameters_of(reads),
+        accessories(design),
     )
 
 
@@ -301,5 +339,6 @@ def write_sheet(sheet: Sheet, folder: Path) -> dict[str, Any]:
         "paper": sheet.paper,
         "scale": scale_text(sheet.scale),
         "views": [view.name for view in sheet.views],
-        "hits": [str(hit) for hit in lint(document)],
+        "digest": sheet.title.parameters,
+        "hits": [*sheet.unapplied, *(str(hit) for hit in lint(document))],
     }

@@ -8,11 +8,13 @@ view shows in true size, as the depth of a hole seen from above, becomes a line 
 from __future__ import annotations
 
 import math
+import string
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.edges import SQUARE, EdgeOfFace, edge_of_face
+from drawings.dimensions.edges import SQUARE, EdgeOfFace, centre_of_round, edge_of_face
+from drawings.dimensions.hole_table import HoleGroup, HoleTable, hole_group
 from drawings.dimensions.specification import (
     AngleSpec,
     CalloutSpec,
@@ -20,8 +22,10 @@ from drawings.dimensions.specification import (
     DistanceSpec,
     FrameSpec,
     RoundSpec,
+    TagSpec,
+    TargetSpec,
 )
-from drawings.dimensions.text import DIAMETER, callout, dimension_text, number
+from drawings.dimensions.text import DIAMETER, callout, dimension_text, frame_text, number
 from drawings.views.view import View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -31,10 +35,14 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
+from stagecad.solids.modelling.dimensioning import THREAD_DIAMETER
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 EXACT = 1e-6
 """Greatest difference of the solid from a declared value, before rounding, mm."""
+
+AXIAL = ("perpendicularity", "parallelism", "angularity", "position", "coaxiality", "straightness")
+"""Characteristics that hold for the axis of a round feature, within a cylinder."""
 
 LONGEST_BESIDE = 12
 """Length of the longest note printed at its dimension, characters; a longer one is a numbered note of the sheet."""
@@ -48,11 +56,13 @@ class SheetDimensions:
         specs: in the order of the declarations.
         notes: texts of the notes that dimensions refer to by number (`[1]`).
         missing: names of declarations that no view can show.
+        table: of holes; None where no declaration asks for one.
     """
 
     specs: tuple[DimensionSpec, ...]
     notes: tuple[str, ...]
     missing: tuple[str, ...]
+    table: HoleTable | None = None
 
 
 def sheet_dimensions(
@@ -74,6 +84,7 @@ def sheet_dimensions(
         ValueError: the solid differs from a declared value.
     """
     builder = _Builder(design, gauge, views)
+    builder.frames = _frames_of_features(requirements)
     done: set[str] = set()
     for dimension in dimensions:
         if dimension.name not in done:
@@ -81,8 +92,24 @@ def sheet_dimensions(
             done.update(d.name for d in group)
             builder.add(group)
     for requirement in requirements:
-        builder.require(requirement)
-    return SheetDimensions(tuple(builder.specs), tuple(builder.notes), tuple(builder.missing))
+        if not (isinstance(requirement, GeometricTolerance) and requirement.feature):
+            builder.require(requirement)
+    return SheetDimensions(tuple(builder.specs), tuple(builder.notes), tuple(builder.missing), builder.table())
+
+
+def tolerance_text(tolerance: GeometricTolerance) -> str:
+    """The second compartment of a control frame: `⌀0.2 CZ`."""
+    cylindrical = tolerance.round and tolerance.characteristic in AXIAL
+    return f"{DIAMETER if cylindrical else ''}{tolerance.value:g}{' CZ' if tolerance.combined else ''}"
+
+
+def _frames_of_features(requirements: Sequence[FaceRequirement]) -> dict[str, list[GeometricTolerance]]:
+    """Tolerances by the name of the holes whose callout has their control frames."""
+    found: dict[str, list[GeometricTolerance]] = {}
+    for requirement in requirements:
+        if isinstance(requirement, GeometricTolerance) and requirement.feature:
+            found.setdefault(requirement.feature, []).append(requirement)
+    return found
 
 
 class _Builder:
@@ -97,6 +124,10 @@ class _Builder:
         self.specs: list[DimensionSpec] = []
         self.notes: list[str] = []
         self.missing: list[str] = []
+        self.frames: dict[str, list[GeometricTolerance]] = {}
+        self._table_view: View | None = None
+        self._groups: list[HoleGroup] = []
+        self._tabulated: list[str] = []
 
     def callout_group(self, dimension: Dimension, dimensions: Sequence[Dimension]) -> list[Dimension]:
         """The dimensions of one callout: all of a feature that are no dimension by themselves."""
@@ -106,10 +137,10 @@ class _Builder:
 
     def _stands_alone(self, dimension: Dimension) -> bool:
         """Whether a dimension is a distance in a view, and no line of the callout of its feature."""
-        if dimension.kind not in ("linear", "depth"):
+        if dimension.kind not in ("linear", "depth", "pitch"):
             return False
         view = self._view_of(dimension)
-        if view is None or dimension.kind == "linear":
+        if view is None or dimension.kind != "depth":
             return view is not None
         return view.cut is not None if dimension.view == "section" else view.projection.name == dimension.view
 
@@ -118,6 +149,9 @@ class _Builder:
         for dimension in group:
             self._verify(dimension)
         head = group[0]
+        if head.table:
+            self._tabulate(group)
+            return
         view = self._view_of(head) or next(iter(_preferred(self.views, head.view, head.points)), None)
         if view is None:
             self.missing += [d.name for d in group]
@@ -126,9 +160,35 @@ class _Builder:
         else:
             self.specs.append(self._single(view, head))
 
+    def _tabulate(self, group: list[Dimension]) -> None:
+        """Add holes, or a distance between holes, to the hole table."""
+        view = next(view for view in self.views if view.name == group[0].table)
+        self._table_view = view
+        if not any(d.kind in ("diameter", "tap_drill") for d in group):
+            self._tabulated += [d.name for d in group]
+            return
+        lines = self._callout_lines(group)
+        found = hole_group(string.ascii_uppercase[len(self._groups)], lines, group, view, self.gauge)
+        self._groups.append(found)
+        self.specs += [TagSpec(view.name, row.at, row.radius, row.tag) for row in found.rows]
+
+    def table(self) -> HoleTable | None:
+        """The hole table, if there is one."""
+        if self._table_view is None:
+            return None
+        return HoleTable(self._table_view.name, tuple(self._groups), tuple(self._tabulated))
+
+    def _callout_lines(self, group: list[Dimension]) -> tuple[str, ...]:
+        """Lines of the callout of a feature, with the control frames of its tolerances."""
+        frames = self.frames.get(group[0].feature, []) if group[0].feature else []
+        return (
+            *callout(group, [self._plus_minus(d) for d in group]),
+            *(frame_text(f.characteristic, tolerance_text(f), f.datums) for f in frames),
+        )
+
     def _single(self, view: View, dimension: Dimension) -> DimensionSpec:
         match dimension.kind:
-            case "linear":
+            case "linear" | "pitch":
                 return self._distance(view, dimension)
             case "depth" if self._is_true_size(view, dimension):
                 return self._distance(view, dimension)
@@ -167,7 +227,7 @@ class _Builder:
         if along is None:
             return True
         match dimension.kind:
-            case "linear" | "depth":
+            case "linear" | "depth" | "pitch":
                 return abs(dot(along, eye)) < SQUARE
             case "angle":
                 return abs(abs(eye[2]) - 1) < SQUARE
@@ -201,7 +261,8 @@ class _Builder:
         first, second = (view.projection.to_view(point) for point in d.points)
         assert d.direction is not None
         angle = _tidy(degrees_of(view.projection.to_view(d.direction)) % 180)
-        return DistanceSpec(view.name, first, second, angle, self._text(d).replace("{depth}", ""), d.value, (d.name,))
+        span = d.value * d.count if d.kind == "pitch" else d.value
+        return DistanceSpec(view.name, first, second, angle, self._text(d).replace("{depth}", ""), span, (d.name,))
 
     def _diameter_from_side(self, view: View, d: Dimension) -> DistanceSpec:
         """A diameter of a feature seen from the side: the distance of its two outlines."""
@@ -219,7 +280,7 @@ class _Builder:
         if d.kind != "radius":
             centre = view.projection.to_view(d.points[0])
             return RoundSpec(view.name, "diameter", centre, d.value / 2, 45.0, 180.0, text, d.value, names)
-        centre = view.projection.to_view(_centre_of_round(self._surface(d), d.points[-1]))
+        centre = view.projection.to_view(centre_of_round(self._surface(d), d.points[-1]))
         at = view.projection.to_view(d.points[-1])
         towards = degrees_of((at[0] - centre[0], at[1] - centre[1]))
         return RoundSpec(view.name, "radius", centre, d.value, towards, 20.0, text, d.value, names)
@@ -233,15 +294,19 @@ class _Builder:
 
     def _callout(self, view: View, group: list[Dimension]) -> CalloutSpec:
         head = group[0]
-        if len(group) == 1 and not head.feature:
+        if head.kind == "callout":
+            lines = tuple(head.note.split("; "))
+        elif len(group) == 1 and not head.feature:
             text = dimension_text(head, self._plus_minus(head))
             lines = (text, head.note) if head.note else (text,)
         else:
-            lines = callout(group, [self._plus_minus(d) for d in group])
+            lines = self._callout_lines(group)
         holes = [d for d in group if d.kind in ("diameter", "tap_drill")]
         round_ends = holes and holes[0].direction and self._is_circle(view, holes[0])
-        radius = max(d.value for d in holes) / 2 if round_ends else 0.0
-        at = view.projection.to_view(head.points[0])
+        radius = max(THREAD_DIAMETER.get(d.note, d.value) for d in holes) / 2 if round_ends else 0.0
+        # A hole seen from the side is touched at its wall.
+        on = head.points[-1] if holes and not round_ends else head.points[0]
+        at = view.projection.to_view(on)
         return CalloutSpec(view.name, at, radius, lines, tuple(d.name for d in group))
 
     def _surface(self, dimension: Dimension) -> Surface:
@@ -252,6 +317,12 @@ class _Builder:
 
     def require(self, requirement: FaceRequirement) -> None:
         """Add a datum, a tolerance or a texture on the line as which its face is seen."""
+        if isinstance(requirement, DatumFeature) and requirement.targets:
+            view = next(view for view in self.views if view.name == requirement.targets)
+            self.specs += [
+                TargetSpec(view.name, view.projection.to_view(point), f"{requirement.letter}{index}")
+                for index, point in enumerate(requirement.points, start=1)
+            ]
         for view in _preferred(self.views, requirement.view, requirement.points):
             line = edge_of_face(view, requirement, self.gauge)
             if line:
@@ -265,11 +336,11 @@ class _Builder:
             case DatumFeature():
                 names = (f"datum {requirement.letter}",)
                 diameter = self._diameter(requirement) if requirement.round else 0.0
+                if requirement.median:
+                    diameter = math.dist(*requirement.points)
                 return FrameSpec(view.name, first, second, outward, names, letter=requirement.letter, diameter=diameter)
             case GeometricTolerance():
-                text = f"{requirement.value:g}{' CZ' if requirement.combined else ''}"
-                if requirement.round and requirement.characteristic == "perpendicularity":
-                    text = DIAMETER + text
+                text = tolerance_text(requirement)
                 names = (f"{requirement.characteristic} {requirement.name}",)
                 return FrameSpec(
                     view.name, first, second, outward, names, requirement.characteristic, text, requirement.datums
@@ -280,7 +351,9 @@ class _Builder:
                     (first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1]))
                     for t in (0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6, 0.02, 0.98)
                 )
-                return CalloutSpec(view.name, places[0], 0.0, lines, (f"texture {requirement.name}",), places[1:])
+                return CalloutSpec(
+                    view.name, places[0], 0.0, lines, (f"texture {requirement.name}",), places[1:], outward
+                )
 
     def _diameter(self, datum: DatumFeature) -> float:
         bore = Dimension("datum", "diameter", 1.0, datum.letter, datum.points, datum.normal)
@@ -308,24 +381,6 @@ def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> lis
 
 def _parallel(one: View, other: View) -> bool:
     return dot(one.projection.towards_eye, other.projection.towards_eye) > 1 - SQUARE
-
-
-def _centre_of_round(surface: Surface, on: Point) -> Point:
-    """Centre of the circle of a fillet, corner or crown through a point of it."""
-    if surface.kind == "SPHERE":
-        return surface.origin
-    to = (on[0] - surface.origin[0], on[1] - surface.origin[1], on[2] - surface.origin[2])
-    along = dot(to, surface.axis)
-    on_axis = tuple(o + along * a for o, a in zip(surface.origin, surface.axis, strict=True))
-    if surface.kind == "CYLINDER":
-        return (on_axis[0], on_axis[1], on_axis[2])
-    from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-
-    major = BRepAdaptor_Surface(surface.face.wrapped).Torus().MajorRadius()
-    away = tuple(p - o for p, o in zip(on, on_axis, strict=True))
-    size = math.hypot(*away)
-    x, y, z = (o + major * a / size for o, a in zip(surface.origin, away, strict=True))
-    return (x, y, z)
 
 
 def _tidy(angle: float) -> float:

@@ -1,12 +1,13 @@
-"""Edge views of faces: the line as which a face is seen, for datum letters, tolerances and surface textures."""
+"""Faces in a view: the line as which a face is seen from the side, and the centre of a round one."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 from drawings.views.view import Point2, View, degrees_of, dot
 from stagecad.parameters.dimension import DatumFeature, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
-from stagecad.solids.modelling.verification import DimensionVerifier
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 SQUARE = 1e-6
 """Sine of the greatest angle by which perpendicular or parallel directions may differ."""
@@ -42,6 +43,24 @@ def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerif
             ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
             return ends[0], ends[1], degrees_of((u, v))
     return None
+
+
+def centre_of_round(surface: Surface, on: Point) -> Point:
+    """Centre of the circle of a fillet, corner or crown through a point of it."""
+    if surface.kind == "SPHERE":
+        return surface.origin
+    to = (on[0] - surface.origin[0], on[1] - surface.origin[1], on[2] - surface.origin[2])
+    along = dot(to, surface.axis)
+    on_axis = tuple(o + along * a for o, a in zip(surface.origin, surface.axis, strict=True))
+    if surface.kind == "CYLINDER":
+        return (on_axis[0], on_axis[1], on_axis[2])
+    from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+
+    major = BRepAdaptor_Surface(surface.face.wrapped).Torus().MajorRadius()
+    away = tuple(p - o for p, o in zip(on, on_axis, strict=True))
+    size = math.hypot(*away)
+    x, y, z = (o + major * a / size for o, a in zip(surface.origin, away, strict=True))
+    return (x, y, z)
 
 
 def _outline(view: View, requirement: DatumFeature | GeometricTolerance, gauge: DimensionVerifier) -> EdgeOfFace | None:

@@ -75,6 +75,7 @@ class CalloutSpec:
         at: middle of the feature.
         radius: of the circle on which the leader ends; 0 for a point.
         choices: other points of the feature at which the leader may end.
+        outward: direction out of the material at the feature, degrees; None for a hole or an edge.
     """
 
     view: str
@@ -83,6 +84,7 @@ class CalloutSpec:
     lines: tuple[str, ...]
     names: tuple[str, ...]
     choices: tuple[Point2, ...] = ()
+    outward: float | None = None
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,8 @@ class FrameSpec:
         outward: direction out of the material, degrees.
         characteristic: geometrical characteristic; None for a datum.
         letter: of a datum; empty for a control frame.
-        diameter: of the round face whose axis is the datum, mm: its symbol is on that dimension line; else 0.
+        diameter: of the round face whose axis is the datum, or distance of the faces whose middle plane it is, mm: its
+            symbol is on that dimension line; else 0.
     """
 
     view: str
@@ -109,4 +112,34 @@ class FrameSpec:
     diameter: float = 0.0
 
 
-DimensionSpec = DistanceSpec | RoundSpec | AngleSpec | CalloutSpec | FrameSpec
+@dataclass(frozen=True)
+class TargetSpec:
+    """A datum target point.
+
+    Args:
+        at: on the face.
+        text: its name, `A1`.
+    """
+
+    view: str
+    at: Point2
+    text: str
+
+
+@dataclass(frozen=True)
+class TagSpec:
+    """The name of a hole of the hole table.
+
+    Args:
+        at: centre of the hole.
+        radius: of the hole, mm.
+        text: its name, `A1`.
+    """
+
+    view: str
+    at: Point2
+    radius: float
+    text: str
+
+
+DimensionSpec = DistanceSpec | RoundSpec | AngleSpec | CalloutSpec | FrameSpec | TargetSpec | TagSpec

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Sequence
 
@@ -21,16 +22,34 @@ def number(value: float, tolerance: str | None, plus_minus: float) -> str:
 
     Args:
         value: mm or degrees.
-        tolerance: class `X`, `X.X` or `X.XX`; None for as many decimals as needed.
+        tolerance: class `X`, `X.X` or `X.XX`, or of ISO 286 (`H7`); None for as many decimals as needed.
         plus_minus: tolerance of the class, in the unit of the value.
     """
     needed = next((n for n in range(MOST_DECIMALS) if abs(round(value, n) - value) < 1e-6), MOST_DECIMALS)
     if tolerance is None:
         return f"{value:.{needed}f}"
+    if tolerance not in DECIMALS:
+        return f"{value:.{needed}f} {tolerance}"
     own = DECIMALS[tolerance]
     if needed <= own:
         return f"{value:.{own}f}"
     return f"{value:.{needed}f} {PLUS_MINUS}{plus_minus:g}"
+
+
+def value_text(dimension: Dimension, plus_minus: float) -> str:
+    """A dimension's value with its class and limit deviations: `12.0`, `16 H7 (+0.018/0)`, `0.036 ±0.005`."""
+    value = number(dimension.value, dimension.tolerance, plus_minus)
+    if dimension.deviations is None:
+        return value
+    limits = deviations_text(*dimension.deviations)
+    return f"{value} ({limits})" if dimension.tolerance else f"{dimension.value:.3f} {limits}"
+
+
+def deviations_text(low: float, high: float) -> str:
+    """Limit deviations in mm: `+0.018/0`, `±0.005`."""
+    if abs(low + high) < 1e-9:
+        return f"{PLUS_MINUS}{high:g}"
+    return "/".join(f"{round(value, 6):+g}" if value else "0" for value in (high, low))
 
 
 def times(count: int) -> str:
@@ -40,7 +59,7 @@ def times(count: int) -> str:
 
 def dimension_text(dimension: Dimension, plus_minus: float) -> str:
     """Text of a single dimension, without its note."""
-    value = number(dimension.value, dimension.tolerance, plus_minus)
+    value = value_text(dimension, plus_minus)
     match dimension.kind:
         case "diameter":
             value = DIAMETER + value
@@ -56,9 +75,18 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
             value = f"slope 1:{1 / dimension.value:g}" if _whole(1 / dimension.value) else f"slope {dimension.value:g}"
         case "depth":
             value = "{depth}" + value
+        case "sag":
+            value = f"crown {value} over {math.dist(*dimension.points):.1f}"
+        case "callout":
+            return dimension.note
+        case "pitch" if dimension.count > 1:
+            whole = number(dimension.value * dimension.count, dimension.tolerance, plus_minus).partition(" ")[0]
+            return f"{dimension.count}{TIMES} {value} (={whole})"
         case _:
             pass
-    return times(dimension.count) + value
+    if dimension.reference:
+        value = f"({value})"
+    return times(1 if dimension.kind == "pitch" else dimension.count) + value
 
 
 def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tuple[str, ...]:
@@ -68,7 +96,7 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
         dimensions: of one feature, as declared.
         plus_minus: tolerance of the class of each.
     """
-    value = {d.name: number(d.value, d.tolerance, p) for d, p in zip(dimensions, plus_minus, strict=True)}
+    value = {d.name: value_text(d, p) for d, p in zip(dimensions, plus_minus, strict=True)}
     count = max(d.count for d in dimensions)
     lines: list[str] = []
     thread = next((d.note for d in dimensions if d.kind in ("tap_drill", "thread_depth")), "")
@@ -99,6 +127,9 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
                 lines.append(f"{d.value:g} {own}")
             case "chamfer":
                 lines.append(f"{value[d.name]}{TIMES}45{DEGREE}")
+            case "callout":
+                lines.append(d.note)
+                continue
             case _:
                 lines.append(dimension_text(d, plus_minus[list(dimensions).index(d)]).removeprefix(times(d.count)))
         if d.note and lines:
@@ -107,6 +138,11 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
         lines = [dimensions[0].name]
     lines[0] = times(count) + lines[0]
     return tuple(_wrapped(lines))
+
+
+def frame_text(characteristic: str, tolerance: str, datums: Sequence[str]) -> str:
+    """A control frame as a piece of text (`drawings.annotations.symbols` draws it): `{frame:position|⌀0.2|A|B}`."""
+    return "{frame:" + "|".join((characteristic, tolerance, *datums)) + "}"
 
 
 def _whole(value: float) -> bool:
@@ -119,7 +155,8 @@ def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str)
     deep = next((d for d in own if d.kind == "thread_depth"), None)
     drill = next((d for d in own if d.kind == "tap_drill"), None)
     hole = next((d for d in own if d.kind == "depth"), None)
-    first = thread + (f" {{depth}}{value[deep.name]}" if deep else "" if hole else " through")
+    through = "" if hole or any(d.kind == "callout" and "length" in d.note for d in dimensions) else " through"
+    first = thread + (f" {{depth}}{value[deep.name]}" if deep else through)
     words = [DIAMETER + value[drill.name]] if drill else []
     words += ["{depth}" + value[hole.name]] if hole else []
     return [first, *([f"drill {' '.join(words)}"] if words else [])]

@@ -32,6 +32,7 @@ COLOURS: dict[SheetLayer, int] = {
     "SECTION": 6,
     "HATCH": 8,
     "PHANTOM": 2,
+    "THREAD": 5,
     "DIMENSION": 3,
     "TEXT": 7,
     "FRAME": 7,

@@ -165,7 +165,8 @@ def measured_text(d: MeasuredDimension) -> tuple[str, int]:
         start = d.text.find(number)
         while start >= 0:
             end = start + len(number)
-            if not d.text[start - 1 : start].isdigit() and not d.text[end : end + 1].isdigit():
+            # The number of equal features (`3x`) is not the measured number.
+            if not d.text[start - 1 : start].isdigit() and d.text[end : end + 1] not in tuple("0123456789x"):
                 return f"{d.text[:start]}<>{d.text[end:]}", decimals
             start = d.text.find(number, start + 1)
     raise ValueError(f"dimension {', '.join(d.names)} has the text '{d.text}', but measures {d.measured:.4f}")

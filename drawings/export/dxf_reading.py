@@ -17,8 +17,10 @@ from drawings.views.bounding_box import bounding_box
 from drawings.views.segment_index import Line, arc_points, polyline_lines
 from drawings.views.view import Arc, Box2, Point2
 
-PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH", "PHANTOM")
+PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH", "PHANTOM", "THREAD")
 """Layers of the part's own lines."""
+LONGEST_ARROW = 3.3
+"""Longest arrow head of a leader, mm on paper; those of cutting lines are longer."""
 SYMBOL = 6.0
 """Closed or bent lines outside the views that are smaller than this are symbols, mm on paper."""
 
@@ -87,6 +89,7 @@ class PaperContent:
         part_lines: those of `view_lines` that are lines of the part.
         symbols: boxes of symbols, and of the frames of tolerances and datum letters.
         dimensions: the DIMENSION entities.
+        leaders: tips of the arrows that belong to no dimension; `triangles` corners of datum triangles.
         cut_off: descriptions of entities that no viewport shows completely.
     """
 
@@ -98,6 +101,8 @@ class PaperContent:
         self.part_lines: list[Line] = []
         self.symbols: list[Box2] = []
         self.cut_off: list[str] = []
+        self.leaders: list[Point2] = []
+        self.triangles: list[tuple[Point2, ...]] = []
         self.viewports = list(_viewports(document))
         for entity in document.paperspace():
             if entity.dxftype() == "TEXT":
@@ -107,10 +112,28 @@ class PaperContent:
         self.dimensions: list[Any] = list(document.modelspace().query("DIMENSION"))
         for entity in visible_entities(document, document.modelspace()):
             self._add_from_model_space(entity)
+        for entity in document.modelspace().query("SOLID"):
+            self._add_arrow(entity_points(entity))
 
     def viewport_of(self, points: Sequence[Point2]) -> Viewport | None:
         """The first viewport that shows all points of model space."""
         return next((viewport for viewport in self.viewports if points and viewport.contains(points)), None)
+
+    def _add_arrow(self, points: Sequence[Point2]) -> None:
+        """Enter a filled triangle of an annotation: the arrow of a leader, or the triangle of a datum."""
+        viewport = self.viewport_of(points)
+        if viewport is None:
+            return
+        corners = list(dict.fromkeys(map(viewport.to_paper, points)))
+        if len(corners) != 3:
+            return
+        tip = max(corners, key=lambda corner: sum(math.dist(corner, other) for other in corners))
+        one, other = (corner for corner in corners if corner != tip)
+        wide, long = math.dist(one, other), math.dist(tip, ((one[0] + other[0]) / 2, (one[1] + other[1]) / 2))
+        if wide > 0.8 * long:
+            self.triangles.append(tuple(corners))
+        elif long < LONGEST_ARROW:
+            self.leaders.append(tip)
 
     def _add_from_model_space(self, entity: Any) -> None:
         points = entity_points(entity)

@@ -8,6 +8,7 @@ the text of a dimension is what its points measure, and the file passes ezdxf's 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -19,8 +20,12 @@ from drawings.views.bounding_box import bounding_box
 from drawings.views.segment_index import SegmentIndex, boxes_overlap, line_meets_box
 from drawings.views.view import Box2, Point2
 
-Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
+Kind = Literal["text", "line", "leader", "callout", "frame", "title block", "dimensions", "value", "viewport", "file"]
 
+LEADER_END = 0.6
+"""Half side of the box about the end of a leader in which a line of the part must lie, mm on paper."""
+UNDEFINED = re.compile(r"\b(both ways|each way|typ\.?|approx\.?|as required|or similar)(\s|$)", re.IGNORECASE)
+"""Wordings in callouts that no standard defines."""
 TOUCH = 0.05
 """Overlap from which on a text touches something, mm on paper."""
 
@@ -51,6 +56,8 @@ def lint(document: Drawing) -> list[Hit]:
         *_texts_on_texts(content),
         *_texts_on_lines(content),
         *_symbols_on_parts(content),
+        *_leaders(content),
+        *_callouts(content),
         *_off_the_sheet(document, content),
         *_shared_lines(content),
         *_values(document, content),
@@ -99,6 +106,25 @@ def _symbols_on_parts(content: PaperContent) -> Iterator[Hit]:
     for box in content.symbols:
         if lines.count_in((box[0] + TOUCH, box[1] + TOUCH, box[2] - TOUCH, box[3] - TOUCH)):
             yield Hit("line", "a symbol, or the frame of a tolerance or datum, is over the part", box[:2])
+
+
+def _leaders(content: PaperContent) -> Iterator[Hit]:
+    """Leaders whose arrow touches no edge of the part, or ends on the triangle of a datum."""
+    part = SegmentIndex(content.part_lines)
+    for x, y in content.leaders:
+        if not part.count_in((x - LEADER_END, y - LEADER_END, x + LEADER_END, y + LEADER_END)):
+            yield Hit("leader", "a leader ends where no line of the part is", (x, y))
+        for triangle in content.triangles:
+            low, high = bounding_box(triangle)[:2], bounding_box(triangle)[2:]
+            if low[0] - TOUCH < x < high[0] + TOUCH and low[1] - TOUCH < y < high[1] + TOUCH:
+                yield Hit("leader", "a leader ends on the triangle of a datum", (x, y))
+
+
+def _callouts(content: PaperContent) -> Iterator[Hit]:
+    """Wordings that no standard defines."""
+    for text in content.view_texts:
+        if UNDEFINED.search(text.text):
+            yield Hit("callout", f"'{text.text}' is defined by no standard", text.middle)
 
 
 def _off_the_sheet(document: Drawing, content: PaperContent) -> Iterator[Hit]:

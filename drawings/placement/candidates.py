@@ -15,15 +15,27 @@ from drawings.annotations.annotation import (
     Annotation,
     Callout,
     DatumSymbol,
+    DatumTarget,
+    DetailMark,
     FeatureControlFrame,
+    HoleTag,
     LinearDimension,
     RadialDimension,
+    ReferenceArrow,
     SectionMark,
 )
-from drawings.annotations.annotation_geometry import ARROW, GAP, readable
+from drawings.annotations.annotation_geometry import ARROW, GAP, TARGET, readable
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.specification import AngleSpec, CalloutSpec, DistanceSpec, FrameSpec, RoundSpec
+from drawings.dimensions.specification import (
+    AngleSpec,
+    CalloutSpec,
+    DistanceSpec,
+    FrameSpec,
+    RoundSpec,
+    TagSpec,
+    TargetSpec,
+)
 from drawings.views.segment_index import SegmentIndex
 from drawings.views.view import Box2, Point2, View
 
@@ -50,10 +62,14 @@ INSIDE_OUTLINE_COST = 9.0
 """Cost of a text within the outline of the part, mm."""
 AXIS_PARALLEL_COST, AXIS_PARALLEL_ANGLE = 2.5, 12.0
 """Cost of a leader that resembles a line of the part, mm: less than so many degrees off horizontal or vertical."""
+INWARD_COST = 15.0
+"""Cost of a leader that reaches a face through the material, mm."""
 COLUMN_BONUS = 2.0
 """Reduction of the cost of a callout in the column at either side of the view, mm."""
 ARC_TEXT_COST = 4.0
 """Cost of an angle's text at an end of its arc instead of at its middle, mm per length of the arc."""
+TAG_CLEARANCE, TAG_STEP = 2.0, 0.5
+"""Clearance of a hole's name from the hole, and step and cost of each step by which it is farther away, mm."""
 CUTTING_LINE_STEP = 3.0
 """Step, and cost of each step, by which an end of a cutting line is farther from the part, mm."""
 
@@ -193,6 +209,8 @@ def callout_candidates(
             out = ((elbow[0] - at[0]) / away, (elbow[1] - at[1]) / away)
             on = _view_point(_plus(at, out, radius), view)
             cost = extra + LEADER_COST * (away - radius) + _leader_cost(elbow, out, outline) + rank
+            if spec.outward is not None and _dot(out, _direction(spec.outward)) < 0.1:
+                cost += INWARD_COST
             yield cost, Callout(spec.view, on, elbow, spec.lines, spec.names, out[0] < 0)
 
 
@@ -261,6 +279,47 @@ def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> I
         for length in (10.0, 14.0, 18.0, 24.0, 32.0, 44.0):
             frame_at = _plus(foot, u, out * length)
             yield FRAME_LEADER_COST * length, DatumSymbol(spec.view, _view_point(foot, view), frame_at, spec.letter)
+
+
+def tag_candidates(spec: TagSpec, view: View, *, extended: bool = False) -> Iterator[Candidate]:
+    """Names of a hole next to it in all directions, the nearest first."""
+    at, radius = view.to_paper(spec.at), spec.radius * view.scale
+    half = symbol_text_width(spec.text) / 2
+    steps = [TAG_STEP * k for k in range(40 if extended else 14)]
+    for turn in (45, 135, -45, -135, 0, 90, 180, -90, 20, 70, 110, 160, -20, -70, -110, -160):
+        out = _direction(turn)
+        # The box of the text touches a circle about the hole.
+        clear = radius + TAG_CLEARANCE + abs(out[0]) * half + abs(out[1]) * TEXT_HEIGHT / 2
+        for step in steps:
+            yield step, HoleTag(spec.view, spec.at, _plus(at, out, clear + step), spec.text)
+
+
+def target_candidates(spec: TargetSpec, view: View, outline: Box2) -> Iterator[Candidate]:
+    """Circles of a datum target in all directions, preferably outside the outline of the part."""
+    at = view.to_paper(spec.at)
+    for turn in range(-175, 180, 5):
+        out = _direction(turn)
+        for length in LEADERS:
+            centre = _plus(at, out, length + TARGET)
+            cost = LEADER_COST * length + _leader_cost(centre, out, outline)
+            yield cost, DatumTarget(spec.view, spec.at, centre, spec.text)
+
+
+def detail_mark_candidates(mark: DetailMark, view: View) -> Iterator[Candidate]:
+    """The circle of a detail with its letter in all directions, the nearest first."""
+    centre, radius = view.to_paper(mark.centre), mark.radius * view.scale
+    for turn in (45, 135, -45, -135, 90, -90, 0, 180, 65, 25, 115, 155, -65, -25, -115, -155):
+        for away in (4.0, 6.0, 9.0, 12.0, 16.0, 20.0, 26.0):
+            yield away, replace(mark, letter_at=_plus(centre, _direction(turn), radius + away))
+
+
+def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
+    """A reference arrow at several distances from the part, shifted along its side."""
+    along = (-arrow.sight[1], arrow.sight[0])
+    for away in range(10):
+        for shift in (0.0, 8.0, -8.0, 16.0, -16.0, 28.0, -28.0, 40.0, -40.0):
+            tip = _plus(_plus(arrow.tip, arrow.sight, -CUTTING_LINE_STEP * away), along, shift)
+            yield CUTTING_LINE_STEP * away + 0.5 * abs(shift), replace(arrow, tip=tip)
 
 
 def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:

@@ -14,13 +14,16 @@ from drawings.annotations.annotation import (
     Annotation,
     Callout,
     DatumSymbol,
+    DatumTarget,
     DetailMark,
     FeatureControlFrame,
+    HoleTag,
     LinearDimension,
     RadialDimension,
+    ReferenceArrow,
     SectionMark,
 )
-from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_box
+from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_box, text_box
 from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.views.bounding_box import enclosing_box
 from drawings.views.segment_index import (
@@ -42,6 +45,8 @@ LEADER_TIP = 0.3
 """Half side of the box about the tip of a leader in which a line of the part must lie, mm."""
 SELF_CLEARANCE, TEXT_CLEARANCE, LINE_CLEARANCE = 0.2, 1.2, 0.4
 """Clearance of a text from the lines of its own annotation, from everything else, and of a line from a text, mm."""
+FRAME_REACH = 1.0
+"""How far a control frame within a callout reaches beyond its line of text, mm."""
 DIMENSION_LINE_SPACING = 6.0
 """Least distance of parallel dimension lines, mm."""
 
@@ -80,6 +85,7 @@ class Occupancy:
         self.texts: list[Box2] = []
         self.dimension_lines: list[Line] = []
         self.leader_tips: list[Point2] = []
+        self.datum_feet: list[Point2] = []
         self._boxes: list[Box2] = [enclosing_box([line_box(line) for line in part])]
 
     @property
@@ -92,6 +98,8 @@ class Occupancy:
         footprint = footprint_of(annotation, view)
         tip = leader_tip(annotation, view)
         self.leader_tips += [tip] if tip else []
+        if tip and isinstance(annotation, DatumSymbol):
+            self.datum_feet.append(tip)
         self.texts += footprint.texts
         self.annotation_lines.add(footprint.lines)
         self.dimension_lines += footprint.dimension_lines
@@ -163,15 +171,20 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
         case Callout():
             # Symbols within the text count as text; the rest is the leader.
             texts = [callout_box(annotation, number) for number in range(len(annotation.lines))]
-            near = [enlarged(box, 0.5) for box in texts]
+            near = [enlarged(box, FRAME_REACH) for box in texts]
             return Footprint(texts, [line for line in lines if not any(_is_within(line, box) for box in near)], [])
+        case DatumTarget():
+            # The whole circle counts as text.
+            circle = enlarged((*annotation.centre, *annotation.centre), TARGET)
+            leader = [line for line in lines if not _is_within(line, enlarged(circle, 0.1))]
+            return Footprint([circle], leader, [], False)
         case SectionMark():
             # Dimension lines keep away from the stems of the arrows.
             u, v = annotation.sight
             stems = [(x, y, x + 9.0 * u, y + 9.0 * v) for x, y in (annotation.start, annotation.end)]
             return Footprint(texts, lines, stems, False)
         case _:
-            return Footprint(texts, lines, [], not isinstance(annotation, DetailMark))
+            return Footprint(texts, lines, [], not isinstance(annotation, DetailMark | ReferenceArrow))
 
 
 def attachment_point(annotation: Annotation, view: View) -> Point2 | None:
@@ -210,8 +223,14 @@ def translated(annotation: Annotation, by: Point2) -> Annotation:
             return replace(annotation, elbow=to(annotation.elbow))
         case DatumSymbol():
             return replace(annotation, frame_at=to(annotation.frame_at))
+        case DatumTarget():
+            return replace(annotation, centre=to(annotation.centre))
+        case HoleTag():
+            return replace(annotation, middle=to(annotation.middle))
         case SectionMark():
             return replace(annotation, start=to(annotation.start), end=to(annotation.end))
+        case ReferenceArrow():
+            return replace(annotation, tip=to(annotation.tip))
         case DetailMark():
             return replace(annotation, letter_at=to(annotation.letter_at))
         case _:

@@ -13,20 +13,33 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation import Annotation, LinearDimension, SectionMark
+from drawings.annotations.annotation import Annotation, DetailMark, LinearDimension, ReferenceArrow, SectionMark
 from drawings.annotations.font import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.specification import AngleSpec, CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec, RoundSpec
+from drawings.dimensions.specification import (
+    AngleSpec,
+    CalloutSpec,
+    DimensionSpec,
+    DistanceSpec,
+    FrameSpec,
+    RoundSpec,
+    TagSpec,
+    TargetSpec,
+)
 from drawings.dimensions.text import DIAMETER
 from drawings.placement.candidates import (
     Candidate,
     angle_candidates,
     axis_candidates,
     callout_candidates,
+    detail_mark_candidates,
     distance_candidates,
     frame_candidates,
+    reference_arrow_candidates,
     round_candidates,
     section_mark_candidates,
+    tag_candidates,
+    target_candidates,
 )
 from drawings.placement.occupancy import Occupancy, attachment_point, footprint_of, leader_tip, view_outline
 from drawings.views.segment_index import Line, line_meets_box
@@ -45,7 +58,9 @@ KEEP_OUT = 1.5
 SHARED_TIP, TIP_DISTANCE = 6.0, 3.0
 """Cost of each leader tip near the tip of another leader, and the distance below which it counts, mm."""
 DETACHED = 30.0
-"""Cost of a leader that ends where no edge of the part is drawn, mm."""
+"""Cost of a leader that ends where no edge of the part is drawn, or at a datum triangle, mm."""
+DATUM_DISTANCE = 4.5
+"""Distance from the foot of a datum triangle below which a leader ends at the triangle, mm."""
 KEEP_OUT_LENGTH = 60.0
 """Length of a keep-out line outside the part, mm."""
 RUNS = 6
@@ -107,8 +122,12 @@ def _priority(spec: DimensionSpec) -> tuple[int, float]:
             return (3, 0.0 if spec.letter else 1.0)
         case RoundSpec():
             return (4, spec.radius)
+        case TagSpec():
+            return (5, 0.0)
+        case TargetSpec():
+            return (6, 0.0)
         case CalloutSpec():
-            return (5, round(-spec.at[1], 6))
+            return (7, round(-spec.at[1], 6))
 
 
 class _Run:
@@ -135,8 +154,10 @@ class _Run:
     def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
         """Place annotations in an order, the cutting lines outside the distances, and last the label of the view."""
         for mark in marks:
-            if not isinstance(mark, SectionMark):
-                self._add(mark)
+            if isinstance(mark, DetailMark):
+                self._add_best(detail_mark_candidates(mark, self.view))
+            elif isinstance(mark, ReferenceArrow):
+                self._add_best(reference_arrow_candidates(mark))
         cutting_lines = [mark for mark in marks if isinstance(mark, SectionMark)]
         last_distance = max((n for n, spec in enumerate(order) if isinstance(spec, DistanceSpec)), default=-1)
         for number, spec in enumerate(order):
@@ -215,6 +236,10 @@ class _Run:
                 if diameter and not extended:
                     return axis_candidates(spec, self.view, diameter)
                 return frame_candidates(spec, self.view, extended=extended)
+            case TagSpec():
+                return tag_candidates(spec, self.view, extended=extended)
+            case TargetSpec():
+                return target_candidates(spec, self.view, self.outline)
             case CalloutSpec():
                 box = self.occupancy.box
                 ends = (spec.at, *spec.choices) if spec.choices else ()
@@ -225,9 +250,13 @@ class _Run:
                 return callout_candidates(spec, self.view, self.outline, columns, extended=extended)
 
     def _diameter_dimension(self, spec: FrameSpec) -> LinearDimension | None:
-        """The placed dimension of the diameter whose axis is the datum."""
-        lines = (one for one in self.placed if isinstance(one, LinearDimension) and one.text.startswith(DIAMETER))
-        return next((one for one in lines if abs(one.measured - spec.diameter) < 1e-6), None)
+        """The placed dimension of the diameter, or of the distance of two faces, whose middle is the datum."""
+        for one in self.placed:
+            if isinstance(one, LinearDimension) and abs(one.measured - spec.diameter) < 1e-6:
+                across = abs(math.cos(math.radians(one.angle - spec.outward)))
+                if one.text.startswith(DIAMETER) or across > 1 - 1e-6:
+                    return one
+        return None
 
     def _conflict_cost(self, annotation: Annotation, limit: float) -> tuple[float, int]:
         """Cost of a position for what is drawn already, mm, and its number of conflicts; incomplete above a limit."""
@@ -246,6 +275,7 @@ class _Run:
             cost += DETACHED
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
+            cost += DETACHED * sum(math.dist(tip, other) < DATUM_DISTANCE for other in occupancy.datum_feet)
         cost += PART_CROSSING * sum(occupancy.part_lines.count_crossing(line) for line in footprint.lines)
         parallel_lines = sum(
             occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines

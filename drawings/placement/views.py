@@ -10,18 +10,21 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation import Annotation, DetailMark, SectionMark
+from drawings.annotations.annotation import Annotation, DetailMark, ReferenceArrow, SectionMark
 from drawings.dimensions.specification import DimensionSpec
 from drawings.placement.occupancy import translated, view_outline
 from drawings.placement.place import AnnotatedView, place_annotations
 from drawings.views.bounding_box import enclosing_box
 from drawings.views.segment_index import boxes_overlap, enlarged
 from drawings.views.view import Box2, Point2, View, dot
+from stagecad.parameters.dimension import Point
 
 VIEW_SPACING, TABLE_SPACING = 9.0, 3.0
 """Least distance between two views with their annotations, and between a view and a table, mm."""
 STEP = 4.0
 """Step of the places tried for a view that is not aligned with another, mm."""
+REFERENCE_LETTERS = "PQRSTUVW"
+"""Labels of views that are not in their place by projection."""
 OUTSIDE = 6.0
 """Length of a cutting line beyond the part at either end, mm."""
 
@@ -68,13 +71,35 @@ def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tu
 
 
 def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, ...]:
-    """The views, the named one no longer aligned with another, and therefore labelled."""
-    return tuple(
-        place_annotations(replace(one.view, aligned_with="", label=name.upper()), one.specs, one.marks)
-        if one.view.name == name
-        else one
-        for one in every
+    """The views, the named one out of line: labelled with a letter, and shown by a reference arrow in another."""
+    letters = {one.view.label[:1] for one in every}
+    letter = next(letter for letter in REFERENCE_LETTERS if letter not in letters)
+    loose = next(one.view for one in every if one.view.name == name)
+    eye = loose.projection.towards_eye
+    parent = next(
+        other.view
+        for other in every
+        if not (other.view.clip or other.view.cut)
+        and other.view.projection.name != "iso"
+        and abs(dot(other.view.projection.towards_eye, eye)) < 1e-6
     )
+    found = []
+    for one in every:
+        if one.view.name == name:
+            one = place_annotations(replace(one.view, aligned_with="", label=letter), one.specs, one.marks)
+        elif one.view.name == parent.name:
+            arrow = _reference_arrow(parent, eye, letter)
+            one = place_annotations(one.view, one.specs, (*one.marks, arrow))
+        found.append(one)
+    return tuple(found)
+
+
+def _reference_arrow(parent: View, eye: Point, letter: str) -> ReferenceArrow:
+    """The arrow of a view from a direction, outside the middle of the side of another view that it looks at."""
+    x0, y0, x1, y1 = view_outline(parent)
+    u, v = parent.projection.to_view(eye)
+    middle, half = ((x0 + x1) / 2, (y0 + y1) / 2), ((x1 - x0) / 2 + OUTSIDE, (y1 - y0) / 2 + OUTSIDE)
+    return ReferenceArrow(parent.name, (middle[0] + u * half[0], middle[1] + v * half[1]), (-u, -v), letter)
 
 
 def arrange(every: Sequence[AnnotatedView], area: SheetArea) -> Arrangement:
@@ -126,10 +151,17 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
     """The view that shows where a section or a detail is taken."""
     whole = [other for other in views if other.name != view.name and not other.clip and other.projection.name != "iso"]
     first = [other for other in whole if other.name == view.aligned_with]
-    for other in (*first, *whole):
+    # A detail is marked in the view from outside rather than in a section.
+    for other in sorted(whole, key=lambda other: other.cut is not None):
         if view.clip and other.projection == view.projection:
             return other
-        if view.cut and abs(dot(view.cut.normal, other.projection.towards_eye)) < 1e-6 and not other.cut:
+    for other in (*first, *whole):
+        if (
+            view.cut
+            and not view.clip
+            and abs(dot(view.cut.normal, other.projection.towards_eye)) < 1e-6
+            and not other.cut
+        ):
             return other
     return None
 

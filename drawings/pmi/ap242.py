@@ -16,13 +16,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drawings.dimensions.dimensioning import AXIAL
 from drawings.pmi.content import PartPmi, TolerancedDimension, pmi_of_declarations
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from drawings.pmi.step_text import directed_distances, typed_limits, with_properties
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
 from stagecad.solids.export.step_stl_glb import constant_text
-from stagecad.solids.modelling.part import Part
+from stagecad.solids.modelling.part import Part, notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 NAME, NOTE = "dimension name", "dimensional note"
 """Names of the texts of a dimension: its name, and its notes on the sheet."""
+TYPES = {"profile": "ProfileOfSurface"}
+"""The kernel's names of characteristics that differ from ours."""
 
 
 def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, verifier: DimensionVerifier | None = None) -> None:
@@ -64,7 +67,7 @@ def ap242_bytes(
 def pmi_of(module: Part, design: Any) -> PartPmi:
     """The product and manufacturing information of a part."""
     requirements = getattr(module, "requirements", lambda design: ())(design)
-    return pmi_of_declarations(design, module.dimensions(design), requirements, getattr(module, "NOTES", ()))
+    return pmi_of_declarations(design, module.dimensions(design), requirements, notes_of(module, design))
 
 
 def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartPmi, material: Any) -> str:
@@ -163,7 +166,8 @@ class _Annotated:
         content = XCAFDimTolObjects_DimensionObject()
         content.SetType(_dimension_type(declaration, attached))
         value = _value(declaration)
-        limits = [value] if dimension.plus_minus is None else [value, dimension.plus_minus, dimension.plus_minus]
+        # The kernel takes the lower deviation with the opposite sign.
+        limits = [value] if dimension.limits is None else [value, -dimension.limits[0], dimension.limits[1]]
         values = TColStd_HArray1OfReal(1, len(limits))
         for index, number in enumerate(limits, start=1):
             values.SetValue(index, number)
@@ -192,14 +196,11 @@ class _Annotated:
         label = self._tool.AddGeomTolerance()
         self._tool.SetGeomTolerance(self._labels(faces), label)
         content = Objects.XCAFDimTolObjects_GeomToleranceObject()
-        content.SetType(
-            getattr(
-                Objects.XCAFDimTolObjects_GeomToleranceType,
-                f"XCAFDimTolObjects_GeomToleranceType_{tolerance.characteristic.capitalize()}",
-            )
-        )
+        kind = TYPES.get(tolerance.characteristic, tolerance.characteristic.title())
+        types = Objects.XCAFDimTolObjects_GeomToleranceType
+        content.SetType(getattr(types, f"XCAFDimTolObjects_GeomToleranceType_{kind}"))
         # The axis of a round face is inside a cylinder; everything else between two faces.
-        zone = "Diameter" if tolerance.round and tolerance.characteristic == "perpendicularity" else "None"
+        zone = "Diameter" if tolerance.round and tolerance.characteristic in AXIAL else "None"
         content.SetTypeOfValue(
             getattr(
                 Objects.XCAFDimTolObjects_GeomToleranceTypeValue, f"XCAFDimTolObjects_GeomToleranceTypeValue_{zone}"

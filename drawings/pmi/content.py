@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from drawings.dimensions.text import number
+from drawings.dimensions.text import dimension_text, number
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -20,7 +20,7 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
 )
 
-TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth")
+TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth", "sag")
 """Kinds of declaration that are no distance, angle or size of the solid: they become texts."""
 
 
@@ -29,13 +29,13 @@ class TolerancedDimension:
     """One dimension.
 
     Args:
-        plus_minus: tolerance, mm; None without a class, and for angles.
+        limits: lower and upper limit deviation, mm; None without a class, and for angles.
         decimals: as printed on the sheet; None without a class.
         notes: count, designation and note.
     """
 
     declaration: Dimension
-    plus_minus: float | None
+    limits: tuple[float, float] | None
     decimals: int | None
     notes: tuple[str, ...]
 
@@ -103,20 +103,27 @@ def _tolerated(design: Any, dimension: Dimension) -> TolerancedDimension:
         notes.append("45 deg")
     if dimension.note:
         notes.append(dimension.note)
+    if dimension.kind == "pitch":
+        # The file has the distance of the first and last feature.
+        notes = [dimension_text(dimension, _plus_minus(design, dimension) or 0.0), *notes[1:]]
+        dimension = replace(dimension, kind="linear", value=dimension.value * dimension.count, count=1)
     plus_minus = _plus_minus(design, dimension)
     printed = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]
     decimals = len(printed.partition(".")[2]) if dimension.tolerance else None
-    return TolerancedDimension(dimension, plus_minus, decimals, tuple(notes))
+    limits = dimension.deviations or (None if plus_minus is None else (-plus_minus, plus_minus))
+    return TolerancedDimension(dimension, limits, decimals, tuple(notes))
 
 
 def _plus_minus(design: Any, dimension: Dimension) -> float | None:
     # The tolerance classes apply to lengths only.
-    if dimension.tolerance is None or dimension.kind in ("angle", "slope"):
+    if dimension.tolerance is None or dimension.reference or dimension.kind in ("angle", "slope"):
         return None
     return design.plus_minus(dimension.parameter or dimension.derived_from[0])
 
 
 def _as_text(design: Any, dimension: Dimension) -> str:
+    if dimension.kind in ("callout", "sag"):
+        return dimension_text(dimension, 0.0).replace("±", "+-")
     plus_minus = _plus_minus(design, dimension)
     text = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]
     if plus_minus:

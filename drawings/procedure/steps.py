@@ -131,10 +131,13 @@ STEPS = (
         condition="teeth",
     ),
     StepTemplate(
-        "Coat the pads",
+        "Check the film on the pads",
         (),
-        ("PTFE film", "film gauge"),
-        ("Put the film on the crowns of the {pads} pads, {film} thick; mask the drive surface.",),
+        ("film gauge",),
+        (
+            "The stage comes from the coater with PTFE on the crowns of its {pads} pads; the film is {film} thick, and "
+            "none of it is on the drive surface.",
+        ),
     ),
     StepTemplate(
         "Lower the stage onto the ways",

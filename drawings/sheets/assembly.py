@@ -1,4 +1,4 @@
-"""The assembly sheet: top view, section through actuator 1, exploded views with balloons, parts list."""
+"""The assembly sheet: top view, sections along and across the travel, exploded views with balloons, parts list."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMa
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
 from drawings.annotations.primitives import Primitive, Stroke, Text
-from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
+from drawings.pictures.picture import ACROSS, EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
 from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, MachineSize, overall_dimensions, travel_range
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
@@ -20,6 +20,7 @@ from drawings.views.bounding_box import view_box
 from drawings.views.view import Box2, Curve, Point2, Segment, View
 
 if TYPE_CHECKING:
+    from stagecad.solids.assembly.accessories import Accessory
     from stagecad.solids.assembly.bill_of_materials import Row
 
 PAPER: Paper = "A1"
@@ -40,14 +41,16 @@ class AssemblyDescription:
         size: overall size and travel.
         mass: total, with its unit.
         digest: hash of the parameters.
-        revision: of the program.
+        reads: names of the parameters.
+        accessories: what is needed besides the parts.
     """
 
     rows: tuple[Row, ...]
     size: MachineSize
     mass: str
     digest: str
-    revision: str
+    reads: tuple[str, ...]
+    accessories: tuple[Accessory, ...] = ()
 
 
 def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
@@ -61,8 +64,11 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     ends = travel_range([line for part, lines in cut.pieces if part == "stage" for line in lines], machine.size.travel)
     front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": ends.lines})
     notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
-    views = _placed([pictures[TOP].view, front, *(one.view for one in exploded)], len(machine.rows), len(notes))
+    rows = len(machine.rows) + len(machine.accessories)
+    views = _placed([pictures[TOP].view, front, *(one.view for one in exploded)], rows, len(notes))
+    across = [_across(pictures[ACROSS].view, views, rows)] if ACROSS in pictures else []
     marks: list[Annotation] = [_mark(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
+    marks += [_mark_across(views[0])] if across else []
     placed = [replace(one, view=view) for one, view in zip(exploded, views[2:], strict=True)]
     marks += all_balloons(placed, machine.rows)
     return Sheet(
@@ -71,10 +77,10 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
         paper=PAPER,
         scale=SCALE,
         title=title_of(machine, design, "assembly"),
-        views=tuple(views),
+        views=(*views, *across),
         annotations=tuple(marks),
         notes=(Note(sheet_area(PAPER).space[:2], notes),),
-        tables=tuple(parts_list(machine.rows, PAPER)),
+        tables=tuple(parts_list(machine.rows, PAPER, machine.accessories)),
     )
 
 
@@ -148,6 +154,19 @@ def _mark(top: View) -> SectionMark:
     return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
 
 
+def _mark_across(top: View) -> SectionMark:
+    _, y0, _, y1 = view_box(top) or (0.0, 0.0, 0.0, 0.0)
+    return SectionMark(top.name, (top.place[0], y0 - 8.0), (top.place[0], y1 + 8.0), (-1.0, 0.0), "B")
+
+
+def _across(view: View, others: Sequence[View], rows: int) -> View:
+    """The section across the travel above the parts list, or above the view that is there."""
+    area = (title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW, *sheet_area(PAPER).space[2:])
+    taken = [box for box in map(view_box, others) if box and box[0] > area[0] - BALLOON]
+    low = max((box[3] for box in taken), default=area[1])
+    return replace(view, place=_centred(view_box(view) or (0.0, 0.0, 0.0, 0.0), (area[0], low, area[2], area[3])))
+
+
 def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
     """Balloons of rows of the parts list, in two columns next to a view, in the order of the heights of their parts.
 
@@ -200,14 +219,16 @@ def spread(wanted: Sequence[float], apart: float, low: float, high: float) -> li
     return [place + shift for place in places]
 
 
-def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Primitive]:
-    """The parts list above the title block, numbered from below (ISO 7573)."""
+def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = ()) -> Iterator[Primitive]:
+    """The parts list above the title block, numbered from below (ISO 7573), accessories last."""
     x0, _, x1, y0 = title_box(paper)
     cells = [["Item", "Qty", "Part", "Number", "Material", "Mass each"]]
     for row in rows:
         mass = f"{row.mass:.2f} kg" if row.mass >= 1.0 else f"{1000 * row.mass:.3g} g"
         name = row.part.replace("_", " ")
         cells.append([str(row.item), str(row.quantity), name, row.part_number, row.material, mass])
+    for item, other in enumerate(others, start=len(rows) + 1):
+        cells.append([str(item), str(other.quantity), other.name, other.specification, "not shown", "-"])
     for index, texts in enumerate(cells):
         y = y0 + index * ROW
         yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
@@ -226,21 +247,23 @@ def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Primitive]:
 
 def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBlock:
     """Title block of a sheet of the whole machine: `assembly`, or its `procedure`."""
-    from drawings.sheets.part import tolerances_of
+    from drawings.sheets.part import issue_of, revisions_of, supplement_of, tolerances_of
 
     drawn = sheet == "assembly"
     return TitleBlock(
         title=sheet if drawn else f"assembly {sheet}",
-        supplement=design.drawing.title,
+        supplement=supplement_of(design, machine.reads),
         number=getattr(design.drawing, f"file_{sheet}"),
         material="",
         mass=machine.mass if drawn else "",
         scale=scale_text(SCALE),
         sheet=1,
         sheets=1,
-        revision=machine.revision,
+        revision=design.drawing.revision,
         parameters=machine.digest,
         kind="Assembly drawing" if drawn else "Procedure",
         finish="",
         tolerances=tolerances_of(design) if drawn else (),
+        **issue_of(design),
+        revisions=revisions_of(design, machine.reads) if drawn else (),
     )

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from drawings.annotations.annotation import Note
 from drawings.annotations.font import LINE_PITCH, TEXT_HEIGHT
+from drawings.annotations.primitives import Primitive
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.dimensioning import sheet_dimensions
-from drawings.dimensions.specification import DimensionSpec
+from drawings.dimensions.dimensioning import SheetDimensions, sheet_dimensions
+from drawings.dimensions.hole_table import HoleTable
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper
+from drawings.sheets.hole_table import hole_table_box, hole_table_primitives
+from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
-from drawings.sheets.title_block import TitleBlock, title_box
+from drawings.sheets.title_block import TitleBlock, revision_box, title_box
 from drawings.views.centre_lines import axes_of, centre_lines
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
-from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, View
-from stagecad.parameters.dimension import Dimension, FaceRequirement
+from drawings.views.thread_lines import ThreadedHole, thread_lines
+from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, Point2, View, dot
+from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance
+from stagecad.solids.modelling.dimensioning import THREAD_DIAMETER
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
@@ -33,15 +39,44 @@ TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
 """Titles of the thesis where they differ from the names of the parts."""
 
 
+MOST_REVISIONS = 8
+"""Most rows of the revision table."""
+
 DETACHABLE = ("bottom", "back", "left")
 """Views that may be detached from their row, with a label, where the paper is too small."""
 
 
-def part_views(shape: TopoDS_Shape, plans: Sequence[SheetPlan], *, exact: bool = True) -> tuple[tuple[View, ...], ...]:
+def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> tuple[ThreadedHole, ...]:
+    """The tapped holes of a part, by their declarations and the solid."""
+    found: list[ThreadedHole] = []
+    for drill in dimensions:
+        if drill.kind != "tap_drill" or drill.direction is None:
+            continue
+        depth = next((d.value for d in dimensions if d.kind == "thread_depth" and d.feature == drill.feature), None)
+        axis = drill.direction
+        start = dot(drill.points[0], axis)
+        for surface in verifier.holes(drill):
+            low, high = surface.extent(axis)
+            # Holes in opposite faces are mirror images of the declared one.
+            sign = 1.0 if low - 1e-3 <= start <= high + 1e-3 else -1.0
+            mouth = low if sign > 0 else high
+            step = mouth - dot(surface.origin, axis)
+            x, y, z = (o + step * a for o, a in zip(surface.origin, axis, strict=True))
+            into = (sign * axis[0], sign * axis[1], sign * axis[2])
+            length = min(depth or math.inf, high - low)
+            major = THREAD_DIAMETER[drill.note]
+            found.append(ThreadedHole((x, y, z), into, length, drill.value, major, depth is not None))
+    return tuple(found)
+
+
+def part_views(
+    shape: TopoDS_Shape, plans: Sequence[SheetPlan], holes: Sequence[ThreadedHole] = (), *, exact: bool = True
+) -> tuple[tuple[View, ...], ...]:
     """The views of each sheet of a part, not yet placed; a projection that several sheets show is computed once.
 
     Args:
         shape: the solid.
+        holes: its tapped holes.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
     axes = axes_of(shape)
@@ -63,6 +98,9 @@ def part_views(shape: TopoDS_Shape, plans: Sequence[SheetPlan], *, exact: bool =
         else:
             curves = dict(projected[plan.projection, plan.hidden])
         if plan.projection != "iso":
+            threads = thread_lines(curves, holes, projection, plan.cut)
+            curves["THREAD"] = threads["THREAD"]
+            curves["VISIBLE"] = (*curves["VISIBLE"], *threads["VISIBLE"])
             curves["CENTRE"] = centre_lines(curves, axes, projection, scale, plan.symmetry)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])
@@ -89,7 +127,9 @@ class PartDescription:
         material: as ordered.
         mass: with its unit.
         digest: hash of the parameters of the part.
-        revision: of the program.
+        reads: names of the parameters of the part.
+        treatment: of the material.
+        brittle: whether the material is, so that edges are not broken by hand.
     """
 
     name: str
@@ -100,7 +140,9 @@ class PartDescription:
     material: str
     mass: str
     digest: str
-    revision: str
+    reads: tuple[str, ...] = ()
+    treatment: str = "-"
+    brittle: bool = False
 
 
 def part_sheets(
@@ -113,11 +155,14 @@ def part_sheets(
         verifier: of the solid, if there is one already.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
-    plans = sheet_plans(part.name, design)
-    views = part_views(part.solid.wrapped, plans, exact=exact)
+    changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in sheet_plans(part.name, design)]
+    plans = tuple(plan for plan, _ in changed)
     verifier = verifier or DimensionVerifier(part.solid)
+    views = part_views(part.solid.wrapped, plans, threaded_holes(part.dimensions, verifier), exact=exact)
+    sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(
-        _sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)
+        replace(sheet, unapplied=(*problems, *sheet.unapplied))
+        for sheet, (_, problems) in zip(sheets, changed, strict=True)
     )
 
 
@@ -131,20 +176,50 @@ def _sheet(
 ) -> Sheet:
     plan = plans[number - 1]
     dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
-    requirements = [r for r in part.requirements if sheet_of_requirement(plans, r) is plan]
+    features = {d.feature for d in dimensions if d.feature}
+    requirements = [
+        r
+        for r in part.requirements
+        if (r.feature in features if _is_on_callout(r) else sheet_of_requirement(plans, r) is plan)
+    ]
     shown = sheet_dimensions(dimensions, requirements, design, verifier, views)
     if shown.missing:
         raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
-    paper, arranged, note = _arranged(plan, views, shown.specs, _note_lines(part, shown.notes))
     title = _title(part, design, plan, number, len(plans))
-    return Sheet(plan.name, part.name, paper, plan.scale, title, arranged.views, arranged.annotations, (note,))
+    overrides = overrides_of(design, plan.name)
+    lines = (*_note_lines(part, shown.notes), *listed_notes(overrides))
+    paper, arranged, note, corner = _arranged(plan, views, shown, lines, title)
+    annotations, unapplied = moved(arranged.annotations, overrides, plan.name)
+    table: tuple[Primitive, ...] = ()
+    tabulated: tuple[str, ...] = ()
+    if shown.table:
+        table = tuple(hole_table_primitives(shown.table, corner))
+        tabulated = (*shown.table.names, *(name for group in shown.table.groups for name in group.names))
+    return Sheet(
+        plan.name,
+        part.name,
+        paper,
+        plan.scale,
+        title,
+        arranged.views,
+        annotations,
+        (note, *placed_notes(overrides)),
+        table,
+        tabulated,
+        tuple(unapplied),
+    )
+
+
+def _is_on_callout(requirement: FaceRequirement) -> TypeGuard[GeometricTolerance]:
+    """Whether the control frame of a requirement is below the callout of its holes."""
+    return isinstance(requirement, GeometricTolerance) and bool(requirement.feature)
 
 
 def _arranged(
-    plan: SheetPlan, views: tuple[View, ...], specs: Sequence[DimensionSpec], texts: tuple[str, ...]
-) -> tuple[Paper, Arrangement, Note]:
-    """Views, annotations and notes on the smallest paper on which they fit."""
-    every = annotated_views(views, specs)
+    plan: SheetPlan, views: tuple[View, ...], shown: SheetDimensions, texts: tuple[str, ...], title: TitleBlock
+) -> tuple[Paper, Arrangement, Note, Point2]:
+    """Views, annotations, notes and upper left corner of the hole table on the smallest paper on which they fit."""
+    every = annotated_views(views, shown.specs)
     loose = [view.name for view in plan.views if view.name in DETACHABLE and view.aligned_with]
     variants = {"": every}
     sizes = list(PAPERS)
@@ -152,22 +227,41 @@ def _arranged(
         for name in ("", *loose):
             if name not in variants:
                 variants[name] = detached(every, name)
-            for note, box in _notes(paper, texts):
-                arranged = arrange(variants[name], sheet_area(paper, (box,)))
-                if arranged.fits:
-                    return paper, arranged, note
-    note, box = _notes(plan.papers[-1], texts)[0]
-    return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (box,))), note
+            revisions = revision_box(title, paper)
+            for note, box in _notes(paper, texts, revisions):
+                for corner in _table_corners(paper, shown.table):
+                    taken = (box, hole_table_box(shown.table, corner)) if shown.table else (box,)
+                    taken = (*taken, revisions) if revisions else taken
+                    arranged = arrange(variants[name], sheet_area(paper, taken))
+                    if arranged.fits:
+                        return paper, arranged, note, corner
+    note, box = _notes(plan.papers[-1], texts, revision_box(title, plan.papers[-1]))[0]
+    return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (box,))), note, (0.0, 0.0)
 
 
-def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
-    """Two positions of the notes, in the lower left corner and above the title block, with their bounding boxes."""
+def _table_corners(paper: Paper, table: HoleTable | None) -> list[Point2]:
+    """Two positions of the upper left corner of the hole table, at the right and at the left edge of the sheet."""
+    if table is None:
+        return [(0.0, 0.0)]
+    x0, _, x1, y1 = sheet_area(paper).space
+    width = hole_table_box(table, (0.0, 0.0))[2]
+    return [(x1 - width, y1), (x0, y1)]
+
+
+def _notes(paper: Paper, texts: tuple[str, ...], revisions: Box2 | None) -> list[tuple[Note, Box2]]:
+    """Two positions of the notes, in the lower left corner and above the title block, with their bounding boxes.
+
+    Args:
+        revisions: bounding box of the revision table.
+    """
     x0, y0, _, _ = sheet_area(paper).space
     title = title_box(paper)
+    above = revisions[3] if revisions else title[3]
     found = []
     for left, low, width in (
-        (x0, y0, title[0] - x0 - 2 * TEXT_HEIGHT),
-        (title[0], title[3] + 2 * TEXT_HEIGHT, title[2] - title[0]),
+        # The centring mark is in the middle of the edge.
+        (x0, y0, min(title[0] - 2 * TEXT_HEIGHT, PAPERS[paper][0] / 2 - TEXT_HEIGHT) - x0),
+        (title[0], above + 2 * TEXT_HEIGHT, title[2] - title[0]),
     ):
         lines = [line for text in texts for line in wrapped(text, width, indent="  ")]
         box = (
@@ -194,21 +288,57 @@ def _note_lines(part: PartDescription, numbered: Sequence[str]) -> tuple[str, ..
 def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
     drawing = design.drawing
     words = TITLES.get(part.name, part.name.replace("_", " "))
+    edges = "no sharp edges; chamfers as drawn" if part.brittle else drawing.edges
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,
-        supplement=drawing.title,
+        supplement=supplement_of(design, part.reads),
         number=getattr(drawing, f"file_{part.name}"),
         material=part.material,
         mass=part.mass,
         scale=scale_text(plan.scale),
         sheet=number,
         sheets=count,
-        revision=part.revision,
+        revision=drawing.revision,
         parameters=part.digest,
         kind="Part drawing",
-        finish=f"Ra {1e6 * drawing.roughness:g}, edges deburred",
+        finish=f"Ra {1e6 * drawing.roughness:g}",
         tolerances=tolerances_of(design),
+        edges=edges,
+        treatment=part.treatment,
+        **issue_of(design),
+        revisions=revisions_of(design, part.reads),
     )
+
+
+def issue_of(design: Any) -> dict[str, str]:
+    """Fields of the title block about the issue."""
+    drawing = design.drawing
+    return {
+        "date": drawing.date,
+        "creator": drawing.drawn,
+        "checker": drawing.checked,
+        "approver": drawing.approved,
+        "company": drawing.company,
+    }
+
+
+def supplement_of(design: Any, reads: Sequence[str]) -> str:
+    """The product a sheet belongs to; where `--set` changed what the sheet shows, with the changes."""
+    changed = [f"{key} = {design.entry(key).text}" for key in reads if design.is_overridden(key)]
+    more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+    return f"{design.drawing.title}, changed: {changed[0]}{more}" if changed else design.drawing.title
+
+
+def revisions_of(design: Any, reads: Sequence[str]) -> tuple[str, ...]:
+    """What a sheet shows that differs from the earlier issue: `stage.thickness: 12 mm, now 14 mm`."""
+    lines = []
+    for key in reads:
+        before = design.earlier_text(key)
+        if before is not None:
+            lines.append(f"{key}: {before}, now {design.entry(key).text}")
+    if len(lines) > MOST_REVISIONS:
+        lines = [*lines[:MOST_REVISIONS], f"and {len(lines) - MOST_REVISIONS} more; see stagecad params --diff"]
+    return tuple(lines)
 
 
 def tolerances_of(design: Any) -> tuple[tuple[str, str], ...]:

@@ -1,8 +1,8 @@
 """Sheet plans: the views of each part, their sheets and scales.
 
-Scales of the thesis: tip, holder and pins 1:1, stage 1:2, bearing way 1:4, base on three sheets at 1:5, 1:5 and 0.35
-with detail X at 1:2. Small parts that the thesis does not draw have a standard scale. Where a view is too small for
-its dimensions, there is a section or detail at a larger scale.
+Scales of the thesis: tip, holder and pins 1:1, stage 1:2, bearing way 1:4. The base is on three sheets at 1:2, as its
+holes cannot be read at the 1:5 and 0.35 of the thesis, with detail X at 1:1. Small parts that the thesis does not draw
+have a standard scale. Where a view is too small for its dimensions, there is a section or detail at a larger scale.
 """
 
 from __future__ import annotations
@@ -79,21 +79,43 @@ def sheet_of(plans: tuple[SheetPlan, ...], declaration: str) -> SheetPlan:
 
 
 def sheet_of_requirement(plans: tuple[SheetPlan, ...], requirement: FaceRequirement) -> SheetPlan:
-    """The one sheet that shows a requirement: the first with the view it is declared for, its face seen as a line."""
+    """The one sheet that shows a requirement: with the view it is declared for, its face seen as a line.
+
+    Of several sections that through one of its points.
+    """
+    found: list[tuple[bool, SheetPlan]] = []
     for plan in plans:
         for view in plan.views:
             eye = PROJECTIONS[view.projection].towards_eye
             named = view.name == requirement.view or (requirement.view == "section" and view.cut is not None)
             if named and abs(sum(a * b for a, b in zip(eye, requirement.normal, strict=True))) < 1e-6:
-                return plan
-    return plans[0]
+                found.append((view.cut is None or any(map(view.cut.holds, requirement.points)), plan))
+    return next((plan for through, plan in found if through), found[0][1] if found else plans[0])
 
 
 _TOP = ViewPlan("top", "top")
 _FRONT = ViewPlan("front", "front", "top")
 _RIGHT = ViewPlan("right", "right", "front")
 _BOTTOM = ViewPlan("bottom", "bottom", "front")
+_LEFT = ViewPlan("left", "left", "front")
 _ISO = ViewPlan("iso", "iso")
+
+_BASE_1 = (
+    "length",
+    "width",
+    "height",
+    "edge chamfer",
+    "way ",
+    "hole chamfer",
+    "setting-pin",
+    "pocket",
+    "lead channel",
+    "left side",
+    "lifting",
+    "bracket",
+    "tooth bar",
+)
+"""Declarations of the base's first sheet."""
 
 
 def _section(letter: str, projection: str, at: Point, aligned_with: str, scale: float | None = None) -> ViewPlan:
@@ -113,11 +135,10 @@ def _tip(design: Any) -> tuple[SheetPlan, ...]:
 
 
 def _holder(design: Any) -> tuple[SheetPlan, ...]:
-    (x, y), *_ = Derived(design).piezo_places
     views = (
         _TOP,
         _FRONT,
-        _section("A", "front", (x, y, 0.0), "top"),
+        _section("A", "right", (0.0, 0.0, 0.0), "front"),
         ViewPlan("back", "back", "front"),
         _ISO,
     )
@@ -125,12 +146,19 @@ def _holder(design: Any) -> tuple[SheetPlan, ...]:
 
 
 def _stage(design: Any) -> tuple[SheetPlan, ...]:
+    sea, (_, y) = design.sea, Derived(design).pad_places[0]
+    reach = design.pads.width / 2 + 3.0
+    edge = sea.width / 2 + sea.groove_width / 2
+    groove = _detail("Y", "right", (0.0, edge, 0.0), 2.0 * max(sea.groove_width, sea.groove_depth), 5.0)
+    grooves = () if sea.whole_underside else (groove,)
     views = (
         ViewPlan("top", "top", symmetry="uv"),
         _section("A", "right", (0.0, 0.0, 0.0), "front"),
         _FRONT,
         _RIGHT,
         ViewPlan("bottom", "bottom", "front", symmetry="uv"),
+        _detail("X", "right", (0.0, y, -design.pads.height / 2), reach, 2.0),
+        *grooves,
         ViewPlan("iso", "iso", scale=0.25),
     )
     return (SheetPlan("stage", ("A2", "A1"), 0.5, views),)
@@ -154,30 +182,31 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
     top = ViewPlan("top", "top", symmetry="uv")
     one = SheetPlan(
         "base_1",
-        ("A3", "A2"),
-        0.2,
-        (top, _FRONT, _RIGHT, _ISO),
-        ("length", "width", "height", "edge chamfer", "way ", "hole chamfer", "setting-pin", "pocket", "lead channel"),
+        ("A1",),
+        0.5,
+        (top, _FRONT, _RIGHT, _LEFT, ViewPlan("iso", "iso", scale=0.2)),
+        _BASE_1,
     )
     # From the axis of the pocket to beyond the far corner of the slot of the lug.
     finger = (*first.place(first.slot / 2, base.clamp_reach / 2), 0.0)
     reach = math.hypot(first.slot, base.clamp_reach) / 2 + 10.0
     two = SheetPlan(
         "base_2",
-        ("A3", "A2"),
-        0.2,
+        ("A1",),
+        0.5,
         (
             ViewPlan("top", "top", symmetry="u"),
             ViewPlan("right", "right", "top"),
+            ViewPlan("left", "left", "top"),
             _section("A", "top", (0.0, 0.0, -base.clamp_screw_depth), ""),
-            _detail("X", "top", finger, reach, 0.5),
+            _detail("X", "top", finger, reach, 1.0),
         ),
         ("clamp",),
     )
     three = SheetPlan(
         "base_3",
-        ("A2", "A1"),
-        0.35,
+        ("A1",),
+        0.5,
         (
             top,
             _section("A", "front", (0.0, 0.0, 0.0), "top"),
@@ -192,7 +221,7 @@ def _height_pin(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
 
 
 _PIN_VIEWS = (
-    ViewPlan("front", "front", hidden=True),
+    ViewPlan("front", "front", hidden=True, symmetry="v"),
     ViewPlan("top", "top", "front"),
     ViewPlan("right", "right", "front"),
     _ISO,

@@ -27,7 +27,9 @@ class Sheet:
         views: placed.
         annotations: placed.
         notes: placed.
-        tables: primitives outside the views: parts list, table of steps.
+        tables: primitives outside the views: parts list, table of steps, hole table.
+        tabulated: declarations that a hole table shows.
+        unapplied: manual changes that do not apply any more, a line each.
     """
 
     name: str
@@ -39,6 +41,8 @@ class Sheet:
     annotations: tuple[Annotation, ...]
     notes: tuple[Note, ...] = ()
     tables: tuple[Primitive, ...] = ()
+    tabulated: tuple[str, ...] = ()
+    unapplied: tuple[str, ...] = ()
 
     def view(self, name: str) -> View:
         """The view of that name."""

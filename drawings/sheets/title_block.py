@@ -10,7 +10,9 @@ from drawings.annotations.primitives import ArcStroke, Primitive, Stroke, Text, 
 from drawings.sheets.frame import Paper, drawing_space
 from drawings.views.view import Arc, Box2, Point2
 
-WIDTH, HEIGHT = 180.0, 56.0
+WIDTH, HEIGHT = 180.0, 67.0
+REVISION_ROW = 5.0
+"""Height of a row of the revision table, mm."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +27,15 @@ class TitleBlock:
         mass: with its unit, `39.1 g`.
         scale: of the main views, `1:2`.
         sheet, sheets: number of this sheet, and of how many.
-        revision: of the program.
+        revision: of the drawing.
         parameters: hash of the parameters the sheet depends on.
         kind: of document, `Part drawing`.
-        finish: general surface texture and edges.
+        finish: general surface texture.
         tolerances: class and tolerance, `("X.XX", "±0.01")`; `ANGLE` for all angles.
+        edges: state of edges (ISO 13715).
+        treatment: of the material.
+        date, creator, checker, approver, company: of the issue.
+        revisions: changes since the earlier issue, a line each.
     """
 
     title: str
@@ -45,7 +51,37 @@ class TitleBlock:
     kind: str
     finish: str
     tolerances: tuple[tuple[str, str], ...]
+    edges: str = "-"
+    treatment: str = "-"
+    date: str = "-"
     creator: str = "stagecad"
+    checker: str = "-"
+    approver: str = "-"
+    company: str = "-"
+    revisions: tuple[str, ...] = ()
+
+
+def revision_box(block: TitleBlock, paper: Paper) -> Box2 | None:
+    """Bounding box of the revision table, above the title block; None without an earlier issue."""
+    if not block.revisions:
+        return None
+    x0, _, x1, y1 = title_box(paper)
+    return (x0, y1, x1, y1 + REVISION_ROW * (len(block.revisions) + 1))
+
+
+def revision_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
+    """Lines and texts of the revision table: what differs from the earlier issue."""
+    box = revision_box(block, paper)
+    if box is None:
+        return
+    x0, y, x1, _ = box
+    yield rectangle(box, "FRAME")
+    for text in (*reversed(block.revisions), f"Revision {block.revision}, {block.date}: changes"):
+        fitting = min(1.0, (x1 - x0 - 3.0) / text_width(text, SMALL_HEIGHT))
+        yield Text(text, (x0 + 1.8, y + (REVISION_ROW - SMALL_HEIGHT) / 2), SMALL_HEIGHT * fitting)
+        y += REVISION_ROW
+        if y < box[3] - 1e-6:
+            yield Stroke(((x0, y), (x1, y)))
 
 
 def title_box(paper: Paper) -> Box2:
@@ -58,7 +94,7 @@ def title_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
     """Lines and lettering of the title block."""
     x0, y0, x1, y1 = title_box(paper)
     yield rectangle((x0, y0, x1, y1), "FRAME")
-    rows = [y0, y0 + 11, y0 + 22, y0 + 33, y0 + 44, y1]
+    rows = [y0, y0 + 11, y0 + 22, y0 + 33, y0 + 44, y0 + 55, y1]
     for y in rows[1:-1]:
         yield Stroke(((x0, y), (x1, y)))
 
@@ -98,10 +134,19 @@ def title_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
     )
     yield from cells(
         4,
-        ("Drawn by", block.creator, 66, TEXT_HEIGHT),
-        ("Approved by", "", 74, TEXT_HEIGHT),
-        ("Unless otherwise stated", block.finish, 40, SMALL_HEIGHT),
+        ("Treatment", block.treatment, 66, TEXT_HEIGHT),
+        ("Edges, ISO 13715", block.edges, 74, TEXT_HEIGHT),
+        ("Roughness unless stated", block.finish, 40, TEXT_HEIGHT),
     )
+    yield from cells(
+        5,
+        ("Owner", block.company, 42, TEXT_HEIGHT),
+        ("Date of issue", block.date, 30, TEXT_HEIGHT),
+        ("Drawn by", block.creator, 36, TEXT_HEIGHT),
+        ("Checked by", block.checker, 36, TEXT_HEIGHT),
+        ("Approved by", block.approver, 36, TEXT_HEIGHT),
+    )
+    yield from revision_primitives(block, paper)
     yield from _tolerances(block.tolerances, (x0, rows[1], x0 + 66, rows[3]))
 
 
@@ -117,7 +162,7 @@ def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primiti
 def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Primitive]:
     """The table of what the decimals of a dimension allow, and angles."""
     x0, y0, x1, y1 = box
-    caption = "General tolerances, lengths by decimals"
+    caption = "Tolerancing ISO 8015; lengths by decimals"
     yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     width = (x1 - x0) / max(1, len(classes))
     for number, (name, allowed) in enumerate(classes):

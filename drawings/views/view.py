@@ -16,11 +16,11 @@ Point2 = tuple[float, float]
 Box2 = tuple[float, float, float, float]
 """Lower left and upper right corner: u0, v0, u1, v1."""
 
-Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH", "PHANTOM"]
+Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH", "PHANTOM", "THREAD"]
 """Kinds of line of a view, by the names of their layers in the DXF file (ISO 128-2).
 
 `SECTION` is the cutting line of a section in another view; the outline of the section is `VISIBLE`. `PHANTOM` is the
-range of a moving part.
+range of a moving part, `THREAD` the major diameter of a tapped hole.
 """
 
 

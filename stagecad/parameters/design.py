@@ -10,13 +10,14 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 from stagecad.parameters.derived import Derived
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
+from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.tables.machine import Tables, nearest_key
 from stagecad.parameters.tables.physics import Material
 from stagecad.parameters.units import to_si
@@ -49,6 +50,12 @@ class Design(Tables):
     entries: tuple[Entry, ...] = field(repr=False)
     file: str = "thesis.toml"
     """Name of the file it was read from."""
+    overrides: tuple[str, ...] = ()
+    """Keys replaced by `--set`."""
+    sheets: tuple[tuple[str, str], ...] = ()
+    """Manual changes of drawing sheets by the sheet's name, as JSON texts."""
+    earlier: tuple[tuple[str, str], ...] = ()
+    """Keys that differ from an earlier issue of the design, with their values then (`since`)."""
 
     @cached_property
     def derived(self) -> Derived:
@@ -90,9 +97,41 @@ class Design(Tables):
         return self.entry(key).tolerance
 
     def plus_minus(self, key: str) -> float:
-        """Permitted deviation of a dimension in either direction by its tolerance class, mm; 0 without a class."""
-        name = {"X": "tolerance_x", "X.X": "tolerance_x_x", "X.XX": "tolerance_x_xx"}.get(self.tolerance(key) or "")
-        return getattr(self.drawing, name) if name else 0.0
+        """Half the width of the tolerance interval of a dimension, mm; 0 without a class."""
+        low, high = self.deviations(key)
+        return (high - low) / 2
+
+    def deviations(self, key: str) -> tuple[float, float]:
+        """Lower and upper limit deviation of a dimension by its tolerance class, mm; 0 without a class."""
+        tolerance = self.tolerance(key) or ""
+        if is_class(tolerance):
+            return deviations(float(self.value(key)), tolerance)
+        name = {"X": "tolerance_x", "X.X": "tolerance_x_x", "X.XX": "tolerance_x_xx"}.get(tolerance)
+        plus_minus = getattr(self.drawing, name) if name else 0.0
+        return -plus_minus, plus_minus
+
+    def sheet_settings(self, sheet: str) -> str:
+        """Manual changes of a drawing sheet as a JSON text; empty for none (`drawings.sheets.overrides`)."""
+        return dict(self.sheets).get(sheet, "")
+
+    def is_overridden(self, key: str) -> bool:
+        """Whether `--set` replaced the value of a key; entries of the title block do not count."""
+        return key in self.overrides and not key.startswith("drawing.")
+
+    def earlier_text(self, key: str) -> str | None:
+        """Value of a key in the earlier issue, as written; None if it is the same, or without an earlier issue."""
+        return dict(self.earlier).get(key)
+
+    def since(self, before: Design) -> Design:
+        """This design with the values of an earlier issue, for the revision table."""
+        then = before._by_key
+        differ = tuple(
+            (entry.key, then[entry.key].text if entry.key in then else "none")
+            for entry in self.entries
+            if entry.key not in then
+            or (then[entry.key].value, then[entry.key].tolerance) != (entry.value, entry.tolerance)
+        )
+        return replace(self, earlier=differ)
 
     def material(self, key: str) -> Material:
         """Properties of the material whose name is the value of `key` (`base.material`)."""

@@ -25,6 +25,8 @@ Kind = Literal[
     "slope",
     "count",
     "callout",
+    "pitch",
+    "sag",
 ]
 """Kinds of dimension by the measured quantity.
 
@@ -32,7 +34,9 @@ Kind = Literal[
 `chamfer`: leg of a chamfer, 45 degrees unless the note says otherwise. `thread`: nominal diameter, the note carries
 the designation; `tap_drill` and `thread_depth` of the same hole. `slope`: tangent of the angle
 between a face and the direction. `count`: number of features of a pattern. `callout`: a
-note on a feature, with the number it refers to.
+note on a feature. `pitch`: distance of neighbours in a row of equal features, of which
+the points give the first and the last and `count` the number of distances. `sag`: height of a spherical crown over the
+chord between its two points.
 """
 
 View = Literal["top", "bottom", "front", "back", "left", "right", "section", "iso", "any"]
@@ -89,6 +93,9 @@ class Dimension:
         between: names of the datums or features between which it is measured, if they have names.
         derived_from: keys of the parameters from which the value is computed, if it is not one parameter; then
             `parameter` is empty, and `tolerance` is the class of the first of them.
+        deviations: lower and upper limit deviation, mm, if they are not those of a general tolerance class.
+        reference: whether it is given for information only, in brackets, without a tolerance.
+        table: view whose hole table gives it, in place of a dimension of its own; empty for none.
     """
 
     name: str
@@ -104,11 +111,14 @@ class Dimension:
     feature: str = ""
     between: tuple[str, ...] = ()
     derived_from: tuple[str, ...] = ()
+    deviations: tuple[float, float] | None = None
+    reference: bool = False
+    table: str = ""
 
     def __post_init__(self) -> None:
         if bool(self.parameter) == bool(self.derived_from):
             raise ValueError(f"dimension '{self.name}': comes from one parameter, or is derived from some")
-        if self.kind in ("linear", "depth") and len(self.points) != 2:
+        if self.kind in ("linear", "depth", "pitch", "sag") and len(self.points) != 2:
             raise ValueError(f"dimension '{self.name}': a {self.kind} dimension needs two points")
         if not math.isfinite(self.value):
             raise ValueError(f"dimension '{self.name}': {self.value} is no value")
@@ -116,8 +126,21 @@ class Dimension:
             raise ValueError(f"dimension '{self.name}': applies to {self.count} features")
 
 
-Characteristic = Literal["flatness", "cylindricity", "parallelism", "perpendicularity"]
-"""Geometrical characteristics of ISO 1101 in use here; the last two refer to a datum."""
+Characteristic = Literal[
+    "flatness",
+    "straightness",
+    "cylindricity",
+    "parallelism",
+    "perpendicularity",
+    "angularity",
+    "position",
+    "coaxiality",
+    "profile",
+]
+"""Geometrical characteristics of ISO 1101 in use here; `profile` is that of a surface."""
+
+FORM: tuple[Characteristic, ...] = ("flatness", "straightness", "cylindricity")
+"""Characteristics without a datum; `profile` may have one, all others have."""
 
 
 @dataclass(frozen=True)
@@ -130,6 +153,8 @@ class DatumFeature:
         normal: out of the face, or along the axis.
         round: whether it is the axis of a round face.
         view: view that shows the face as a line.
+        targets: view that shows the faces from the front, with a datum target on each; empty for none.
+        median: whether it is the middle plane of two parallel faces.
     """
 
     letter: str
@@ -137,6 +162,8 @@ class DatumFeature:
     normal: Point
     view: View
     round: bool = False
+    targets: str = ""
+    median: bool = False
 
     def __post_init__(self) -> None:
         if len(self.letter) != 1 or not self.letter.isupper():
@@ -158,6 +185,7 @@ class GeometricTolerance:
         round: whether it holds for a round face, or its axis.
         combined: whether all the faces lie in one zone (CZ), rather than each in its own.
         view: view that shows the face as a line.
+        feature: name of the holes whose callout has the control frame below it; empty for a frame on a face.
     """
 
     name: str
@@ -170,11 +198,12 @@ class GeometricTolerance:
     datums: tuple[str, ...] = ()
     round: bool = False
     combined: bool = False
+    feature: str = ""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.value) and self.value > 0):
             raise ValueError(f"{self.characteristic} '{self.name}': {self.value} is no width of a zone")
-        if bool(self.datums) != (self.characteristic in ("parallelism", "perpendicularity")):
+        if self.characteristic != "profile" and bool(self.datums) == (self.characteristic in FORM):
             raise ValueError(f"{self.characteristic} '{self.name}': refers to {len(self.datums)} datums")
 
 

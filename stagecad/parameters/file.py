@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.iso286 import in_range, is_class
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
 from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import from_si, parse_uncertain, quoted
@@ -131,8 +132,11 @@ def _entry(name: str, path: str, table: dict[str, Any]) -> FileEntry:
         raise InputError(f'{place}: has no value; write {{value = "12 mm", origin = "assumed: why"}}')
     value = _scalar(table["value"], f"{place}: value")
     tolerance, origin = table.get("tolerance"), table.get("origin")
-    if tolerance is not None and tolerance not in TOLERANCE_CLASSES:
-        raise InputError(f"{place}: tolerance = {_value_text(tolerance)}; allowed: {', '.join(TOLERANCE_CLASSES)}")
+    if tolerance not in (None, *TOLERANCE_CLASSES) and not (isinstance(tolerance, str) and is_class(tolerance)):
+        raise InputError(
+            f"{place}: tolerance = {_value_text(tolerance)}; allowed: {', '.join(TOLERANCE_CLASSES)}, "
+            "or a class of ISO 286 like H7 or g6"
+        )
     if origin is not None:
         require_origin(origin, place)
     return FileEntry(value, place, tolerance, origin)
@@ -218,6 +222,8 @@ def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: 
         value, std = _number(entry, declaration)
         if tolerance is None and entry.origin is None and declaration.unit == "mm":
             tolerance = _class_by_decimals(shown)
+        if tolerance is not None and is_class(tolerance) and not (declaration.unit == "mm" and in_range(value)):
+            raise InputError(f"{place}: tolerance = '{tolerance}' is for diameters up to 250 mm, not for {shown}")
     elif declaration.kind == "count":
         value = _count(entry, declaration)
     elif declaration.kind == "switch":

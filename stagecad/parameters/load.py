@@ -90,7 +90,11 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
     for text in overrides:
         key, entry = _override(text, keys, given)
         given[key] = entry
-    return Source(given, keys, materials, file.name)
+    for key, declaration in keys.items():
+        if key not in given and declaration.default is not None:
+            given[key] = FileEntry(declaration.default, f"{file.name}: {key}", origin="assumed: default")
+    overridden = tuple(text.partition("=")[0].strip() for text in overrides)
+    return Source(given, keys, materials, file.name, overridden)
 
 
 def _override(text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry]) -> tuple[str, FileEntry]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 TOLERANCE_CLASSES = ("X", "X.X", "X.XX")
+"""General tolerances by the decimals of a dimension; a class of ISO 286 (`H7`) may stand in their place."""
 
 FieldKind = Literal["number", "count", "switch", "text", "choice", "material"]
 
@@ -30,6 +31,7 @@ class Declaration:
         allowed: values of a choice.
         computed: computed from other keys if the file leaves it out.
         why: reason of the bounds, for messages.
+        default: value if the file leaves it out; None where the file must give one.
     """
 
     kind: FieldKind
@@ -41,15 +43,16 @@ class Declaration:
     allowed: tuple[str, ...] = ()
     computed: bool = False
     why: str = ""
+    default: str | None = None
 
 
 def _key(declaration: Declaration) -> Any:
     return field(metadata={"declaration": declaration})
 
 
-def mm(meaning: str, *, zero: bool = False, computed: bool = False) -> Any:
+def mm(meaning: str, *, zero: bool = False, computed: bool = False, default: str | None = None) -> Any:
     """A length of geometry, kept in millimetres; positive, or not negative where `zero` is allowed."""
-    return _key(Declaration("number", meaning, "mm", low=0.0, closed=zero, computed=computed))
+    return _key(Declaration("number", meaning, "mm", low=0.0, closed=zero, computed=computed, default=default))
 
 
 def number(
@@ -60,9 +63,12 @@ def number(
     high: float = math.inf,
     closed: bool = False,
     computed: bool = False,
+    default: str | None = None,
 ) -> Any:
     """A number in SI; positive unless the bounds allow other values (`closed`: the lower bound itself is allowed)."""
-    return _key(Declaration("number", meaning, unit, low=low, high=high, closed=closed, computed=computed))
+    return _key(
+        Declaration("number", meaning, unit, low=low, high=high, closed=closed, computed=computed, default=default)
+    )
 
 
 def count(meaning: str, *, low: int = 1, high: int = 100, computed: bool = False) -> Any:
@@ -75,9 +81,9 @@ def switch(meaning: str) -> Any:
     return _key(Declaration("switch", meaning))
 
 
-def text(meaning: str) -> Any:
+def text(meaning: str, default: str | None = None) -> Any:
     """A line of text."""
-    return _key(Declaration("text", meaning))
+    return _key(Declaration("text", meaning, default=default))
 
 
 def choice(meaning: str, *allowed: str) -> Any:

@@ -22,6 +22,8 @@ class Source:
     keys: Mapping[str, Declaration]
     materials: tuple[str, ...]
     file: str
+    overrides: tuple[str, ...] = ()
+    """Keys replaced by `--set`."""
 
 
 class Variations:
@@ -45,7 +47,8 @@ class Variations:
         for key, read in resolver.reads.items():
             for other in read:
                 self._readers.setdefault(other, set()).add(key)
-        self.design = _typed(self._entries, tuple(source.keys), source.materials, source.file)
+        typed = _typed(self._entries, tuple(source.keys), source.materials, source.file)
+        self.design = replace(typed, overrides=source.overrides)
 
     def dependents(self, keys: Sequence[str]) -> set[str]:
         """The keys whose values follow from these by formulas, these among them."""
@@ -99,7 +102,8 @@ class Variations:
                 tables[top] = _with(tables[top], below, values)
         ordered = tuple(entries[key] for key in self._source.keys)
         materials = Materials(tuple(named.items()))
-        return Design(**tables, materials=materials, entries=ordered, file=self._source.file)
+        source = self._source
+        return Design(**tables, materials=materials, entries=ordered, file=source.file, overrides=source.overrides)
 
 
 def _with(table: Any, below: str, values: Mapping[str, Any]) -> Any:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import pytest
 
 from drawings.artefacts.names import chosen_sheets, sheet_names
@@ -24,7 +26,7 @@ def test_sheets_and_scales_are_the_thesis_s(design: Design) -> None:
     scales = {plan.name: plan.scale for part in names if part in PARTS for plan in sheet_plans(part, design)}
     assert scales == PARTS_SCALES
     (detail,) = [view for plan in sheet_plans("base", design) for view in plan.views if view.letter == "X"]
-    assert detail.scale == 0.5
+    assert detail.scale == 1.0
 
 
 PARTS_SCALES = {
@@ -34,9 +36,10 @@ PARTS_SCALES = {
     "height_pin_2": 1.0,
     "stage": 0.5,
     "bearing_way": 0.25,
-    "base_1": 0.2,
-    "base_2": 0.2,
-    "base_3": 0.35,
+    # The thesis has 1:5 and 0.35, too small for the holes.
+    "base_1": 0.5,
+    "base_2": 0.5,
+    "base_3": 0.5,
 }
 PARTS = {name.rstrip("_123") if name.startswith("base") else name for name in PARTS_SCALES}
 
@@ -84,13 +87,72 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, dict[st
 def test_a_sheet_comes_in_four_formats_with_its_model(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
     folder, _, document = drawn
     sheet = document["sheets"]["magnet"]
-    names = ["magnet.dxf", "magnet.svg", "magnet.pdf", "magnet.png", "magnet_ap242.step"]
+    names = [f"magnet.{kind}" for kind in ("dxf", "svg", "pdf", "png")] + ["magnet_ap242.step", "magnet_definition.csv"]
     assert [Path(file).name for file in sheet["files"]] == names
     assert all((folder / name).stat().st_size > 1000 for name in names)
     assert sheet["hits"] == []
     assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
     manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
     assert set(manifest["files"]) == set(names)
+
+
+def test_the_table_of_definition_has_a_row_for_each_face(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
+    folder, _, _ = drawn
+    with (folder / "magnet_definition.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    # A block with twelve chamfered edges.
+    assert [row["face"] for row in rows] == [str(number) for number in range(1, 27)]
+    assert all(row["size"] and row["place"] and row["form"] and row["finish"] for row in rows)
+
+
+def test_the_hash_leads_to_the_parameter_file_beside_the_sheet(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
+    folder, _, document = drawn
+    (path,) = map(Path, document["parameters"])
+    shown = {item.dxf.text for item in ezdxf.readfile(folder / "magnet.dxf").paperspace().query("TEXT")}  # type: ignore[attr-defined]
+    assert path.name.removeprefix("magnet_").removesuffix(".toml") in shown
+    assert load_design(path).digest == load_design().digest
+
+
+def texts_of(folder: Path, sheet: str) -> str:
+    entities = ezdxf.readfile(folder / f"{sheet}.dxf").paperspace().query("TEXT")  # type: ignore[attr-defined]
+    return "\n".join(entity.dxf.text for entity in entities)
+
+
+def test_title_block_and_revision_table_of_the_command(
+    drawn: tuple[Path, Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
+    earlier = tmp_path / "issue_a.toml"
+    earlier.write_text('extends = "thesis"\n[magnet]\nlength = {value = "38 mm", origin = "assumed: first issue"}\n')
+    issue = [
+        "--revision",
+        "B",
+        "--date",
+        "2026-11-23",
+        "--drawn",
+        "A. Hale",
+        "--checked",
+        "M. Ott",
+        "--approved",
+        "C. Ng",
+    ]
+    assert run(["drawings", "magnet", *issue, "--since", str(earlier), "--lint", "--out", str(tmp_path)]) == 0
+    shown = texts_of(tmp_path, "magnet")
+    for text in ("2026-11-23", "A. Hale", "M. Ott", "C. Ng", "Revision B, 2026-11-23: changes"):
+        assert text in shown
+    assert "magnet.length: 38 mm, now 40 mm" in shown
+    assert "changed:" not in shown
+
+
+def test_a_design_changed_by_set_is_titled_so(
+    drawn: tuple[Path, Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
+    changed = "magnet.edge_chamfer=0.4 mm"
+    assert run(["drawings", "magnet", "--set", changed, "--lint", "--out", str(tmp_path)]) == 0
+    assert "Precision Stage, changed: magnet.edge_chamfer = 0.4 mm" in texts_of(tmp_path, "magnet")
+    (path,) = tmp_path.glob("magnet_*.toml")
+    assert load_design(path).magnet.edge_chamfer == 0.4
 
 
 def test_nothing_is_drawn_twice(

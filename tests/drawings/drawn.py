@@ -14,6 +14,7 @@ from drawings.sheets.part import PartDescription, part_sheets
 from drawings.sheets.sheet import Sheet
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
+from stagecad.solids.modelling.part import notes_of
 from stagecad.solids.modelling.registry import part_definition
 
 
@@ -30,11 +31,10 @@ def described(name: str, design: Any) -> PartDescription:
         module.build(design),
         module.dimensions(design),
         getattr(module, "requirements", lambda _: ())(design),
-        getattr(module, "NOTES", ()),
+        notes_of(module, design),
         module.material(design),
         "1 g",
         "0123",
-        "1",
     )
 
 

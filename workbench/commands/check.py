@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     metavar="KEY=LOW:HIGH[:N]",
     help="Show how the margins move over a parameter; several form a grid.",
 )
+@click.option("--chains", is_flag=True, help="Show the tolerance chains, by worst case and statistically.")
 @click.option("--tolerance", is_flag=True, help="Monte-Carlo over the tolerances of the dimensions.")
 @click.option(
     "--samples", type=click.IntRange(100, 1_000_000), default=10_000, show_default=True, help="Of --tolerance."
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 def command(
     run: Run,
     swept: tuple[str, ...],
+    chains: bool,
     tolerance: bool,
     samples: int,
     solids: bool,
@@ -64,8 +66,15 @@ def command(
     drawn = draw_figures(run, masses, folder) if figures else {}
     print_checks(run, checks)
     document: Any = [check.as_json() for check in checks]
-    if wanted or tolerance:
+    if wanted or tolerance or chains:
         document = {"checks": document}
+    if chains:
+        from designcalc.machine.tolerance_chains import chains as chains_of
+        from workbench.console.checks import print_chains
+
+        found = chains_of(design)
+        print_chains(run, found)
+        document["chains"] = [chain.as_json() for chain in found]
     if len(wanted) == 1:
         document["sweep"] = _swept(run, wanted[0], masses is not None, scheduler, drawn)
     elif wanted:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -9,7 +11,10 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from drawings.artefacts.sheets import BuiltSheet
+    from stagecad.parameters.design import Design
 
 MANIFEST = "drawings_manifest.json"
 
@@ -17,9 +22,22 @@ MANIFEST = "drawings_manifest.json"
 @click.command("drawings")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @click.option("--lint", is_flag=True, help="Check the sheets for overlapping texts and lines; exit status 1 on a hit.")
+@click.option("--revision", help="Revision in the title block (parameter drawing.revision).")
+@click.option("--date", help="Date of issue in the title block (drawing.date).")
+@click.option("--drawn", metavar="NAME", help="Drawn by (drawing.drawn).")
+@click.option("--checked", metavar="NAME", help="Checked by (drawing.checked).")
+@click.option("--approved", metavar="NAME", help="Approved by (drawing.approved).")
+@click.option(
+    "--since",
+    type=click.Path(path_type=Path),
+    metavar="EARLIER.toml",
+    help="Parameter file of the earlier issue: the differences are the revision table.",
+)
 @common_options
-def command(run: Run, names: tuple[str, ...], lint: bool) -> int:
+def command(run: Run, names: tuple[str, ...], lint: bool, since: Path | None, **issue: str | None) -> int:
     """Draw the sheets of all parts, or of those NAMEd only (a part, or one of its sheets: base_2)."""
+    entries = tuple(f"drawing.{key}={value}" for key, value in issue.items() if value is not None)
+    run = replace(run, overrides=(*run.overrides, *entries), earlier=since)
     document = write_drawings(run, names)
     if run.json_target is None:
         _tell(run, document)
@@ -41,11 +59,13 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     """
     from drawings.artefacts.names import chosen_sheets
     from drawings.artefacts.tasks import build_all_sheets
+    from drawings.sheets.overrides import FILE
     from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
     from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.machine.artefacts import procedure_values
 
-    wanted = chosen_sheets(names, run.design)
+    design = with_sheet_overrides(run)
+    wanted = chosen_sheets(names, design)
     store = ArtefactStore()
 
     def draw() -> tuple[list[BuiltSheet], list[str]]:
@@ -54,7 +74,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
             made = build_all_sheets(
                 store,
                 wanted,
-                run.design,
+                design,
                 lambda name: progress.update(task, advance=1, description=name),
                 calculate=procedure_values,
             )
@@ -70,6 +90,11 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         sheets, changed = draw()
     hashes = {file: sheet.artefact.hashes[file] for sheet in sheets for file in _files(sheet)}
     write_manifest(run.out / MANIFEST, hashes)
+    for sheet in sheets:
+        for hit in sheet.hits:
+            if hit.startswith(FILE):
+                run.note(hit)
+    parameters = _write_parameters(run, sheets)
     return {
         "sheets": {
             sheet.name: {
@@ -84,12 +109,42 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         },
         "changed": changed,
         "files": len(hashes),
+        "parameters": parameters,
     }
 
 
+def with_sheet_overrides(run: Run) -> Design:
+    """The design with the manual changes of its sheets, from `sheets.toml` beside its parameter file.
+
+    Raises:
+        InputError: the file has an unknown sheet or key, or a wrong value.
+    """
+    from drawings.artefacts.names import sheet_names
+    from drawings.sheets.overrides import FILE, read_overrides
+
+    path = (run.parameter_file or Path("stage.toml")).parent / FILE
+    if not path.is_file():
+        return run.design
+    known = [sheet for sheets in sheet_names(run.design).values() for sheet in sheets]
+    return replace(run.design, sheets=read_overrides(path, known))
+
+
+def _write_parameters(run: Run, sheets: Sequence[BuiltSheet]) -> list[str]:
+    """Write the parameters beside the sheets, under the names that their title blocks give: `holder_c7088e19.toml`."""
+    from stagecad.parameters.atomic import atomic_write_text
+    from workbench.machine.parameter_text import parameter_text
+
+    text = parameter_text(run)
+    paths = dict.fromkeys(run.out / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets)
+    for path in paths:
+        if not path.is_file() or path.read_text("utf-8") != text:
+            atomic_write_text(path, text)
+    return [str(path) for path in paths]
+
+
 def _files(sheet: BuiltSheet) -> tuple[str, ...]:
-    """The sheet in its formats, and its part's model with tolerances where there is one."""
-    return (*sheet.files, sheet.model) if sheet.model else sheet.files
+    """The sheet in its formats, its part's model with tolerances, and the table of what defines its faces."""
+    return (*sheet.files, *(file for file in (sheet.model, sheet.definition) if file))
 
 
 def _tell(run: Run, document: dict[str, Any]) -> None:

@@ -72,20 +72,11 @@ def _named(key: str, names: tuple[str, ...], design: Design) -> bool:
 def _write(run: Run, target: Path) -> None:
     from stagecad.parameters.atomic import atomic_write_text
     from stagecad.parameters.errors import InputError
-    from stagecad.parameters.file import packaged_text
-    from stagecad.parameters.load import changed_text
+    from workbench.machine.parameter_text import parameter_text
 
     if target.exists():
         raise InputError(f"{target}: is there already; name a new file")
-    path = run.params if run.params is not None else Path("stage.toml") if Path("stage.toml").is_file() else None
-    text = path.read_text("utf-8-sig") if path is not None else packaged_text()
-    changes: dict[str, tuple[str | float | bool, str]] = {}
-    for override in run.overrides:
-        key = override.partition("=")[0].strip()
-        entry = run.design.entry(key)
-        plain = not entry.unit and not isinstance(entry.value, str)
-        changes[key] = (entry.formula or (entry.value if plain else entry.text), entry.origin)
-    atomic_write_text(target, changed_text(text, str(target), changes) if changes else text)
+    atomic_write_text(target, parameter_text(run))
     run.note(f"written: {target}")
 
 

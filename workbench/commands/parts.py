@@ -50,6 +50,7 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
     import json
 
     from stagecad.solids.artefacts.outputs import write_manifest, write_stored, write_text
+    from stagecad.solids.assembly.accessories import accessories
     from stagecad.solids.assembly.bill_of_materials import csv_text
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.modelling.registry import ASSEMBLY
@@ -65,7 +66,10 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
     hashes = {name: entry.hashes[name] for name, entry in files.items()}
     if ASSEMBLY in wanted:
         rows = machine.bill_of_materials
-        texts = {f"{BILL}.csv": csv_text(rows), f"{BILL}.json": json.dumps(bill_document(rows), indent=1) + "\n"}
+        texts = {
+            f"{BILL}.csv": csv_text(rows, accessories(run.design)),
+            f"{BILL}.json": json.dumps(bill_document(rows), indent=1) + "\n",
+        }
         from stagecad.solids.artefacts.store import sha256
 
         for name, text in texts.items():

@@ -11,6 +11,7 @@ from designcalc.checks.analysis.grid import GridPoint
 from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.analysis.sweep import Point, Range, changing_checks
 from designcalc.checks.analysis.tolerance import ToleranceStudy
+from designcalc.machine.tolerance_chains import Chain
 from workbench.console.tables import plain_table
 from workbench.options import Run
 
@@ -104,3 +105,20 @@ def print_tolerance(run: Run, study: ToleranceStudy) -> None:
         listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
         run.echo(f"{title}: {listed}")
     run.echo("(as far as the checks cover: a fit or the assembly may need a closer tolerance)")
+
+
+def print_chains(run: Run, found: Sequence[Chain]) -> None:
+    """The tolerance chains: limits by worst case and statistically, and the share of each dimension."""
+    table = plain_table(None, "tolerance chain", "nominal", "worst case", "99.73 %", left=("tolerance chain",))
+    for chain in found:
+        limits = [f"{shown(low, 'm')} to {shown(high, 'm')}" for low, high in (chain.worst_case, chain.statistical)]
+        table.add_row(f"[bold]{chain.name}[/bold]", shown(chain.nominal, "m"), *limits)
+        for link in chain.links:
+            sign = "-" if link.coefficient < 0 else "+"
+            table.add_row(
+                f"  {sign} {link.key}",
+                shown(link.nominal, "m"),
+                f"{shown(link.low, 'm')} / {shown(link.high, 'm')}",
+                "",
+            )
+    run.console.print(table)

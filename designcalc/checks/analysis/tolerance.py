@@ -174,9 +174,9 @@ def _ends(
     ends = []
     # The deviation of one part changes no other part, as its nominal value would by a formula.
     kept = [f"{entry.key}={entry.text}" for entry in design.entries if entry.formula and entry.key != key]
-    for sign in (-1, 1):
+    for deviation in design.deviations(key):
         # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
-        value = float(design.value(key)) + sign * design.plus_minus(key)
+        value = float(design.value(key)) + deviation
         changed = load(*kept, f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
         checks = run_checks(changed, scaled_masses(changed, design, masses), tuple(sorted(readers[key])))
         found = {check.name: check.margin for check in checks}

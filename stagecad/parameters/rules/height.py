@@ -53,12 +53,15 @@ def fits(d: Design) -> Iterator[str]:
     )
     most = d.making.largest_fit
     for pin, bore in guided:
-        clearance = d.value(bore) - d.value(pin)
-        if clearance <= 0.0:
-            yield f"{given(d, pin)} does not go into {given(d, bore)}"
-        elif clearance > most + ROUNDING:
+        nominal = d.value(bore) - d.value(pin)
+        (pin_low, pin_high), (bore_low, bore_high) = d.deviations(pin), d.deviations(bore)
+        least, greatest = nominal + bore_low - pin_high, nominal + bore_high - pin_low
+        if least <= 0.0:
+            fits = f": the least clearance is {length(least)}" if nominal >= 0.0 else ""
+            yield f"{given(d, pin)} does not go into {given(d, bore)}{fits}"
+        elif greatest > most + ROUNDING:
             yield (
-                f"{given(d, pin)} is loose in {given(d, bore)}: {length(clearance)} of clearance, and "
+                f"{given(d, pin)} is loose in {given(d, bore)}: up to {length(greatest)} of clearance, and "
                 f"{given(d, 'making.largest_fit')}"
             )
     if d.tip.seat_diameter <= d.piezo.diameter:

@@ -52,6 +52,8 @@ class Pads:
     root_fillet: float = mm("at the transition from pad to stage")
     spacing_along: float = mm("between the pads on one way")
     spacing_across: float = mm("between the pads of the two ways")
+    sag_tolerance: float = mm("of the crown's height over its chord, either way", default="0.005 mm")
+    roughness: float = number("Ra of the crowns under their film", "m", default="0.4 um")
     ratio: float = number("of a pad's length to its width")
     ratio_deviation: float = number("of that ratio that is still accepted", high=1)
 
@@ -85,6 +87,7 @@ class BearingWay:
     bolt_hole: float = mm("clearance hole of the screws")
     edge_chamfer: float = mm("of outer edges")
     hole_chamfer: float = mm("at the mouth of the holes")
+    pair_tolerance: float = mm("of the heights of a pair to each other", default="0.002 mm")
     joint_ratio: float = number("stiffness of the bedded joint over that of the bolt joint")
     wanted_stiffness: float = number("of one way at its loaded edge", "N/m")
 
@@ -217,6 +220,7 @@ class HeightPin1:
     withdrawal_drill_depth: float = mm("of the tapped hole by which the pin is pulled out, full diameter")
     withdrawal_thread_depth: float = mm("of the tapped hole by which the pin is pulled out, full thread")
     end_chamfer: float = mm("of both ends")
+    coating_thickness: float = mm("of the hard anodic layer of both height pins", default="0.02 mm")
 
 
 @dataclass(frozen=True)
@@ -227,6 +231,7 @@ class HeightPin2:
     diameter: float = mm("of the pin")
     length: float = mm("along its axis, from the wedge's face to the top")
     crown_radius: float = mm("of the domed top under the holder")
+    sag_tolerance: float = mm("of the crown's height over its chord, either way", default="0.02 mm")
     end_chamfer: float = mm("of both ends")
 
 
@@ -281,6 +286,7 @@ class Teeth:
     pitch: float = mm("of the teeth, across the travel")
     width: float = mm("of a tooth")
     gap: float = mm("between the crests of stage and base")
+    gap_tolerance: float = mm("of the gap, either way, that the preload admits", default="0.1 mm")
     groove_depth: float = mm("between teeth")
     per_iron: int = count("teeth on one iron of the stage")
     bar_spacing: float = mm("between the two bars")
@@ -296,3 +302,5 @@ class Making:
     least_floor: float = mm("left under the drill's point of a blind hole")
     engagement: float = number("least length of engaged thread over the screw's diameter")
     largest_fit: float = mm("clearance that still guides a pin or holder")
+    slot_depth_ratio: float = number("greatest depth of a milled slot over its width", default="6")
+    bore_depth_ratio: float = number("greatest depth of a bore over its diameter", default="15")

@@ -243,6 +243,7 @@ class Material:
     strength: float = number("yield or fracture stress, by its kind", "Pa")
     strength_kind: str = choice("meaning of the strength", "yield", "fracture")
     magnetic: bool = switch("whether a magnet attracts it")
+    treatment: str = text("heat treatment of a part made of it, for the title block", default="none")
 
 
 @dataclass(frozen=True)
@@ -267,3 +268,13 @@ class Drawing:
     file_assembly: str = text("file name in the title block")
     file_procedure: str = text("file name in the title block")
     roughness: float = number("Ra of faces without a mark of their own", "m")
+    hole_position: float = mm("diameter of the position tolerance of screw holes", default="0.2 mm")
+    function_position: float = mm("diameter of the position tolerance of bores and pins", default="0.05 mm")
+    wedge_angularity: float = mm("width of the angularity tolerance of the height wedges", default="0.005 mm")
+    company: str = text("in the title block", default="-")
+    revision: str = text("letter or number in the title block", default="A")
+    date: str = text("of issue in the title block", default="-")
+    drawn: str = text("name in the title block", default="stagecad")
+    checked: str = text("name in the title block", default="-")
+    approved: str = text("name in the title block", default="-")
+    edges: str = text("state of edges without indication, by ISO 13715", default="outside -0.3, inside +0.3")

@@ -40,6 +40,8 @@ _LENGTHS: tuple[tuple[str, float, float, str], ...] = (
     ("*chamfer", 0.01, 5.0, EDGE),
     ("*fillet", 0.05, 20.0, FILLET),
     ("tip.coating_thickness", 1e-4, 0.5, "a coating is thin against the tip's radius"),
+    ("height_pin_1.coating_thickness", 1e-4, 0.5, "an anodic layer is thin"),
+    ("*_tolerance", 1e-4, 5.0, "a tolerance is small against the part"),
     ("tip.nose_radius", 0.5, 200.0, "a flatter nose touches with its rim, a sharper one indents the surface"),
     ("stage.thickness", 1.0, 100.0, "the piezos carry the plate, and the pads touch its underside"),
     ("stage.corner_radius", 0.1, 100.0, "the corners are a part of the plate"),

@@ -10,6 +10,7 @@ from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.assembly.accessories import Accessory
 from stagecad.solids.assembly.assemble import Instance, count
 from stagecad.solids.modelling.registry import MADE, PURCHASED
 
@@ -69,8 +70,8 @@ def bill_of_materials(
     return tuple(rows)
 
 
-def csv_text(rows: Sequence[Row]) -> str:
-    """The list as CSV, masses to a tenth of a gram, with a last row for the whole."""
+def csv_text(rows: Sequence[Row], others: Sequence[Accessory] = ()) -> str:
+    """The list as CSV, masses to a tenth of a gram, accessories without mass, with a last row for the whole."""
     memory = io.StringIO()
     writer = csv.writer(memory, lineterminator="\n")
     writer.writerow(HEADINGS)
@@ -78,6 +79,8 @@ def csv_text(rows: Sequence[Row]) -> str:
         masses = (f"{row.mass:.4f}", f"{row.quantity * row.mass:.4f}")
         texts = [_plain(text) for text in (row.part, row.description, row.part_number, row.material)]
         writer.writerow([row.item, *texts[:3], row.quantity, texts[3], *masses])
+    for item, other in enumerate(others, start=len(rows) + 1):
+        writer.writerow([item, other.name, "accessory", _plain(other.specification), other.quantity, "", "", ""])
     total = sum(row.quantity * row.mass for row in rows)
     writer.writerow(["", "total", "", "", sum(row.quantity for row in rows), "", "", f"{total:.4f}"])
     return memory.getvalue()

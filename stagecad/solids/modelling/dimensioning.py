@@ -22,6 +22,7 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
     View,
 )
+from stagecad.parameters.iso286 import is_class
 
 THREAD_DESIGNATION = {
     "m3": "M3x0.5",
@@ -34,8 +35,19 @@ THREAD_DESIGNATION = {
 }
 """By name in the table of threads. Metric: ISO 261 coarse; tap drills by ISO 2306. Unified: ASME B1.1, 2B.
 
-Threads are cosmetic: the solid has the tap drill's hole, the sheet this text.
+Threads are cosmetic: the solid has the tap drill's hole, the sheet this text and thin lines (ISO 6410-1).
 """
+
+THREAD_DIAMETER = {
+    "M3x0.5": 3.0,
+    "M4x0.7": 4.0,
+    "M5x0.8": 5.0,
+    "M6x1": 6.0,
+    "M10x1.5": 10.0,
+    "3/8-16 UNC": 9.525,
+    "1-8 UNC": 25.4,
+}
+"""Major diameter by designation, mm."""
 
 X: Point = (1.0, 0.0, 0.0)
 Y: Point = (0.0, 1.0, 0.0)
@@ -75,8 +87,10 @@ class DimensionDeclarations:
     def add(self, kind: Kind, name: str, key: str, points: tuple[Point, ...], direction: Point, **fields: Any) -> None:
         """One dimension of any kind."""
         full = key if "." in key else f"{self._table}.{key}"
-        tolerance, fields = self._design.tolerance(full), {**self._common, **fields}
-        self._all.append(Dimension(name, kind, float(self._value(key)), full, points, direction, tolerance, **fields))
+        fields = {"tolerance": self._design.tolerance(full), **self._common, **fields}
+        if is_class(fields["tolerance"] or ""):
+            fields["deviations"] = self._design.deviations(full)
+        self._all.append(Dimension(name, kind, float(self._value(key)), full, points, direction, **fields))
 
     def linear(
         self, name: str, key: str, first: Point, second: Point, along: Point | None = None, **fields: Any
@@ -116,8 +130,19 @@ class DimensionDeclarations:
         self, name: str, value: float, keys: tuple[str, ...], points: tuple[Point, Point], along: Point, **fields: Any
     ) -> None:
         """Distance that follows from several parameters (`keys` with their tables), in the class of the first."""
-        tolerance, fields = self._design.tolerance(keys[0]), {**self._common, **fields}
-        self._all.append(Dimension(name, "linear", value, "", points, along, tolerance, derived_from=keys, **fields))
+        fields = {"kind": "linear", "tolerance": self._design.tolerance(keys[0]), **self._common, **fields}
+        self._all.append(
+            Dimension(name, value=value, parameter="", points=points, direction=along, derived_from=keys, **fields)
+        )
+
+    def pitch(self, name: str, key: str, first: Point, last: Point, steps: int, **fields: Any) -> None:
+        """Distance of neighbours in a row from the first to the last of equal features, `steps` distances."""
+        self.add("pitch", name, key, (first, last), towards(first, last), **{**fields, "count": steps})
+
+    def remark(self, name: str, keys: tuple[str, ...], on: Point, text: str, **fields: Any) -> None:
+        """A text on a feature, with the parameters that it gives (`keys` with their tables)."""
+        fields = {"direction": X, **self._common, **fields, "note": text}
+        self._all.append(Dimension(name, "callout", 0.0, "", (on,), derived_from=keys, **fields))
 
     def counted(self, name: str, key: str, at: Point, along: Point = X, **fields: Any) -> None:
         """Number of features in the pattern of the one at `at`, in the direction `along`."""
@@ -131,25 +156,26 @@ class DimensionDeclarations:
         into: Point,
         depths: tuple[str, str] | None = None,
         *,
-        tap_drill: bool = True,
+        extra: str = "",
         **fields: Any,
     ) -> None:
-        """A tapped hole: tap drill, thread depth and drill depth as one callout.
+        """A tapped hole: thread, its depth, tap drill and drill depth as one callout.
 
         Args:
             thread: name in the table of threads, `m6`.
             depths: keys of thread depth and drill depth; None for a through hole.
-            tap_drill: False where another callout of the same thread already gives the tap drill.
+            extra: last line of the callout.
         """
         fields = {"view": "top", **self._common, **fields, "note": THREAD_DESIGNATION[thread], "feature": feature}
-        if tap_drill:
-            drill, at = f"threads.{thread}_tap_drill", moved(mouth, into, 2.0)
-            touch = moved(at, X if abs(into[2]) > 0.5 else Z, self._value(drill) / 2)
-            self.add("tap_drill", f"{feature} tap drill", drill, (at, touch), into, **fields)
+        drill, at = f"threads.{thread}_tap_drill", moved(mouth, into, 2.0)
+        touch = moved(at, X if abs(into[2]) > 0.5 else Z, self._value(drill) / 2)
+        self.add("tap_drill", f"{feature} tap drill", drill, (at, touch), into, **fields)
         if depths:
             self.add("thread_depth", f"{feature} thread depth", depths[0], (mouth,), into, **fields)
             end = moved(mouth, into, self._value(depths[1]))
             self.depth(f"{feature} drill depth", depths[1], mouth, end, **fields)
+        if extra:
+            self.remark(f"{feature} remark", (drill,), mouth, extra, **{**fields, "note": ""})
 
 
 class FaceRequirements:
@@ -162,9 +188,23 @@ class FaceRequirements:
     def __iter__(self) -> Iterator[FaceRequirement]:
         return iter(self._all)
 
-    def datum(self, letter: str, points: tuple[Point, ...], normal: Point, view: View, *, round: bool = False) -> None:
-        """Datum feature: a face, several faces in one plane, or an axis."""
-        self._all.append(DatumFeature(letter, points, normal, view, round))
+    def datum(
+        self,
+        letter: str,
+        points: tuple[Point, ...],
+        normal: Point,
+        view: View,
+        *,
+        round: bool = False,
+        targets: str = "",
+        median: bool = False,
+    ) -> None:
+        """Datum feature: a face, several faces in one plane, an axis, or the middle plane of two faces.
+
+        Args:
+            targets: view that shows datum targets.
+        """
+        self._all.append(DatumFeature(letter, points, normal, view, round, targets, median))
 
     def tolerance(
         self,

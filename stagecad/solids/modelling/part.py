@@ -10,7 +10,8 @@ module for several parts, as the screws), that has
 - ``dimensions(design) -> tuple[Dimension, ...]``: every dimension a maker needs (purchased parts have none).
 
 A part that is manufactured also has, where its function needs them, ``requirements(design) -> tuple[FaceRequirement,
-...]``: datum letters, geometrical tolerances and surface texture of its faces; and ``NOTES``, texts for its sheet.
+...]``: datum letters, geometrical tolerances and surface texture of its faces; and ``NOTES``, texts for its sheet, or
+``notes(design)``.
 
 A purchased part also has ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
 and may have ``mass(design)`` in kilograms where the catalogue's value is closer than that of the simplified solid.
@@ -93,3 +94,9 @@ class Part(Protocol):
     def datums(self, design: Any) -> dict[str, Datum]: ...
 
     def dimensions(self, design: Any) -> tuple[Dimension, ...]: ...
+
+
+def notes_of(part: Any, design: Any) -> tuple[str, ...]:
+    """The notes of a part's sheet: of its function ``notes``, else its ``NOTES``."""
+    notes = getattr(part, "notes", None)
+    return notes(design) if notes else getattr(part, "NOTES", ())

@@ -100,6 +100,12 @@ class DimensionVerifier:
                 return abs(self._place(points[1], along) - self._place(points[0], along))
             case "depth":
                 return abs(self._level(points[1], along) - self._level(points[0], along))
+            case "pitch":
+                whole = abs(self._place(points[1], along) - self._place(points[0], along))
+                return whole / dimension.count
+            case "sag":
+                half, radius = math.dist(points[0], points[1]) / 2, self._on(points[0], "SPHERE").radius
+                return radius - math.sqrt(radius**2 - half**2)
             case "diameter" | "tap_drill":
                 return 2 * self._radius_about(points, along)
             case "radius":
@@ -116,6 +122,35 @@ class DimensionVerifier:
                 return self._count(points[0], along) / dimension.count
             case _:
                 return None
+
+    def holes(self, dimension: Dimension) -> list[Surface]:
+        """The round faces of all equal holes that a diameter or tap drill applies to, one per hole.
+
+        Where the solid has not as many parallel ones as the dimension counts (holes on a circle, radial), only the
+        declared one.
+
+        Raises:
+            LookupError: there is no such hole.
+        """
+        axis = dimension.direction
+        if axis is None:
+            raise LookupError(f"dimension '{dimension.name}' has no axis")
+        radius, point = self._radius_about(dimension.points, axis), dimension.points[0]
+        like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]
+        at = _dot(point, axis)
+        first = next(
+            s for s in like if s.off_axis(point) < NEAR and s.extent(axis)[0] - NEAR <= at <= s.extent(axis)[1] + NEAR
+        )
+        same_ends = [s for s in like if math.dist(s.extent(axis), first.extent(axis)) < NEAR]
+        same_mouth = [s for s in like if min(abs(a - b) for a, b in zip(s.extent(axis), first.extent(axis))) < NEAR]
+        for group in (like, same_mouth, same_ends):
+            found: list[Surface] = []
+            for surface in group:
+                if not any(surface.off_axis(other.origin) < NEAR for other in found):
+                    found.append(surface)
+            if len(found) == dimension.count:
+                return found
+        return [first]
 
     def _on(self, point: Point, *kinds: str) -> Surface:
         """The face at a point, of one of the kinds."""

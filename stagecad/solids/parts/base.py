@@ -23,12 +23,13 @@ Features and what each is for
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.derived import Derived, Place, corners
-from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import FaceRequirements, X, Z, named
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
+from stagecad.solids.modelling.dimensioning import FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, plate
 from stagecad.solids.parts.base_clamp import clamp_cutters, clamp_datums
@@ -39,12 +40,23 @@ if TYPE_CHECKING:
 
 NAME = "base"
 
-NOTES = (
-    "Pocket 1 in the middle of length and width; the base is symmetric about the plane of pocket 1 along the length.",
-    "Way holes, setting-pin, lifting, bracket and tooth bar holes also symmetric about the middle of the length.",
-    "Pockets 2 and 3 as pocket 1, turned to the opposite side face: height bores, leads, clamps.",
-    "Cut clamp slots after the pockets, and finish the pockets last.",
-)
+SYMMETRIC = "xy"
+"""Axes whose middle plane is a plane of symmetry."""
+TOLERANCE = 1e-6
+
+
+def notes(design: Any) -> tuple[str, ...]:
+    """Notes of the sheets."""
+    seat = design.bearing_way.width
+    return (
+        "Pocket 1 in the middle of length and width; symmetric about the plane of pocket 1 along the length.",
+        "Way holes, setting-pin, lifting, bracket and tooth bar holes also symmetric about the middle of the length.",
+        "Pockets 2 and 3 as pocket 1, their height bores, lead channels and clamps towards the opposite side face.",
+        "Hole table: X and Y theoretically exact, from the axis of pocket 1, X to the right.",
+        "Flatness of the face filtered by a Gaussian filter of 0.8 mm cut-off (ISO 12781-2).",
+        "Cut clamp slots after the pockets, and finish the pockets last.",
+        f"Lapping, flatness and roughness of A are required on the seats of the ways: {seat:g} wide along both sides.",
+    )
 
 
 def build(design: Any) -> cq.Solid:
@@ -125,6 +137,19 @@ def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
     return [pocket, bore, vent, channel]
 
 
+def defined_by_note(design: Any, point: Point) -> str:
+    """What defines faces beside the dimensions: slots of the clamps by detail X, pockets 2 and 3 as pocket 1."""
+    x, y, z = point
+    base = design.base
+    reach = max(base.clamp_reach + base.clamp_slot_width, base.pocket_diameter / 2 + base.clamp_floor_slot)
+    for number, (px, py) in enumerate(Derived(design).actuator_places, start=1):
+        if math.hypot(x - px, y - py) < reach + base.clamp_relief_hole and z > -base.height + TOLERANCE:
+            return "detail X and section A-A, as pocket 1" if number > 1 else "detail X"
+        if number > 1 and abs(y - py) < base.set_screw_access and z < -base.pocket_depth:
+            return "note: as pocket 1"
+    return ""
+
+
 def material(design: Any) -> str:
     """Name of its material."""
     return design.base.material
@@ -163,9 +188,62 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Bed of the ways, with the flatness required of them once bolted on; pockets upright on it."""
     f, base = FaceRequirements(design), design.base
     top = ((0.0, base.width / 2 - 3, 0.0),)
-    middle = ((0.0, 0.0, -base.pocket_depth / 2),)
     f.datum("A", top, Z, "front")
     f.tolerance("flatness", "top", "bearing.way_straightness", top, Z, "front")
     f.texture("top", "bearing.way_roughness", top, Z, "front", "lapped")
-    f.tolerance("perpendicularity", "pocket", "drawing.tolerance_x_xx", middle, Z, "section", datums=("A",), round=True)
+    _bore_requirements(f, design)
+    _hole_positions(f, design)
     return tuple(f)
+
+
+def _bore_requirements(f: FaceRequirements, design: Any) -> None:
+    """Middle planes as datums, pockets upright and in place, and the guide of pin 1."""
+    base, places = design.base, Derived(design).actuator_places
+    x, y, low = base.length / 2, base.width / 2, -base.height / 2
+    f.datum("B", ((x / 2, y, low), (x / 2, -y, low)), Y, "top", median=True)
+    f.datum("C", ((x, y / 2, low), (-x, y / 2, low)), X, "top", median=True)
+    pockets = tuple((px, py, -base.pocket_depth / 2) for px, py in places)
+    common = {"round": True, "feature": "pocket"}
+    axes = (pockets, Z, "top")
+    f.tolerance("perpendicularity", "pocket", "drawing.tolerance_x_xx", *axes, datums=("A",), **common)
+    f.tolerance("position", "pocket", "drawing.function_position", *axes, datums=("A", "B", "C"), **common)
+    guide = (-base.pin_1_bore_end / 2, 0.0, -base.pin_1_axis_depth)
+    wall = (guide[0], 0.0, guide[2] - base.pin_1_bore / 2)
+    thread = ((base.set_screw_thread_start + base.set_screw_thread_end) / 2, 0.0, -base.pin_1_axis_depth)
+    f.datum("D", (guide,), X, "section", round=True)
+    straight = ("straightness", "bore of height pin 1", "drawing.tolerance_x_xx", (guide,), X, "section")
+    f.tolerance(*straight, round=True)
+    f.texture("bore of height pin 1", "bearing.way_roughness", (wall,), Z, "section", "reamed")
+    f.tolerance(
+        "coaxiality",
+        "set screw thread",
+        "drawing.function_position",
+        (thread,),
+        X,
+        "section",
+        datums=("D",),
+        round=True,
+        feature="set screw thread",
+    )
+
+
+def _hole_positions(f: FaceRequirements, design: Any) -> None:
+    """Position tolerances of the holes in the top face."""
+    base, derived = design.base, Derived(design)
+    lift, bracket = (
+        corners(base.lift_spacing_along, base.lift_spacing_across),
+        corners(base.bracket_spacing_along, base.bracket_spacing_across),
+    )
+    pins = corners(base.setting_pin_spacing, base.way_gap - base.setting_pin_hole)
+    patterns = {
+        "way hole": (derived.way_hole_places, base.way_drill_depth),
+        "setting-pin hole": (pins, base.setting_pin_depth),
+        "lifting hole": (lift, base.lift_drill_depth),
+        "bracket hole": (bracket, base.bracket_drill_depth),
+    }
+    if design.teeth.fitted:
+        patterns["tooth bar hole"] = (derived.bar_hole_places, base.bar_drill_depth)
+    for name, (places, depth) in patterns.items():
+        key = "drawing.function_position" if name.startswith("setting") else "drawing.hole_position"
+        points = tuple((x, y, -depth / 2) for x, y in places)
+        f.tolerance("position", name, key, points, Z, "top", datums=("A", "B", "C"), round=True, feature=name)

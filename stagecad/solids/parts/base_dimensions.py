@@ -36,31 +36,31 @@ def _block(d: DimensionDeclarations, design: Any) -> None:
     d.linear("width", "width", (0, -y, low / 2), (0, y, low / 2), view="top")
     d.linear("height", "height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front")
     c = base.edge_chamfer / 2
-    d.chamfer("edge chamfer", "edge_chamfer", (0, y - c, -c), note="all outer edges", view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (x - c, y / 2, -c), note="all outer edges", view="front")
 
 
 def _way_holes(d: DimensionDeclarations, design: Any) -> None:
     base, places = design.base, Derived(design).way_hole_places
     (x, y), (x2, _) = places[:2]
     hole, side = (x, y, 0), (x, base.width / 2, -base.height / 2)
-    d.tapped("way hole", "unc_3_8", hole, DOWN, ("way_thread_depth", "way_drill_depth"), count=len(places))
-    top = d.group(view="top")
-    top.counted("way holes in a row", "bearing_way.bolt_count", hole, feature="way hole", note="2 rows")
-    top.linear("way hole spacing", "bearing_way.bolt_spacing", hole, (x2, y, 0), count=len(places) - 2)
-    top.linear("way hole row to side", "bearing_way.bolt_edge", side, hole, Y, count=2)
+    table, top = d.group(view="top", table="top"), d.group(view="top")
+    table.tapped("way hole", "unc_3_8", hole, DOWN, ("way_thread_depth", "way_drill_depth"), count=len(places))
+    table.counted("way holes in a row", "bearing_way.bolt_count", hole)
+    table.linear("way hole spacing", "bearing_way.bolt_spacing", hole, (x2, y, 0))
+    table.linear("way hole row to side", "bearing_way.bolt_edge", side, hole, Y)
     c = base.hole_chamfer / 2
     mouth = (x + design.threads.unc_3_8_tap_drill / 2 + c, y, -c)
     top.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all screw, pin, vent and side bores")
 
 
 def _setting_pins(d: DimensionDeclarations, design: Any) -> None:
-    base, top, pin = design.base, d.group(view="top"), "setting-pin hole"
+    base, top, pin = design.base, d.group(view="top", table="top"), "setting-pin hole"
     x, gap, low = base.setting_pin_spacing / 2, base.way_gap / 2, -base.setting_pin_depth
     y, middle = gap - base.setting_pin_hole / 2, low / 2
-    top.linear("way gap", "way_gap", (x, -gap, middle), (x, gap, middle), note="over the setting-pin holes")
+    top.linear("way gap", "way_gap", (x, -gap, middle), (x, gap, middle))
     top.diameter(pin, "setting_pin_hole", (x, y, middle), feature=pin, count=4, note="reamed")
     top.depth("setting-pin hole depth", "setting_pin_depth", (x, y, 0), (x, y, low), feature=pin, count=4)
-    top.linear("setting-pin spacing", "setting_pin_spacing", (-x, y, 0), (x, y, 0), count=2)
+    top.linear("setting-pin spacing", "setting_pin_spacing", (-x, y, 0), (x, y, 0))
 
 
 def _pockets(d: DimensionDeclarations, design: Any) -> None:
@@ -69,16 +69,22 @@ def _pockets(d: DimensionDeclarations, design: Any) -> None:
     radius, floor, left = base.pocket_diameter / 2, -base.pocket_depth, (-1.0, 0.0, 0.0)
     top = d.group(view="top")
     pocket = top.group(feature="pocket", count=3)
-    pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left, note="sliding fit of the holder")
+    pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left)
     pocket.depth("pocket depth", "pocket_depth", (0, 0, 0), (0, radius / 2, floor), Z)
     note = "3 pockets on an equilateral triangle"
     top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note)
+    keys, ends = ("base.actuator_spacing",), ((0, 0, 0), (x, y, 0))
+    top.derived("pocket 1 to pockets 2 and 3", abs(x), keys, ends, X)
     c = base.pocket_chamfer / 2
     top.chamfer("pocket chamfer", "pocket_chamfer", (-(radius + c), 0, -c), count=3)
     channel = d.group(view="right", feature="lead channel", count=3)
     half, deep, out = base.lead_channel_width / 2, -base.lead_channel_depth, base.length / 2 - 20
     channel.linear("lead channel width", "lead_channel_width", (out, -half, deep / 2), (out, half, deep / 2))
     channel.depth("lead channel depth", "lead_channel_depth", (out, 0, 0), (out, 0, deep))
+    z, note = -base.pin_1_axis_depth, "axes of height bores and lead channels"
+    d.derived(
+        "left side bores", 2 * y, keys, ((-base.length / 2, -y, z), (-base.length / 2, y, z)), Y, view="left", note=note
+    )
 
 
 def _height_bores(d: DimensionDeclarations, design: Any) -> None:
@@ -88,14 +94,18 @@ def _height_bores(d: DimensionDeclarations, design: Any) -> None:
     start, end, out = base.set_screw_thread_start, base.set_screw_thread_end, base.length / 2
     axis, edge, blind = (0, 0, floor / 2), (out - 3, base.width / 2 - 3, 0), (-base.pin_1_bore_end, 0, deep)
     guide = (0, 0, (floor + deep) / 2 + base.pin_1_bore / 4)
-    d.diameter("pin 2 bore", "pin_2_bore", guide, on=Y, note="sliding fit of height pin 2")
+    d.diameter("pin 2 bore", "pin_2_bore", guide, on=Y)
     d.linear("pin 1 axis depth", "pin_1_axis_depth", edge, (-20, 0, deep), Z)
     bore, guide = "pin 1 bore", (-base.pin_1_bore_end / 2, 0, deep)
-    d.diameter(bore, "pin_1_bore", guide, X, on=Z, feature=bore, note="sliding fit of height pin 1")
+    d.diameter(bore, "pin_1_bore", guide, X, on=Z)
     d.linear("pin 1 bore end", "pin_1_bore_end", axis, blind, X)
     middle, touch = (start + end) / 2, deep - design.threads.unc_1_tap_drill / 2
     thread = ((middle, 0, deep), (middle, 0, touch))
-    d.add("tap_drill", "set screw thread", "threads.unc_1_tap_drill", thread, X, note="1-8 UNC")
+    feature = "set screw thread"
+    d.add("tap_drill", "set screw thread", "threads.unc_1_tap_drill", thread, X, note="1-8 UNC", feature=feature)
+    d.remark(
+        "set screw thread ends", ("base.set_screw_thread_start",), thread[1], "over the length shown", feature=feature
+    )
     d.linear("set screw thread start", "set_screw_thread_start", axis, (start, 0, deep), X)
     d.linear("set screw thread end", "set_screw_thread_end", axis, (end, 0, deep), X)
     d.diameter("set screw access", "set_screw_access", ((start + out) / 2, 0, deep), X, on=Z)
@@ -111,7 +121,12 @@ def _clamp_screws(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
     mouth, seat = (face, y, z), face - base.clamp_counterbore_depth
     right = d.group(view="right")
     right.linear("clamp screw depth", "clamp_screw_depth", (face - 3, base.width / 2 - 3, 0), mouth, Z)
-    right.linear("clamp screw offset", "clamp_screw_offset", (0, 0, z), mouth, Y)
+    right.linear("clamp screw offset", "clamp_screw_offset", (0, 0, z), mouth, Y, count=2)
+    far = abs(clamps(design)[2].place(0.0, y)[1])
+    keys, ends = ("base.actuator_spacing", "base.clamp_screw_offset"), ((-face, -far, z), (-face, far, z))
+    d.group(count=1).derived(
+        "clamp screws of pockets 2 and 3", 2 * far, keys, ends, Y, view="left", note="clamp screws"
+    )
     hole = right.group(feature="clamp screw hole")
     hole.diameter("clamp counterbore", "clamp_counterbore", ((face + seat) / 2, y, z), X, on=Z)
     hole.depth("clamp counterbore depth", "clamp_counterbore_depth", mouth, (seat, y, z))
@@ -168,9 +183,7 @@ def _attachments(d: DimensionDeclarations, design: Any) -> None:
     _rectangle(d, "bracket hole", "m6", "bracket", corners(base.bracket_spacing_along, base.bracket_spacing_across))
     x, y, low = base.foot_spacing_along / 2, base.foot_spacing_across / 2, -base.height
     bottom = d.group(view="bottom")
-    bottom.tapped(
-        "foot hole", "m10", (x, y, low), Z, ("foot_thread_depth", "foot_drill_depth"), tap_drill=False, count=3
-    )
+    bottom.tapped("foot hole", "m10", (x, y, low), Z, ("foot_thread_depth", "foot_drill_depth"), count=3)
     bottom.linear("foot spacing along", "foot_spacing_along", (-x, 0, low), (x, y, low), X)
     bottom.linear("foot spacing across", "foot_spacing_across", (x, -y, low), (x, y, low))
 
@@ -179,18 +192,18 @@ def _rectangle(d: DimensionDeclarations, feature: str, thread: str, key: str, pl
     """Four tapped holes in the top, with their spacings."""
     (x1, y1), (_, y2), (x2, _) = places[:3]
     first, depths = (x1, y1, 0), (f"{key}_thread_depth", f"{key}_drill_depth")
-    d.tapped(feature, thread, first, DOWN, depths, count=len(places))
-    d.linear(f"{feature} spacing along", f"{key}_spacing_along", first, (x2, y1, 0), view="top")
-    d.linear(f"{feature} spacing across", f"{key}_spacing_across", first, (x1, y2, 0), view="top")
+    table = d.group(view="top", table="top")
+    table.tapped(feature, thread, first, DOWN, depths, count=len(places))
+    table.linear(f"{feature} spacing along", f"{key}_spacing_along", first, (x2, y1, 0))
+    table.linear(f"{feature} spacing across", f"{key}_spacing_across", first, (x1, y2, 0))
 
 
 def _tooth_bar_holes(d: DimensionDeclarations, design: Any) -> None:
-    bar, top = design.tooth_bar, d.group(view="top")
+    bar, top = design.tooth_bar, d.group(view="top", table="top")
     x, half, middle = bar.screw_span / 2, bar.screw_spacing / 2, design.teeth.bar_spacing / 2
     low, high = middle - half, middle + half
     hole, count = (x, high, 0), len(Derived(design).bar_hole_places)
-    d.tapped("tooth bar hole", "m5", hole, DOWN, ("bar_thread_depth", "bar_drill_depth"), count=count)
+    top.tapped("tooth bar hole", "m5", hole, DOWN, ("bar_thread_depth", "bar_drill_depth"), count=count)
     top.linear("tooth bar hole span", "tooth_bar.screw_span", (-x, high, 0), hole)
-    top.linear("tooth bar hole spacing", "tooth_bar.screw_spacing", (x, low, 0), hole, count=4)
-    note = "between like holes of both bars"
-    top.linear("tooth bar spacing", "teeth.bar_spacing", (x, -high, 0), (x, low, 0), note=note)
+    top.linear("tooth bar hole spacing", "tooth_bar.screw_spacing", (x, low, 0), hole)
+    top.linear("tooth bar spacing", "teeth.bar_spacing", (x, -high, 0), (x, low, 0))

@@ -1,4 +1,4 @@
-"""The bearing way: a silicon carbide rail, lapped on top and bottom, bolted to the base along its outer edge.
+"""The bearing way: a rail, lapped on top and bottom, bolted to the base along its outer edge.
 
 Part coordinates: origin in the middle of the footprint, on the bedded underside; x along the travel, y across it with
 the inner edge (the one towards the actuator) at +y, z up. The two ways are the same part: the right one (y < 0) stands
@@ -37,7 +37,18 @@ if TYPE_CHECKING:
 
 NAME = "bearing_way"
 
-NOTES = ("Row of holes symmetric about the middle of the length. Two off, alike.",)
+SYMMETRIC = "x"
+"""Axes whose middle plane is a plane of symmetry."""
+
+
+def notes(design: Any) -> tuple[str, ...]:
+    """Notes of the sheet."""
+    pair = 1e3 * design.bearing_way.pair_tolerance
+    return (
+        "Row of holes symmetric about the middle of the length.",
+        f"Two off, lapped together as a pair: heights equal within {pair:g} um, both marked with one number.",
+        "Flatness of the face filtered by a Gaussian filter of 0.8 mm cut-off (ISO 12781-2).",
+    )
 
 
 def bolt_places(design: Any) -> list[tuple[float, float]]:

@@ -29,6 +29,12 @@ if TYPE_CHECKING:
 NAME = "height_pin_1"
 
 
+def notes(design: Any) -> tuple[str, ...]:
+    """Notes of the sheet."""
+    layer = 1e3 * design.height_pin_1.coating_thickness
+    return (f"Hard anodised all over, tapped hole masked, layer {layer:g} um; dimensions and roughness after coating.",)
+
+
 def build(design: Any) -> cq.Solid:
     """Height pin 1 as one solid, mm."""
     import cadquery as cq
@@ -96,9 +102,10 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     pin, d = design.height_pin_1, DimensionDeclarations(design, "height_pin_1")
     half, radius, back = pin.length / 2, pin.diameter / 2, (-1.0, 0.0, 0.0)
     front, wedge, end = d.group(view="front"), (pin.flat_height, 0, 0), (-radius + 2, 0, -half)
-    d.diameter("diameter", "diameter", (0, 0, 0), on=back, view="top", note="sliding fit in its bore")
+    d.diameter("diameter", "diameter", (0, 0, 0), on=back, view="right")
     front.linear("length", "length", end, (-radius + 2, 0, half))
-    front.linear("wedge face height", "flat_height", (0, 0, 0), wedge, note="from the axis, at mid-length")
+    note = f"from the axis, {half:g} mm from the shoulder of the spigot"
+    front.linear("wedge face height", "flat_height", (0, 0, 0), wedge, note=note)
     front.slope("wedge slope", "slope", wedge, Z, note="rise over run")
     tail = -half - pin.spigot_length
     front.diameter("spigot", "spigot_diameter", (0, 0, (tail - half) / 2), on=back)
@@ -112,6 +119,9 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """A wedge face that supports height pin 2 in full, and a shank that guides it."""
     f, wedge, back = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, -design.height_pin_1.length / 4)
+    face = ((wedge.origin,), wedge.normal, "front")
+    f.datum("A", (back,), Z, "right", round=True)
+    f.tolerance("angularity", "wedge face to shank", "drawing.wedge_angularity", *face, datums=("A",))
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
     f.tolerance("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
     f.texture("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")

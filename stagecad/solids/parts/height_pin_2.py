@@ -26,6 +26,12 @@ if TYPE_CHECKING:
 NAME = "height_pin_2"
 
 
+def notes(design: Any) -> tuple[str, ...]:
+    """Notes of the sheet."""
+    layer = 1e3 * design.height_pin_1.coating_thickness
+    return (f"Hard anodised all over, layer {layer:g} um; dimensions and roughness after coating.",)
+
+
 def build(design: Any) -> cq.Solid:
     """Height pin 2 as one solid, mm."""
     import cadquery as cq
@@ -75,11 +81,15 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of height pin 2."""
     pin = design.height_pin_2
     d, top, c = DimensionDeclarations(design, "height_pin_2").group(view="front"), pin.length, pin.end_chamfer
-    d.diameter("diameter", "diameter", (0, 0, top / 2), on=X, note="sliding fit in its bore")
+    d.diameter("diameter", "diameter", (0, 0, top / 2), on=X)
     d.linear("length", "length", (0, 0, 0), (0, 0, top), note="on the axis")
     d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, note="rise over run")
-    d.radius("crown", "crown_radius", (0, 0, top), note="spherical")
+    d.radius("crown", "crown_radius", (0, 0, top), note="spherical", tolerance=None, reference=True)
     rim = pin.diameter / 2 - c
+    sag, limit = pin.crown_radius - math.sqrt(pin.crown_radius**2 - rim**2), pin.sag_tolerance
+    keys = ("height_pin_2.crown_radius", "height_pin_2.sag_tolerance")
+    ends, fields = ((0, 0, top), (2 * rim, 0, top)), {"kind": "sag", "tolerance": None, "deviations": (-limit, limit)}
+    d.derived("crown height", sag, keys, ends, X, **fields)
     edge = top - pin.crown_radius + math.sqrt(pin.crown_radius**2 - rim**2)
     d.chamfer("end chamfer", "end_chamfer", (rim + c / 2, 0, edge - c / 2))
     return tuple(d)
@@ -88,6 +98,9 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """A lower end that meets the wedge in full, and a shank that its bore guides."""
     f, wedge, middle = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, design.height_pin_2.length / 2)
+    face = ((wedge.origin,), wedge.normal, "front")
+    f.datum("A", (middle,), Z, "front", round=True)
+    f.tolerance("angularity", "lower end to shank", "drawing.wedge_angularity", *face, datums=("A",))
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
     f.tolerance("flatness", "lower end", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
     f.texture("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")

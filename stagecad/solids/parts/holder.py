@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 NAME = "holder"
 
+TURNED, SYMMETRIC = 3, "x"
+"""Number of equal sectors about z; axes whose middle plane is a plane of symmetry."""
+
 NOTES = (
     "Bores on an equilateral triangle about the axis; clamp holes in line with them, through to the bore.",
     "Lifting holes midway between the bores; index notches on the diameter parallel to the line of two bores.",
@@ -139,8 +142,10 @@ def _bore_dimensions(d: DimensionDeclarations, design: Any) -> None:
     note = "3 bores on an equilateral triangle about the axis"
     d.linear("piezo spacing", "actuator.piezo_spacing", (x1, y1, h.height), (x2, y1, h.height), note=note)
     bore = d.group(feature="piezo bore", count=3)
-    bore.diameter("piezo bore", "bore_diameter", (x1, y1, middle))
-    d.linear("floor", "floor", (x1, y1, 0), (x1, y1, h.floor), count=4, view="section", note="bores and well")
+    bore.diameter("piezo bore", "bore_diameter", (x1, y1, middle), note="to the floor, see A-A")
+    d.linear("floor", "floor", (0, y3, 0), (0, y3, h.floor), count=3, view="section", note="floors of the bores")
+    keys, ends = ("holder.floor",), ((0, 0, 0), (0, 0, h.floor))
+    d.derived("well floor", h.floor, keys, ends, Z, tolerance="X.X", view="section", note="well, slots")
     bore.diameter("ejector hole", "ejector_hole", (x1, y1, h.floor / 2), note="through")
     d.diameter("well", "well_diameter", (0, 0, middle), on=(0.0, -1.0, 0.0))
     y, half = (h.well_diameter / 2 + y3 - h.bore_diameter / 2) / 2, h.lead_slot_width / 2
@@ -156,7 +161,7 @@ def _screw_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
     back.linear("clamp hole height", "clamp_height", (0, y - 3, 0), clamp, Z)
     d.linear("lifting hole radius", "lift_radius", (0, 0, h.height), lift, count=3, view="top")
     depths = ("lift_thread_depth", "lift_drill_depth")
-    d.tapped("lifting hole", "m4", lift, DOWN, depths, tap_drill=False, count=3)
+    d.tapped("lifting hole", "m4", lift, DOWN, depths, count=3)
 
 
 def _edge_dimensions(d: DimensionDeclarations, design: Any) -> None:
@@ -166,7 +171,7 @@ def _edge_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.linear("index notch width", "index_width", (notch, -half, z), (notch, half, z), count=2, view="top")
     d.linear("index notch depth", "index_depth", edge, root, Z, count=2, view="front", note="and as deep radially")
     c = h.edge_chamfer / 2
-    d.chamfer("edge chamfer", "edge_chamfer", (0, -(outside - c), c), note="both ends", view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (outside - c, 0, c), note="both ends", view="front")
     c = h.bore_chamfer / 2
     mouth = (x - h.bore_diameter / 2 - c, y, h.height - c)
     d.chamfer("bore chamfer", "bore_chamfer", mouth, note="mouths of all holes", view="top")
@@ -176,16 +181,31 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Piezos upright in the pocket: their floors square to the diameter that the pocket guides."""
     f, h = FaceRequirements(design), design.holder
     axis, floors = (0.0, 0.0, h.floor / 2), tuple((x, y, h.floor) for x, y in _beside_ejectors(design))
+    bottom = ((0.0, -(h.diameter / 2 - h.edge_chamfer) / 2, 0.0),)
+    bores = tuple((x, y, (h.height + h.floor) / 2) for x, y in Derived(design).piezo_places)
     f.datum("A", (axis,), Z, "front", round=True)
     f.tolerance("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
     f.tolerance(
         "perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True
     )
     f.texture("floors", "bearing.way_roughness", floors, Z, "section")
+    f.tolerance("perpendicularity", "bottom", "drawing.tolerance_x_xx", bottom, DOWN, "front", datums=("A",))
+    f.texture("bottom", "bearing.way_roughness", bottom, DOWN, "front")
+    f.tolerance(
+        "position",
+        "bores",
+        "drawing.function_position",
+        bores,
+        Z,
+        "top",
+        datums=("A",),
+        round=True,
+        feature="piezo bore",
+    )
     return tuple(f)
 
 
 def _beside_ejectors(design: Any) -> list[tuple[float, float]]:
-    """A place (x, y) on each bore's floor: the ejector hole takes its middle."""
+    """A place (x, y) on each bore's floor: the ejector hole takes its middle; that of bore 3 first."""
     aside = (design.holder.ejector_hole + design.holder.bore_diameter) / 4
-    return [(x + aside, y) for x, y in Derived(design).piezo_places]
+    return [(x, y + aside) for x, y in reversed(Derived(design).piezo_places)]

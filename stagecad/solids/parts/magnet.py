@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 NAME = "magnet"
 
+SYMMETRIC = "xy"
+"""Axes whose middle plane is a plane of symmetry."""
+
 
 def build(design: Any) -> cq.Solid:
     """The magnet as one solid, mm."""

@@ -23,6 +23,7 @@ Features and what each is for
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.derived import Derived
@@ -46,10 +47,24 @@ if TYPE_CHECKING:
 
 NAME = "stage"
 
-NOTES = (
-    "Holes, pads, drive surface and pockets symmetric about the middle of length and width where no distance is given.",
-    "The single pad of three is in the middle of the length.",
-)
+SYMMETRIC = "xy"
+"""Axes whose middle plane is a plane of symmetry."""
+
+
+def notes(design: Any) -> tuple[str, ...]:
+    """Notes of the sheet."""
+    film, coating = 1e6 * design.bearing.film_thickness, 1e6 * design.drive.sea_coating_thickness
+    words = [
+        "Holes, pads, drive surface and pockets symmetric about the middle of length and width where no distance is "
+        "given.",
+        f"Crowns coated with PTFE, {film:g} um thick, after finishing, by a coater; dimensions before coating.",
+        f"Drive surface hard anodised, layer {coating:g} um, then lapped; dimensions and roughness after coating. "
+        "All else masked.",
+        "Datum A: common tangent plane of the crowns at A1 to A" + f"{design.pads.count}.",
+    ]
+    if design.pads.count == 3:
+        words.insert(1, "The single pad of three is in the middle of the length.")
+    return tuple(words)
 
 
 def build(design: Any) -> cq.Solid:
@@ -180,17 +195,19 @@ def _plate_dimensions(d: DimensionDeclarations, design: Any) -> None:
     inset = fillet_inset(s.corner_radius)
     d.radius("corner radius", "corner_radius", (x - inset, y - inset, top / 2), count=4, view="top")
     c = s.edge_chamfer / 2
-    d.chamfer("edge chamfer", "edge_chamfer", (0, y - c, top - c), note="all outer edges", view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (x - c, 0, top - c), note="all outer edges", view="front")
 
 
 def _payload_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
     s, (x, y), top = design.stage, Derived(design).payload_places[0], design.stage.thickness
-    count, steps = s.payload_columns * s.payload_rows, s.payload_columns + s.payload_rows - 2
-    hole, next_hole = (x, y, top), (x + s.payload_pitch, y, top)
+    count, hole = s.payload_columns * s.payload_rows, (x, y, top)
     d.tapped("payload hole", "m6", hole, DOWN, ("payload_thread_depth", "payload_drill_depth"), count=count)
     d.counted("payload columns", "payload_columns", hole, X, feature="payload hole", view="top")
     d.counted("payload rows", "payload_rows", hole, Y, feature="payload hole", view="top")
-    d.linear("payload pitch", "payload_pitch", hole, next_hole, view="top", count=steps, note="both ways")
+    d.pitch("payload pitch", "payload_pitch", hole, (-x, y, top), s.payload_columns - 1, view="top")
+    keys, rows = ("stage.payload_pitch", "stage.payload_rows"), s.payload_rows - 1
+    ends = ((x, y, top), (x, -y, top))
+    d.derived("payload pitch across", s.payload_pitch, keys, ends, Y, kind="pitch", count=rows, view="top")
     c = s.hole_chamfer / 2
     mouth = (x + design.threads.m6_tap_drill / 2 + c, y, top - c)
     d.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all holes", view="top")
@@ -208,7 +225,7 @@ def _dowel_and_target_dimensions(d: DimensionDeclarations, design: Any) -> None:
     side, hole = d.group(view="right"), (end, y, top / 2)
     side.linear("target spacing", "target_spacing", (end, -y, top / 2), hole, count=2, note="at mid-thickness")
     depths = ("target_thread_depth", "target_drill_depth")
-    side.tapped("target hole", "m4", hole, (-1, 0, 0), depths, count=4)
+    side.tapped("target hole", "m4", hole, (-1, 0, 0), depths, count=4, extra="2 in each end face")
 
 
 def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
@@ -216,15 +233,21 @@ def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
     (x, y), (x2, _), (x3, y3) = places[:3]
     half, side, low = pads.length / 2, pads.width / 2, -pads.height
     crown, middle = (x, y, low), low / 2
-    d.counted("pads", "pads.count", crown, Z, feature="pad", note="PTFE film on the crowns")
-    d.linear("pad length", "pads.length", (x - half, y, middle), (x + half, y, middle))
-    d.linear("pad width", "pads.width", (x, y - side, middle), (x, y + side, middle))
-    d.linear("pad height", "pads.height", (x, y, 0), crown, view="front")
-    d.radius("pad crown", "pads.crown_radius", crown, view="front", note="spherical crown, all pads")
+    d.counted("pads", "pads.count", crown, Z, feature="pad", note="with PTFE film")
+    every = d.group(count=pads.count)
+    every.linear("pad length", "pads.length", (x3 - half, y3, middle), (x3 + half, y3, middle))
+    every.linear("pad width", "pads.width", (x, y - side, middle), (x, y + side, middle))
+    d.linear("pad height", "pads.height", (x, y, 0), crown, view="right")
+    d.radius("pad crown", "pads.crown_radius", crown, view="front", note="spherical", tolerance=None, reference=True)
+    sag = pads.crown_radius - math.sqrt(pads.crown_radius**2 - half**2)
+    ends, tolerance = (crown, (x + pads.length, y, low)), pads.sag_tolerance
+    keys, limits = ("pads.crown_radius", "pads.sag_tolerance"), (-tolerance, tolerance)
+    fields = {"kind": "sag", "tolerance": None, "deviations": limits, "view": "front", "note": "all pads"}
+    d.derived("pad crown height", sag, keys, ends, X, **fields)
     inset = fillet_inset(pads.corner_radius)
     d.radius("pad corner", "pads.corner_radius", (x + half - inset, y + side - inset, middle))
     inset = fillet_inset(pads.root_fillet)
-    d.radius("pad root fillet", "pads.root_fillet", (x, y + side + inset, -inset))
+    d.radius("pad root fillet", "pads.root_fillet", (x, y + side + inset, -inset), X, view="right")
     d.linear("pad spacing along", "pads.spacing_along", crown, (x2, y, low))
     d.linear("pad spacing across", "pads.spacing_across", crown, (x3, y3, low), Y)
 
@@ -246,7 +269,7 @@ def _iron_pocket_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.linear("iron pocket spacing", "teeth.bar_spacing", (0, -y, deep), (0, y, deep))
     pair.linear("iron pocket length", "iron_pocket_length", (-x, y, middle), (x, y, middle))
     pair.linear("iron pocket width", "iron_pocket_width", (0, low, middle), (0, high, middle))
-    pair.depth("iron pocket depth", "iron_pocket_depth", (x - 3, y, 0), (x - 3, y, deep))
+    pair.depth("iron pocket depth", "iron_pocket_depth", (x - 3, y, 0), (x - 3, y, deep), view="section")
     inset = fillet_inset(s.iron_pocket_corner)
     d.radius("iron pocket corner", "iron_pocket_corner", (x - inset, high - inset, middle), count=8)
 
@@ -256,7 +279,20 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     f, down = FaceRequirements(design), DOWN
     crowns = tuple((x, y, -design.pads.height) for x, y in sorted(Derived(design).pad_places))
     surface = ((0.0, 0.0, 0.0),)
-    f.datum("A", crowns, down, "front")
-    f.tolerance("parallelism", "drive surface to pads", "drawing.tolerance_x_xx", surface, down, "front", datums=("A",))
-    f.texture("drive surface", "drive.roughness", surface, down, "front", "lapped")
+    f.datum("A", crowns, down, "front", targets="bottom")
+    f.tolerance("parallelism", "drive surface to pads", "drawing.tolerance_x_xx", surface, down, "right", datums=("A",))
+    f.texture("drive surface", "drive.roughness", surface, down, "right", "lapped")
+    f.texture("crowns of the pads", "pads.roughness", crowns, down, "front", "all pads")
+    s, middle = design.stage, design.stage.thickness / 2
+    x, y = s.length / 2, s.width / 2
+    f.datum("B", ((0.0, y, middle), (0.0, -y, middle)), Y, "top", median=True)
+    f.datum("C", ((x, 0.0, middle), (-x, 0.0, middle)), X, "top", median=True)
+    deep = s.thickness - s.payload_drill_depth / 2
+    payload = tuple((x, y, deep) for x, y in Derived(design).payload_places)
+    dowels = tuple((side * s.dowel_spacing / 2, s.dowel_offset, middle) for side in (-1, 1))
+    for hole, key, places in (
+        ("payload hole", "drawing.hole_position", payload),
+        ("dowel hole", "drawing.function_position", dowels),
+    ):
+        f.tolerance("position", hole, key, places, Z, "top", datums=("A", "B", "C"), round=True, feature=hole)
     return tuple(f)

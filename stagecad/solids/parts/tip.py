@@ -30,10 +30,18 @@ if TYPE_CHECKING:
 
 NAME = "tip"
 
-NOTES = (
-    "Feet and arms at the corners of an equilateral triangle about the nose; symmetric about each arm.",
-    "Nose anodised hard as the friction contact; seats masked.",
-)
+TURNED, SYMMETRIC = 3, "x"
+"""Number of equal sectors about z; axes whose middle plane is a plane of symmetry."""
+
+
+def notes(design: Any) -> tuple[str, ...]:
+    """Notes of the sheet."""
+    layer = 1e3 * design.tip.coating_thickness
+    return (
+        "Feet and arms at the corners of an equilateral triangle about the nose; symmetric about each arm.",
+        f"Nose coated: {design.materials[design.tip.coating_material].description.lower()}, layer {layer:g} um, seats "
+        "masked; dimensions and roughness after coating.",
+    )
 
 
 def build(design: Any) -> cq.Solid:
@@ -107,9 +115,10 @@ def _arm_dimensions(d: DimensionDeclarations, design: Any) -> None:
     (x1, y1), (x2, _), (_, y3) = Derived(design).piezo_places
     mid, half, hub = low + tip.arm_thickness / 2 + tip.seat_depth / 2, tip.arm_width / 2, tip.hub_diameter / 2
     top, bottom, front = d.group(view="top"), d.group(view="bottom"), d.group(view="front")
+    section = d.group(view="section")
     note = "3 seats on an equilateral triangle about the nose"
     bottom.linear("piezo spacing", "actuator.piezo_spacing", (x1, y1, low), (x2, y1, low), note=note)
-    front.linear("tip height", "actuator.tip_height", (x1, y1, 0), (0, 0, apex), Z)
+    section.linear("tip height", "actuator.tip_height", (0, y3, 0), (0, 0, apex), Z, note="from the seats")
     front.linear("arm thickness", "arm_thickness", (0, hub + 3, low), (0, hub + 3, low + tip.arm_thickness))
 
     # Upright fillets at arm 3: tangent to its side and, outside, to hub and foot.
@@ -161,4 +170,5 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     seats = tuple((x, y, 0.0) for x, y in Derived(design).piezo_places)
     f.tolerance("flatness", "seats", "drawing.tolerance_x_xx", seats, down, "section", combined=True)
     f.texture("seats", "bearing.way_roughness", seats, down, "section")
+    f.texture("nose", "drive.roughness", ((0.0, 0.0, design.actuator.tip_height),), Z, "front")
     return tuple(f)

@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 
 NAME = "tooth_bar"
 
+SYMMETRIC = "xy"
+"""Axes whose middle plane is a plane of symmetry."""
+
 NOTES = ("Symmetric about both centre planes: a group of teeth on either side of the channel. Two off, alike.",)
 
 

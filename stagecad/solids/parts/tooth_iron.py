@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 NAME = "tooth_iron"
 
+SYMMETRIC = "xy"
+"""Axes whose middle plane is a plane of symmetry."""
+
 NOTES = ("Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",)
 
 
@@ -107,7 +110,8 @@ def declare_teeth(
     half, pitch, depth = teeth.width / 2, teeth.pitch, into * teeth.groove_depth
     flank, groove, body = crest + depth / 2, crest + depth, crest + 2 * depth
     d.counted("teeth in a group", "teeth.per_iron", (0, y, crest), Y, count=groups, feature="teeth")
-    d.linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
+    width = d.group(count=len(centres))
+    width.linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
     d.depth("groove depth", "teeth.groove_depth", (0, y, crest), (0, y + pitch / 2, groove), Z)
     if len(centres) // groups > 1:
         d.linear("tooth pitch", "teeth.pitch", (0, y - half, flank), (0, y + pitch - half, flank))

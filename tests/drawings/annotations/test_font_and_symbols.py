@@ -51,7 +51,7 @@ def test_a_symbol_is_within_its_width_and_near_the_height_of_capitals(symbol: Sy
     boxes = [primitive_box(primitive) for primitive in symbol_primitives(symbol, (10.0, 20.0), 5.0)]
     assert min(box[0] for box in boxes) >= 10.0 - 1e-9
     assert max(box[2] for box in boxes) <= 10.0 + symbol_width(symbol, 5.0) + 1e-9
-    assert 20.0 - 1.0 - 1e-9 <= min(box[1] for box in boxes) < max(box[3] for box in boxes) <= 20.0 + 6.0 + 1e-9
+    assert 20.0 - 1.0 - 1e-9 <= min(box[1] for box in boxes) <= max(box[3] for box in boxes) <= 20.0 + 6.0 + 1e-9
 
 
 def test_a_text_with_symbols_is_as_wide_as_its_pieces() -> None:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from ezdxf.document import Drawing
 
-from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension, Note
+from drawings.annotations.annotation import Callout, DatumSymbol, FeatureControlFrame, LinearDimension, Note
 from drawings.export.lint import Hit, lint
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock
@@ -23,7 +23,7 @@ EDGES = tuple(Segment(a, b) for a, b in pairwise(CORNERS))
 VIEW = View("front", PROJECTIONS["front"], {"VISIBLE": EDGES}, scale=0.5, place=(100.0, 150.0))
 LENGTH = LinearDimension("front", (0.0, 100.0), (200.0, 100.0), 0.0, (0.0, 210.0), "200", 200.0, ("length",))
 HEIGHT = LinearDimension("front", (0.0, 0.0), (0.0, 100.0), 90.0, (90.0, 0.0), "100.0", 100.0, ("height",))
-HOLE = Callout("front", (150.0, 50.0), (215.0, 190.0), ("4x ⌀5.0 {depth}12.0",), ("hole",))
+HOLE = Callout("front", (200.0, 50.0), (215.0, 190.0), ("4x ⌀5.0 {depth}12.0",), ("hole",))
 CLEAN = Sheet("block", "block", "A3", 0.5, TITLE, (VIEW,), (LENGTH, HEIGHT, HOLE))
 
 
@@ -36,7 +36,7 @@ def test_a_clean_sheet_has_no_hits() -> None:
 
 
 def test_a_text_over_another_is_found() -> None:
-    other = replace(HOLE, at=(150.0, 30.0), elbow=(216.0, 191.0), lines=("3x R2.0",))
+    other = replace(HOLE, at=(200.0, 30.0), elbow=(216.0, 191.0), lines=("3x R2.0",))
     (hit,) = hits(replace(CLEAN, annotations=(*CLEAN.annotations, other)), "text")
     assert "over '3x R2.0'" in str(hit)
     assert hit.at == pytest.approx((227.1, 190.0), abs=0.5)
@@ -73,7 +73,7 @@ def test_the_frame_of_a_tolerance_on_the_part_is_found() -> None:
 
 
 def test_a_symbol_on_the_part_is_found_although_it_is_no_text() -> None:
-    over = replace(HOLE, at=(150.0, 50.0), elbow=(194.0, 190.0), lines=("{surface}",))
+    over = replace(HOLE, at=(200.0, 50.0), elbow=(194.0, 190.0), lines=("{surface}",))
     assert hits(replace(CLEAN, annotations=(over,)), "line")
     off = replace(over, elbow=(210.0, 190.0))
     assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
@@ -100,6 +100,26 @@ def test_two_dimensions_on_one_line_are_found() -> None:
 def test_a_note_over_the_frame_of_the_view_is_found() -> None:
     note = Note((120.0, 148.5), ("Cut slots last.",))
     assert hits(replace(CLEAN, notes=(note,)), "line")
+
+
+def test_a_leader_that_ends_beside_the_part_is_found() -> None:
+    assert [hit.kind for hit in lint(document_of(replace(CLEAN, annotations=(replace(HOLE, at=(140.0, 50.0)),))))] == [
+        "leader"
+    ]
+
+
+def test_a_leader_that_ends_on_a_datum_triangle_is_found() -> None:
+    datum = DatumSymbol("front", (150.0, 100.0), (175.0, 212.0), "A")
+    leader = replace(HOLE, at=(152.0, 100.0), elbow=(215.0, 215.0), lines=("1.0x45°",))
+    found = hits(replace(CLEAN, annotations=(datum, leader)), "leader")
+    assert [str(hit).split(",")[0] for hit in found] == ["a leader ends on the triangle of a datum"]
+    apart = replace(leader, at=(190.0, 100.0))
+    assert hits(replace(CLEAN, annotations=(datum, apart)), "leader") == []
+
+
+def test_a_wording_that_no_standard_defines_is_found() -> None:
+    (hit,) = hits(replace(CLEAN, annotations=(replace(HOLE, lines=("7x 50.0 both ways",)),)), "callout")
+    assert str(hit).startswith("'7x 50.0 both ways' is defined by no standard")
 
 
 def first_dimension(document: Drawing):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import re
 import xml.etree.ElementTree as ET
@@ -11,14 +10,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from PIL import Image
 from pypdfium2 import PdfDocument
-from scipy.ndimage import minimum_filter
 
 from drawings.annotations.annotation import Note, Symbol
-from drawings.annotations.font import font_path, text_width
+from drawings.annotations.font import text_width
 from drawings.annotations.primitives import (
-    LAYERS,
     LINE_TYPES,
     ArcStroke,
     FilledPolygon,
@@ -28,20 +24,14 @@ from drawings.annotations.primitives import (
     Text,
 )
 from drawings.export.drawing_model import DrawingModel, PrimitiveGroup, bezier_curves, drawing_model, text_origin
-from drawings.export.dxf import dxf_document
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
 from drawings.export.svg import svg_bytes
 from drawings.views.view import Arc
 from tests.drawings.plate_sheet import plate, sheet
+from tests.drawings.rendered import assert_same_picture, picture_of
 
 SCALE = DPI["A3"] / 25.4
 """Pixels per mm."""
-DARK, LIGHT = 110, 200
-"""Grey of what is surely drawn, and of what is surely not."""
-
-
-def picture_of(drawing: DrawingModel) -> np.ndarray:
-    return np.asarray(Image.open(io.BytesIO(png_bytes(pdf_bytes(drawing), drawing.paper))))
 
 
 def only(*primitives: Primitive) -> DrawingModel:
@@ -80,59 +70,8 @@ def test_each_format_has_the_size_of_the_paper(drawing: DrawingModel, picture: n
     assert picture.shape[::-1] == pytest.approx((420 * SCALE, 297 * SCALE), abs=1.1)
 
 
-def continuous(drawing: DrawingModel) -> DrawingModel:
-    """A drawing with all lines continuous."""
-
-    def unbroken(primitive: Primitive) -> Primitive:
-        if isinstance(primitive, Stroke | ArcStroke):
-            return replace(primitive, style=LineStyle((primitive.style or LAYERS[primitive.layer]).weight))
-        return primitive
-
-    groups = (replace(group, primitives=tuple(map(unbroken, group.primitives))) for group in drawing.groups)
-    return replace(drawing, groups=tuple(groups))
-
-
-def rendered_by_ezdxf(drawing: DrawingModel) -> np.ndarray:
-    """The paper space of the drawing's DXF document as ezdxf's drawing add-on paints it with matplotlib."""
-    from ezdxf.addons.drawing import config
-    from ezdxf.addons.drawing.frontend import Frontend
-    from ezdxf.addons.drawing.matplotlib import MatplotlibBackend
-    from ezdxf.addons.drawing.properties import RenderContext
-    from ezdxf.fonts import fonts
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    fonts.font_manager.build([str(font_path().parent)])
-    document = dxf_document(drawing)
-    width, height = drawing.size
-    figure = Figure((width / 25.4, height / 25.4), dpi=DPI[drawing.paper])
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    backend = MatplotlibBackend(axes, adjust_figure=False)
-    settings = config.Configuration(
-        lineweight_policy=config.LineweightPolicy.ABSOLUTE,
-        # Its matplotlib backend takes millimetres for points.
-        lineweight_scaling=72 / 25.4,
-        text_policy=config.TextPolicy.FILLING,
-        color_policy=config.ColorPolicy.BLACK,
-        background_policy=config.BackgroundPolicy.WHITE,
-    )
-    Frontend(RenderContext(document), backend, config=settings).draw_layout(document.paperspace())
-    axes.set(xlim=(0.0, width), ylim=(0.0, height), aspect="auto")
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].mean(axis=2)
-
-
 def test_the_picture_is_that_of_the_dxf_document_by_ezdxf(drawing: DrawingModel) -> None:
-    # ezdxf draws line types of viewports that are not 1:1 too long.
-    unbroken = continuous(drawing)
-    ours, theirs = picture_of(unbroken), rendered_by_ezdxf(unbroken)
-    height, width = (min(sides) for sides in zip(ours.shape, theirs.shape, strict=True))
-    ours, theirs = ours[:height, :width], theirs[:height, :width]
-    assert (ours < DARK).sum() == pytest.approx((theirs < DARK).sum(), rel=0.1)
-    for one, other in ((ours, theirs), (theirs, ours)):
-        without = (one < DARK) & (minimum_filter(other, 7) > LIGHT)
-        assert without.sum() == 0
+    assert_same_picture(drawing)
 
 
 def test_svg_has_each_line_polygon_and_text(drawing: DrawingModel) -> None:

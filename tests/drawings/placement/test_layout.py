@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import pytest
 
-from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension
+from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension, ReferenceArrow
 from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_boxes
 from drawings.dimensions.specification import CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec
 from drawings.placement.place import AnnotatedView, place_annotations
@@ -138,7 +138,9 @@ def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() ->
     assert not arrange(every, area).fits
     alone = arrange(detached(every, "bottom"), area)
     assert alone.fits
-    assert alone.views[2].label == "BOTTOM"
+    assert alone.views[2].label == "P"
+    (arrow,) = (a for a in alone.annotations if isinstance(a, ReferenceArrow))
+    assert arrow.letter == "P"
     assert alone.views[2].label_at is not None
 
 

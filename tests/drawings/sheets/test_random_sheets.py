@@ -1,4 +1,4 @@
-"""Sheets of random valid designs are complete, true, and free of hits."""
+"""Sheets of random valid designs are complete, true, and free of hits; their solids are valid and fully defined."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from drawings.artefacts.sheets import PICTURES, build_sheets
+from drawings.dimensions.definition import definition, notes_on_shape
 from drawings.export.lint import lint
 from drawings.sheets.part import part_sheets
 from stagecad.parameters.derived import COMPUTED
@@ -19,6 +20,7 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.tracking import TrackedDesign, value_at
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import MADE, part_definition
+from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, document_of, thesis
 from workbench.machine.artefacts import procedure_values
 
@@ -56,18 +58,24 @@ SEEN: dict[str, list[dict[Any, str]]] = {}
 
 
 def faults(design: Design) -> list[str]:
-    """Hits on the sheets of all parts; a part that reads what it did before is not drawn again."""
+    """Hits on the sheets of all parts, faces that are not defined, invalid solids.
+
+    A part that reads what it did before is not drawn again.
+    """
     found = []
     for name in MADE:
         if any(all(value_at(design, way) == value for way, value in notes.items()) for notes in SEEN.get(name, [])):
             continue
         notes: dict[Any, str] = {}
         reading = TrackedDesign(design, notes)
-        hits = [
-            f"{sheet.name}: {hit}"
-            for sheet in part_sheets(described(name, reading), reading)
-            for hit in lint(document_of(sheet))
-        ]
+        part = described(name, reading)
+        sheets = part_sheets(part, reading)
+        hits = [f"{sheet.name}: {hit}" for sheet in sheets for hit in lint(document_of(sheet))]
+        views = [view for sheet in sheets for view in sheet.views if view.projection.name != "iso"]
+        shape = notes_on_shape(part_definition(name), reading)
+        defined = definition(DimensionVerifier(part.solid), part.dimensions, part.requirements, shape, views)
+        hits += [f"{name}: {problem}" for problem in defined.problems]
+        hits += [] if part.solid.isValid() else [f"{name}: the solid is not valid"]
         if not hits:
             SEEN.setdefault(name, []).append(notes)
         found += hits

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections import Counter
 from functools import cache
 from typing import Any
@@ -17,10 +18,12 @@ from drawings.annotations.annotation import (
     Callout,
     DatumSymbol,
     FeatureControlFrame,
+    HoleTag,
     LinearDimension,
     RadialDimension,
 )
-from drawings.annotations.primitives import ArcStroke
+from drawings.annotations.primitives import ArcStroke, Text
+from drawings.dimensions.dimensioning import tolerance_text
 from drawings.dimensions.text import number
 from drawings.export.drawing_model import drawing_model
 from drawings.export.lint import lint
@@ -44,13 +47,14 @@ NOT_DIMENSIONS = {
 @cache
 def named(part: str) -> Counter[str]:
     """How often each declaration is on the part's sheets."""
-    return Counter(
+    annotated = (
         name
         for sheet in sheets(part)
         for annotation in sheet.annotations
         if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
         for name in annotation.names
     )
+    return Counter([*annotated, *(name for sheet in sheets(part) for name in sheet.tabulated)])
 
 
 @pytest.mark.parametrize("part", MADE)
@@ -73,7 +77,8 @@ def test_every_parameter_that_shapes_the_part_is_on_its_sheets_once(part: str) -
         if dimension.parameter
     )
     assert shape <= set(shown)
-    assert set(shown.values()) == {1}
+    # The callout of each tapped hole is complete: tap drills are repeated.
+    assert {times for key, times in shown.items() if not key.startswith("threads.")} == {1}
 
 
 @pytest.mark.parametrize("part", MADE)
@@ -85,13 +90,18 @@ def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> No
         if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
         for name in annotation.names
     }
+    for sheet in sheets(part):
+        table = " ".join(item.text for item in sheet.tables if isinstance(item, Text))
+        said.update((name, table) for name in sheet.tabulated)
     for dimension in part_definition(part).dimensions(thesis()):
+        if dimension.kind == "callout" or (dimension.table and dimension.kind in ("linear", "count")):
+            continue
         value = number(dimension.value, dimension.tolerance, 0.0)
         if dimension.kind == "slope":
             value = f"1:{1 / dimension.value:g}"
         text = said[dimension.name]
         assert value in text, (dimension.name, value, text)
-        if dimension.kind != "count":
+        if dimension.kind != "count" and not dimension.table:
             assert dimension.count == 1 or text.startswith(f"{dimension.count}x ")
 
 
@@ -111,8 +121,9 @@ def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: st
                 span = annotation.radius * (2 if annotation.kind == "diameter" else 1)
             else:
                 continue
-            (name,) = annotation.names
-            assert span == pytest.approx(gauge.measure(declared[name]), abs=1e-6)
+            dimension = declared[annotation.names[0]]
+            steps = dimension.count if dimension.kind == "pitch" else 1
+            assert span == pytest.approx(steps * (gauge.measure(dimension) or 0.0), abs=1e-6)
             measured.append(span)
         entities = document_of(sheet).modelspace().query("DIMENSION")
         lengths = [d.get_measurement() for d in entities if d.dxf.dimtype & 7 in (0, 3, 4)]  # type: ignore[attr-defined]
@@ -124,13 +135,56 @@ def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
     required = getattr(part_definition(part), "requirements", lambda _: ())(thesis())
     every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
     letters = [annotation.letter for annotation in every if isinstance(annotation, DatumSymbol)]
-    assert letters == [r.letter for r in required if isinstance(r, DatumFeature)]
-    frames = sorted((a.characteristic, a.datums) for a in every if isinstance(a, FeatureControlFrame))
-    assert frames == sorted((r.characteristic, r.datums) for r in required if isinstance(r, GeometricTolerance))
-    for frame in every:
-        if isinstance(frame, FeatureControlFrame):
-            values = {r.value for r in required if isinstance(r, GeometricTolerance)}
-            assert float(frame.tolerance.strip("⌀").split()[0]) in values
+    assert sorted(letters) == sorted(r.letter for r in required if isinstance(r, DatumFeature))
+    frames = [(a.characteristic, a.tolerance, a.datums) for a in every if isinstance(a, FeatureControlFrame)]
+    frames += [framed(line) for a in every if isinstance(a, Callout) for line in a.lines if line.startswith("{frame:")]
+    tolerances = [r for r in required if isinstance(r, GeometricTolerance)]
+    tabulated = [r for r in tolerances if r.feature and r.feature not in features_of_callouts(part)]
+    frames += [(r.characteristic, tolerance_text(r), r.datums) for r in tabulated if table_has(part, r)]
+    assert sorted(frames) == sorted((r.characteristic, tolerance_text(r), r.datums) for r in tolerances)
+
+
+def framed(line: str) -> tuple[str, str, tuple[str, ...]]:
+    """Characteristic, tolerance and datums of a control frame in a callout."""
+    characteristic, tolerance, *datums = line.removeprefix("{frame:").removesuffix("}").split("|")
+    return characteristic, tolerance, tuple(datums)
+
+
+def features_of_callouts(part: str) -> set[str]:
+    """Features whose callout is in a view, not in a hole table."""
+    return {d.feature for d in part_definition(part).dimensions(thesis()) if d.feature and not d.table}
+
+
+def table_has(part: str, tolerance: GeometricTolerance) -> bool:
+    """Whether a hole table has a control frame with the text of a tolerance."""
+    texts = {item.text for sheet in sheets(part) for item in sheet.tables if isinstance(item, Text)}
+    return {tolerance_text(tolerance), *tolerance.datums} <= texts
+
+
+def test_the_hole_table_gives_the_places_of_the_holes_on_the_solid() -> None:
+    """X and Y of every hole, and its name beside it, against the cylinders of the solid."""
+    solid, (sheet, *_) = described("base", thesis()).solid, sheets("base")
+    axes = {
+        (round(s.origin[0], 3) + 0.0, round(s.origin[1], 3) + 0.0)
+        for s in DimensionVerifier(solid).surfaces
+        if s.kind == "CYLINDER" and abs(s.axis[2]) > 0.999
+    }
+    rows = table_rows([item for item in sheet.tables if isinstance(item, Text)])
+    tags = {a.text: a.at for a in sheet.annotations if isinstance(a, HoleTag)}
+    assert len(rows) == 34
+    assert rows.keys() == tags.keys()
+    for name, place in rows.items():
+        assert place in axes
+        assert tags[name] == pytest.approx(place, abs=1e-6)
+
+
+def table_rows(texts: list[Text]) -> dict[str, tuple[float, float]]:
+    """Names and coordinates in a hole table: the texts of a row are next to each other."""
+    found = {}
+    for name, x, y in zip(texts, texts[1:], texts[2:], strict=False):
+        if re.fullmatch(r"[A-Z]\d+", name.text):
+            found[name.text] = (float(x.text), float(y.text))
+    return found
 
 
 @pytest.mark.parametrize("part", MADE)

@@ -1,0 +1,309 @@
+"""Completeness of definition: whether size and place of every face of a part follow from its declarations.
+
+Computed on the solid. Sizes: every radius is that of a declared diameter, radius or tap drill, or half a declared
+width. Places: along each axis a face or the axis of a round face is at a level that dimensions connect to the reference
+(`drawings.dimensions.levels`); a chamfer or fillet is placed by the faces it joins, a hole by the hole table. The
+module of a part says what its notes say: `SYMMETRIC`, axes whose middle plane is a plane of symmetry; `TURNED`, number
+of equal sectors about z; `defined_by_note(design, point)`, faces that a note or a detail defines.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from drawings.dimensions.levels import NEAR, SQUARE, Levels
+from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
+from drawings.views.view import View, dot
+from stagecad.parameters.dimension import (
+    DatumFeature,
+    Dimension,
+    FaceRequirement,
+    GeometricTolerance,
+    Point,
+    SurfaceTexture,
+)
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+
+AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
+IN_VIEW = 0.1
+"""Half side of the box about a point of an edge in which a line of a view must lie, mm."""
+
+
+@dataclass(frozen=True)
+class FaceDefinition:
+    """One face and what defines it.
+
+    Args:
+        number: in the solid's order, from 1.
+        kind: plane, cylinder, cone, sphere, torus, or other.
+        middle: of its box, part coordinates, mm.
+        size, place, form, finish: declarations or notes that give them; empty where nothing does.
+        shown: whether a view shows an edge of it.
+    """
+
+    number: int
+    kind: str
+    middle: Point
+    size: str
+    place: str
+    form: str
+    finish: str
+    shown: bool = True
+
+    @property
+    def problems(self) -> Iterator[str]:
+        """What is not defined."""
+        where = ", ".join(f"{round(value, 3) + 0.0:g}" for value in self.middle)
+        for what in ("size", "place"):
+            if not getattr(self, what):
+                yield f"the {what} of face {self.number} ({self.kind} at {where}) is not defined"
+        if not self.shown:
+            yield f"face {self.number} ({self.kind} at {where}) is in no view"
+
+    @property
+    def row(self) -> tuple[str, ...]:
+        """Cells below `HEADINGS`."""
+        middle = (f"{round(value, 3) + 0.0:g}" for value in self.middle)
+        return (str(self.number), self.kind, *middle, self.size, self.place, self.form, self.finish)
+
+
+@dataclass(frozen=True)
+class Definition:
+    """Definition of a part.
+
+    Args:
+        faces: of the solid.
+        superfluous: dimensions that follow from others.
+    """
+
+    faces: tuple[FaceDefinition, ...]
+    superfluous: tuple[str, ...]
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """Everything that is missing or given twice, a line each."""
+        missing = [problem for face in self.faces for problem in face.problems]
+        return (*missing, *(f"the dimension '{name}' follows from others" for name in self.superfluous))
+
+
+@dataclass(frozen=True)
+class Notes:
+    """What the notes of a part say about its shape.
+
+    Args:
+        symmetric: names of axes whose middle plane is a plane of symmetry.
+        turned: number of equal sectors about z.
+        defines: text of what defines a face at a point besides dimensions; empty for nothing.
+    """
+
+    symmetric: str = ""
+    turned: int = 1
+    defines: Callable[[Point], str] = lambda point: ""
+
+
+def notes_on_shape(module: Any, design: Any) -> Notes:
+    """What the module of a part says about symmetry."""
+    by_note = getattr(module, "defined_by_note", None)
+    return Notes(
+        getattr(module, "SYMMETRIC", ""),
+        getattr(module, "TURNED", 1),
+        (lambda point: by_note(design, point)) if by_note else lambda point: "",
+    )
+
+
+def definition(
+    verifier: DimensionVerifier,
+    dimensions: Sequence[Dimension],
+    requirements: Sequence[FaceRequirement],
+    notes: Notes,
+    views: Sequence[View] = (),
+    roughness: float = 3.2,
+) -> Definition:
+    """Definition of a part by its declarations.
+
+    Args:
+        verifier: of its solid.
+        dimensions, requirements: its declarations.
+        notes: on symmetry.
+        views: of all its sheets, with curves; without any, what they show is not looked at.
+        roughness: Ra of faces without a mark, um.
+    """
+    part = _Part(verifier, dimensions, notes)
+    drawn = [_drawn(view) for view in views if not view.clip]
+    faces = []
+    for number, surface in enumerate(verifier.surfaces, start=1):
+        tolerances = [r for r in requirements if _is_on(surface, r)]
+        faces.append(
+            FaceDefinition(
+                number,
+                surface.kind.lower(),
+                _middle(surface),
+                part.size_of(surface),
+                part.place_of(surface),
+                ", ".join(r.characteristic for r in tolerances if isinstance(r, GeometricTolerance)) or "general",
+                next((f"Ra {r.roughness:g}" for r in tolerances if isinstance(r, SurfaceTexture)), f"Ra {roughness:g}"),
+                not drawn or any(_is_shown(surface, view, lines) for view, lines in drawn),
+            )
+        )
+    return Definition(tuple(faces), tuple(name for one in part.levels.values() for name in one.superfluous))
+
+
+class _Part:
+    """Sizes and levels of a part."""
+
+    def __init__(self, verifier: DimensionVerifier, dimensions: Sequence[Dimension], notes: Notes) -> None:
+        self._notes = notes
+        self._surfaces = verifier.surfaces
+        self.levels = {
+            name: Levels(axis, dimensions, name in notes.symmetric, partial(self._feature_at, axis))
+            for name, axis in AXES.items()
+        }
+        self._radii = list(_radii(dimensions))
+        self._fillets = [(d.value, d.name) for d in dimensions if d.kind == "radius"]
+        self._chamfers = [(d.value, d.name) for d in dimensions if d.kind == "chamfer"]
+        self._distances = [d for d in dimensions if d.kind == "linear"]
+        self._slopes = [d for d in dimensions if d.kind in ("slope", "angle")]
+        self._tabulated = {d.value for d in dimensions if d.table and d.kind in ("diameter", "tap_drill")}
+
+    def _feature_at(self, along: Point, point: Point) -> Hashable:
+        """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
+        for number, surface in enumerate(self._surfaces):
+            if surface.kind == "PLANE" and surface.holds(point):
+                return number
+        for surface in self._surfaces:
+            if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not _parallel(surface, along):
+                reach = dot(surface.origin, surface.axis)
+                foot = (o - reach * a for o, a in zip(surface.origin, surface.axis, strict=True))
+                return tuple(round(value, 2) + 0.0 for value in foot)
+        return tuple(round(value, 2) + 0.0 for value in point)
+
+    def size_of(self, surface: Surface) -> str:
+        if surface.kind not in ("CYLINDER", "SPHERE", "TORUS"):
+            return "-"
+        if name := next((name for radius, name in self._radii if abs(radius - surface.radius) < NEAR), ""):
+            return name
+        return self._notes.defines(_middle(surface))
+
+    def place_of(self, surface: Surface) -> str:
+        """What places a face, or one of its images by rotation."""
+        if joined := self._joins(surface):
+            return joined
+        for sector in range(self._notes.turned):
+            angle = 2 * math.pi * sector / self._notes.turned
+            found = self._level_names(_turned(surface.origin, angle), _turned(surface.axis, angle), surface)
+            if found:
+                return found
+        return self._on_circle(surface) or self._notes.defines(_middle(surface))
+
+    def _on_circle(self, surface: Surface) -> str:
+        """An upright axis on a circle of equal sectors: by its radius, or the distance of neighbours."""
+        if self._notes.turned == 1 or surface.kind == "PLANE" or not _parallel(surface, AXES["z"]):
+            return ""
+        radius = math.hypot(surface.origin[0], surface.origin[1])
+        apart = 2 * radius * math.sin(math.pi / self._notes.turned)
+        for d in self._distances:
+            if min(abs(d.value - radius), abs(d.value - apart)) < NEAR:
+                return f"{d.name}, on a circle"
+        return ""
+
+    def _joins(self, surface: Surface) -> str:
+        """Fillets, chamfers and drill points, placed by the faces that they join; slopes; intersections."""
+        if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
+            return "intersection of other faces"
+        for radius, name in self._fillets:
+            if surface.kind != "PLANE" and abs(surface.radius - radius) < NEAR:
+                return f"{name}, by the faces it joins"
+        if surface.kind == "CYLINDER" and any(abs(2 * surface.radius - value) < NEAR for value in self._tabulated):
+            return "hole table"
+        if surface.kind in ("CONE", "PLANE"):
+            sides = sorted(high - low for low, high in zip(surface.low, surface.high, strict=True))
+            for leg, name in self._chamfers:
+                if any(abs(side - leg) < 20 * NEAR for side in sides):
+                    return f"{name}, by the faces it joins"
+        for d in self._slopes:
+            if surface.kind == "PLANE" and surface.holds(d.points[0]):
+                return d.name
+        if surface.kind == "CONE":
+            return self._cone(surface)
+        return ""
+
+    def _cone(self, surface: Surface) -> str:
+        """A drill point, or a cone between round faces about its axis."""
+        for other in self._surfaces:
+            if other.kind == "CYLINDER" and other.off_axis(surface.origin) < NEAR and _parallel(other, surface.axis):
+                return "drill point or cone at the end of a bore"
+        return ""
+
+    def _level_names(self, origin: Point, axis: Point, surface: Surface) -> str:
+        """Names of what places a plane along its normal, or a round face across its axis."""
+        names = []
+        along = next((name for name, unit in AXES.items() if abs(abs(dot(axis, unit)) - 1.0) < SQUARE), None)
+        if along is None:
+            return ""
+        across = [along] if surface.kind == "PLANE" else [name for name in AXES if name != along]
+        for name in across:
+            found = self.levels[name].located_by(dot(origin, AXES[name]))
+            if not found:
+                return ""
+            names.append(found)
+        return "; ".join(dict.fromkeys(names))
+
+
+def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:
+    """Radii of round faces with the names of their declarations; the end of a slot has half its width."""
+    for d in dimensions:
+        if d.kind in ("diameter", "tap_drill"):
+            yield d.value / 2, d.name
+        elif d.kind == "radius":
+            yield d.value, d.name
+    for d in dimensions:
+        if d.kind == "linear":
+            yield d.value / 2, f"{d.name} (ends)"
+
+
+def _middle(surface: Surface) -> Point:
+    (x0, y0, z0), (x1, y1, z1) = surface.low, surface.high
+    return ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
+
+
+def _turned(vector: Point, angle: float) -> Point:
+    c, s = math.cos(angle), math.sin(angle)
+    return (c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2])
+
+
+def _parallel(surface: Surface, axis: Point) -> bool:
+    return abs(abs(dot(surface.axis, axis)) - 1.0) < SQUARE
+
+
+def _is_on(surface: Surface, requirement: FaceRequirement) -> bool:
+    """Whether a requirement is for a face: one of its points is on it, or on the axis of a round one."""
+    if isinstance(requirement, GeometricTolerance | DatumFeature) and requirement.round:
+        return surface.kind == "CYLINDER" and any(
+            _parallel(surface, requirement.normal) and surface.off_axis(point) < NEAR for point in requirement.points
+        )
+    return any(surface.holds(point) for point in requirement.points)
+
+
+def _drawn(view: View) -> tuple[View, SegmentIndex]:
+    """A view and its lines in view coordinates."""
+    lines = [
+        line
+        for layer in ("VISIBLE", "HIDDEN")
+        for curve in view.curves.get(layer, ())
+        for line in polyline_lines(list(curve_points(curve, 1.0)))
+    ]
+    return view, SegmentIndex(lines)
+
+
+def _is_shown(surface: Surface, view: View, lines: SegmentIndex) -> bool:
+    """Whether the middle of an edge of a face is drawn in a view."""
+    for edge in surface.face.Edges():
+        u, v = view.projection.to_view(edge.positionAt(0.37).toTuple())  # pyright: ignore[reportAttributeAccessIssue]
+        if lines.count_in((u - IN_VIEW, v - IN_VIEW, u + IN_VIEW, v + IN_VIEW)):
+            return True
+    return False

@@ -1,0 +1,160 @@
+"""Levels of a part along one of its axes, tied together by the dimensions: what is located, what is given twice.
+
+A level is the coordinate of a face or of an axis of a round face. Each dimension along the axis is a linear equation
+between two levels; a level is located if the equations determine it, that is, if it is zero in every vector of their
+null space. Where the middle plane of the axis is a plane of symmetry, a level and its mirror image are one unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+
+import numpy as np
+
+from drawings.views.view import dot
+from stagecad.parameters.dimension import Dimension, Point
+
+NEAR = 2e-3
+"""Levels closer than this are one, mm."""
+SQUARE = 1e-6
+BETWEEN = ("linear", "depth", "pitch")
+"""Kinds of dimension that tie two levels together."""
+REPEATS = 12
+"""Most features in a row that are reached from a located one."""
+
+
+class Levels:
+    """Coordinates of faces and axes along one axis, and the dimensions between them.
+
+    Args:
+        axis: unit vector, part coordinates.
+        dimensions: of the part.
+        symmetric: whether the middle plane of the axis is a plane of symmetry.
+        feature_at: identifies the face, or the axis of a round face, at a point of a dimension.
+
+    Attributes:
+        superfluous: names of dimensions between faces that other dimensions tie together already.
+    """
+
+    def __init__(
+        self,
+        axis: Point,
+        dimensions: Sequence[Dimension],
+        symmetric: bool,
+        feature_at: Callable[[Point], Hashable],
+    ) -> None:
+        own = [d for d in dimensions if _is_along(d, axis)]
+        self._symmetric = symmetric
+        self._levels: list[float] = []
+        self._private: set[int] = set()
+        self._names: dict[int, str] = {}
+        rows: list[dict[int, float]] = []
+        for d in own:
+            row: dict[int, float] = {}
+            for place, (point, sign) in enumerate(zip(d.points[:2], (-1.0, 1.0), strict=True)):
+                # The end of a hole is at no level of another face, even if it is at the same height.
+                private = place == 1 and d.kind == "depth" and bool(d.feature)
+                number, side = self._unknown(dot(point, axis), private=private)
+                row[number] = row.get(number, 0.0) + sign * side
+                self._names.setdefault(number, d.name)
+            rows.append(row)
+        rows += self._equal_features([d.value for d in own if d.count > 1 and d.kind != "pitch"])
+        self._located = self._determined(rows)
+        self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in own if d.count > 1]
+        self.superfluous = _closing([d for d in own if not _is_secondary(d)], feature_at)
+
+    def located_by(self, level: float) -> str:
+        """Name of what locates a level; empty where nothing does."""
+        if abs(level) < NEAR:
+            return "middle, axis or datum plane"
+        if name := self._direct(level):
+            return name
+        for step, name, most in self._steps:
+            # A feature of the given width about a located middle, and features in a row.
+            starts = [level - step / 2, level + step / 2]
+            starts += [level + side * times * step for times in range(1, most) for side in (-1, 1)]
+            if any(abs(start) < NEAR or self._direct(start) for start in starts):
+                return f"{name}, repeated"
+        return ""
+
+    def _direct(self, level: float) -> str:
+        for number, known in enumerate(self._levels):
+            if number in self._located and abs(known - (abs(level) if self._symmetric else level)) < NEAR:
+                return self._names[number]
+        return ""
+
+    def _unknown(self, level: float, *, private: bool) -> tuple[int, float]:
+        """Number of the unknown of a level, and the sign of the level in it; a private one is no other's."""
+        side = -1.0 if self._symmetric and level < 0.0 else 1.0
+        for number, known in enumerate(self._levels):
+            if not private and number not in self._private and abs(known - side * level) < NEAR:
+                return number, side
+        self._levels.append(side * level)
+        if private:
+            self._private.add(len(self._levels) - 1)
+        return len(self._levels) - 1, side
+
+    def _equal_features(self, sizes: Sequence[float]) -> list[dict[int, float]]:
+        """The equations of equal features: two levels as far apart as a dimension that is given for several."""
+        return [
+            {one: -1.0, other: 1.0}
+            for size in sizes
+            for one, low in enumerate(self._levels)
+            for other, high in enumerate(self._levels)
+            if abs(high - low - size) < NEAR
+        ]
+
+    def _determined(self, rows: Sequence[dict[int, float]]) -> set[int]:
+        """Numbers of the unknowns that the equations determine, from the middle or a level of reference."""
+        count = len(self._levels)
+        matrix = np.zeros((len(rows), count))
+        for index, row in enumerate(rows):
+            for number, coefficient in row.items():
+                matrix[index, number] = coefficient
+        best: set[int] = set()
+        zero = [number for number, level in enumerate(self._levels) if abs(level) < NEAR]
+        references = zero or ([] if self._symmetric else list(range(count)))
+        for reference in references or [None]:
+            fixed = matrix if reference is None else np.vstack((matrix, np.eye(count)[reference]))
+            found = {number for number in range(count) if _is_determined(fixed, number)}
+            best = max(best, found, key=len)
+            if zero:
+                break
+        return best
+
+
+def _is_determined(matrix: np.ndarray, number: int) -> bool:
+    """Whether the equations determine one unknown: its unit vector is in the space of their rows."""
+    unit = np.eye(matrix.shape[1])[number]
+    if matrix.shape[0] == 0:
+        return False
+    solution, *_ = np.linalg.lstsq(matrix.T, unit, rcond=None)
+    return bool(np.abs(matrix.T @ solution - unit).max() < 1e-6)
+
+
+def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hashable]) -> list[str]:
+    """Names of dimensions between two features that others tie together already."""
+    parents: dict[Hashable, Hashable] = {}
+
+    def root(node: Hashable) -> Hashable:
+        while parents.setdefault(node, node) != node:
+            node = parents[node]
+        return node
+
+    found = []
+    for d in dimensions:
+        one, other = (root(feature_at(point)) for point in d.points[:2])
+        if one == other:
+            found.append(d.name)
+        parents[one] = other
+    return found
+
+
+def _is_along(d: Dimension, axis: Point) -> bool:
+    along = d.direction is not None and abs(abs(dot(d.direction, axis)) - 1.0) < SQUARE
+    return along and d.kind in BETWEEN and len(d.points) == 2
+
+
+def _is_secondary(d: Dimension) -> bool:
+    """Whether a dimension may repeat what follows from others: reference, derived, of a hole table, depth of a hole."""
+    return d.reference or bool(d.derived_from) or bool(d.table) or d.kind == "depth"
