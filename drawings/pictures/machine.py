@@ -54,7 +54,11 @@ def machine_picture(
         case "section A-A":
             return _section(SECTION, ALONG_TRAVEL, PROJECTIONS["front"], instances, scene, exact=exact)
         case "section B-B":
-            return _section(ACROSS, ACROSS_TRAVEL, PROJECTIONS["right"], instances, scene, exact=exact)
+            try:
+                return _section(ACROSS, ACROSS_TRAVEL, PROJECTIONS["right"], instances, scene, exact=exact)
+            except ValueError:
+                # The kernel does not cut every solid in every plane; the sheet is then drawn without this section.
+                return None
         case "exploded":
             pieces = [Piece(i.part, scene[i.shape], i.exploded, i.trail) for i in instances]
             return picture(EXPLODED, PROJECTIONS["iso"], pieces, exact=exact)
