@@ -161,7 +161,10 @@ def wedge_angle(r: DesignInputs) -> Check:
 def wedge_contact(r: DesignInputs) -> Check:
     """Two wedge faces of unlike angles touch at an edge, unless pin 2 can turn in its bore by the difference."""
     unlike = 2 * r("drawing.tolerance_angle")
-    free = (r("base.pin_2_bore") - r("height_pin_2.diameter")) / r("height_pin_2.length")
+    # Both fits in the middle of their tolerances.
+    middle = {key: 1e-3 * sum(r.design.deviations(key)) / 2 for key in ("base.pin_2_bore", "height_pin_2.diameter")}
+    bore, pin = (r(key) + deviation for key, deviation in middle.items())
+    free = (bore - pin) / r("height_pin_2.length")
     return Check(
         "contact of the two wedges over their faces",
         at_most(unlike, free, "rad"),

@@ -166,8 +166,12 @@ class _Annotated:
         content = XCAFDimTolObjects_DimensionObject()
         content.SetType(_dimension_type(declaration, attached))
         value = _value(declaration)
-        # The kernel takes the lower deviation with the opposite sign.
-        limits = [value] if dimension.limits is None else [value, -dimension.limits[0], dimension.limits[1]]
+        limits = [value]
+        if dimension.limits is not None:
+            low, high = dimension.limits
+            # The kernel takes the lower deviation with the opposite sign, and reads deviations on one side of zero
+            # wrongly: these become the limits of size.
+            limits = [value + low, value + high] if low * high > 0.0 else [value, -low, high]
         values = TColStd_HArray1OfReal(1, len(limits))
         for index, number in enumerate(limits, start=1):
             values.SetValue(index, number)

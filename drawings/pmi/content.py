@@ -118,7 +118,11 @@ def _plus_minus(design: Any, dimension: Dimension) -> float | None:
     # The tolerance classes apply to lengths only.
     if dimension.tolerance is None or dimension.reference or dimension.kind in ("angle", "slope"):
         return None
-    return design.plus_minus(dimension.parameter or dimension.derived_from[0])
+    if dimension.deviations is not None:
+        low, high = dimension.deviations
+        return (high - low) / 2
+    names = {"X": "tolerance_x", "X.X": "tolerance_x_x", "X.XX": "tolerance_x_xx"}
+    return getattr(design.drawing, names[dimension.tolerance])
 
 
 def _as_text(design: Any, dimension: Dimension) -> str:

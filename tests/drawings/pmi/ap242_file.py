@@ -43,6 +43,7 @@ class ReadDimension:
     texts: tuple[tuple[str, str], ...]
     first: tuple[cq.Shape, ...]
     second: tuple[cq.Shape, ...]
+    range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,8 @@ def _dimension(label: Any) -> ReadDimension:
         for index in range(content.NbDescriptions())
     )
     kind = content.GetType().name.removeprefix("XCAFDimTolObjects_DimensionType_")
-    return ReadDimension(kind, content.GetValue(), limits, texts, *_shapes(label))
+    size = (content.GetLowerBound(), content.GetUpperBound()) if content.IsDimWithRange() else None
+    return ReadDimension(kind, content.GetValue(), limits, texts, *_shapes(label), size)
 
 
 def _tolerance(label: Any) -> ReadTolerance:

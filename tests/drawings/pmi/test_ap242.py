@@ -40,7 +40,7 @@ from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
-TEXT_ONLY = ("count", "callout", "thread_depth")
+TEXT_ONLY = ("count", "callout", "thread_depth", "sag")
 
 
 @cache
@@ -96,9 +96,13 @@ def test_every_dimension_has_its_value_limits_and_decimals(name: str, read) -> N
         there = shown[dimension.name]
         value = math.tan(math.radians(there.value)) if dimension.kind == "slope" else there.value
         steps = dimension.count if dimension.kind == "pitch" else 1
-        assert value == pytest.approx(steps * dimension.value, abs=1e-9), dimension.name
-        if dimension.tolerance is None or dimension.kind == "angle":
+        low, high = dimension.deviations or (0.0, 0.0)
+        one_sided = low * high > 0.0
+        middle = (low + high) / 2 if one_sided else 0.0
+        assert value == pytest.approx(steps * dimension.value + middle, abs=1e-9), dimension.name
+        if dimension.tolerance is None or dimension.kind == "angle" or one_sided:
             assert there.limits is None, dimension.name
+            assert not one_sided or there.range == pytest.approx((dimension.value + low, dimension.value + high))
         elif is_class(dimension.tolerance):
             low, high = deviations(dimension.value, dimension.tolerance)
             assert there.limits == pytest.approx((-low, high), abs=1e-12), dimension.name
