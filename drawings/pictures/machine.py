@@ -1,4 +1,4 @@
-"""The pictures of the whole machine: from above, cut along and across the travel, exploded, and from below."""
+"""The pictures of the whole machine: from above, cut through actuator 1, exploded, and from below."""
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drawings.pictures.picture import ACROSS, EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, Piece, picture
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, Piece, picture
 from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved
 from drawings.views.section import cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
@@ -20,8 +20,6 @@ from stagecad.solids.assembly.machine import MOVING
 from stagecad.solids.modelling.frame import UNMOVED
 
 if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
     from stagecad.solids.assembly.assemble import Instance
 
 EYE_BELOW = Projection(
@@ -52,15 +50,9 @@ def machine_picture(
             pieces = [Piece(i.part, scene[i.shape], i.frame) for i in instances]
             return picture(TOP, PROJECTIONS["top"], pieces, exact=exact)
         case "section A-A":
-            return _section(SECTION, ALONG_TRAVEL, PROJECTIONS["front"], instances, scene, exact=exact)
-        case "section B-B":
-            try:
-                return _section(ACROSS, ACROSS_TRAVEL, PROJECTIONS["right"], instances, scene, exact=exact)
-            except ValueError:
-                # The kernel does not cut every solid in every plane; the sheet is then drawn without this section.
-                return None
+            return _section(instances, scene, exact=exact)
         case "exploded":
-            pieces = [Piece(i.part, scene[i.shape], i.exploded, i.trail) for i in instances]
+            pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances]
             return picture(EXPLODED, PROJECTIONS["iso"], pieces, exact=exact)
         case "from below":
             pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances if i.part in MOVING]
@@ -69,63 +61,33 @@ def machine_picture(
             raise ValueError(f"there is no picture '{name}' of the machine")
 
 
-CLOSE_BY = (-0.01, 0.01, -0.2, 0.2, -1.0, 1.0)
-"""Distances by which a cutting plane is moved where the kernel cannot cut in it, mm."""
-ALONG_TRAVEL = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
-ACROSS_TRAVEL = Cut((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "B")
-"""Cutting planes through the axis of actuator 1: along the travel, and across it through ways, pads, teeth and bars."""
-
-
-def _cut_part(shape: TopoDS_Shape, cut: Cut) -> tuple[MeshedShape, list[Any]]:
-    """A part behind a cutting plane, and its faces in the plane.
-
-    The kernel may fail where the plane is tangent to a face or contains one: then the plane is moved a little.
-    """
-    for shift in (0.0, *CLOSE_BY):
-        point = tuple(p + shift * n for p, n in zip(cut.point, cut.normal, strict=True))
-        plane = replace(cut, point=point)
-        try:
-            left = cut_shape(shape, plane)
-        except ValueError:
-            if shift == CLOSE_BY[-1]:
-                raise
-            continue
-        return meshed(left), list(cut_faces(left, plane))
-    raise AssertionError("unreachable")
-
-
-def _section(
-    name: str,
-    cut: Cut,
-    projection: Projection,
-    instances: Sequence[Instance],
-    scene: Mapping[str, MeshedShape],
-    *,
-    exact: bool,
-) -> Picture:
-    """The machine cut by a plane."""
+def _section(instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool) -> Picture:
+    """The machine cut through the axis of actuator 1 along the travel."""
+    cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+    front = PROJECTIONS["front"]
     pieces: list[Piece] = []
     faces_in_plane: dict[int, list[Any]] = {}
     covers: list[np.ndarray] = []
     for number, instance in enumerate(instances):
         shape, frame = scene[instance.shape], instance.frame
         vertices = shape.placed_vertices(frame)
-        in_front = (vertices - np.array(cut.point)) @ np.array(cut.normal)
-        if in_front.min() > -DEFLECTION:
+        low, high = vertices[:, 1].min(), vertices[:, 1].max()
+        if high < DEFLECTION:
             continue
-        if in_front.max() < DEFLECTION or instance.part in NOT_CUT:
-            if in_front.max() > 0.0:
-                covers.append(in_plane(vertices, shape.triangles, cut, projection))
+        if low > -DEFLECTION or instance.part in NOT_CUT:
+            if low < 0.0:
+                covers.append(in_plane(vertices, shape.triangles, cut, front))
             pieces.append(Piece(instance.part, shape, frame))
             continue
-        left, faces_in_plane[number] = _cut_part(moved(shape.shape, frame), cut)
+        left = meshed(cut_shape(moved(shape.shape, frame), cut))
+        faces_in_plane[number] = list(cut_faces(left.shape, cut))
         pieces.append(Piece(instance.part, left, UNMOVED))
     # The hatch of neighbouring parts runs in different directions.
     hatched = [
         line
         for number, faces in faces_in_plane.items()
-        for line in hatch(faces, projection, SCALE, falling=bool(number % 2), covers=covers)
+        for line in hatch(faces, front, SCALE, falling=bool(number % 2), covers=covers)
     ]
-    shown = picture(name, projection, pieces, exact=exact)
+    shown = picture(SECTION, front, pieces, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
-    return replace(shown, view=replace(shown.view, curves=curves, label=f"{cut.letter}-{cut.letter}", cut=cut))
+    return replace(shown, view=replace(shown.view, curves=curves, label="A-A", cut=cut))

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 
 from drawings.views.line_cleaning import cleaned
 from drawings.views.projection import hidden_lines
-from drawings.views.view import Curve, Layer, Projection, View
-from stagecad.parameters.dimension import Point
+from drawings.views.view import Curve, Projection, View
 from stagecad.solids.modelling.frame import Frame
 
 if TYPE_CHECKING:
     from drawings.pictures.scene import MeshedShape
 
-TOP, SECTION, ACROSS, EXPLODED, FROM_BELOW = "top", "section A-A", "section B-B", "exploded", "from below"
+TOP, SECTION, EXPLODED, FROM_BELOW = "top", "section A-A", "exploded", "from below"
 """Names of the machine's pictures, and of their views."""
 SCALE = 0.5
 """Of the views of the whole machine."""
@@ -31,13 +30,11 @@ class Piece:
         part: name of its part.
         shape: in its own coordinates.
         frame: position and orientation in the assembly.
-        trail: from its seat to its place in an exploded view, assembly coordinates; None for no line.
     """
 
     part: str
     shape: MeshedShape
     frame: Frame
-    trail: tuple[Point, Point] | None = None
 
 
 @dataclass(frozen=True)
@@ -65,16 +62,11 @@ def picture(
         scale: of the view, paper over part.
         exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
     """
-    from drawings.pictures.scene import DepthBuffer
+    from drawings.pictures.scene import visible_faces
 
     chord = CHORD / scale
-    buffer = DepthBuffer([(piece.shape, piece.frame) for piece in pieces], projection)
-    faces = buffer.visible_faces()
+    faces = visible_faces([(piece.shape, piece.frame) for piece in pieces], projection)
     lines = hidden_lines(faces, projection, chord=chord, exact=exact)
     visible, _ = cleaned((curve for piece in lines for curve in piece), chord=chord)
     parts = tuple((piece.part, curves) for piece, curves in zip(pieces, lines, strict=True))
-    trails = [line for piece in pieces if piece.trail for line in buffer.visible_line(*piece.trail)]
-    curves: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": visible}
-    if trails:
-        curves["CENTRE"] = tuple(trails)
-    return Picture(View(name, projection, curves, scale), parts)
+    return Picture(View(name, projection, {"VISIBLE": visible}, scale), parts)

@@ -11,7 +11,6 @@ is nowhere in front hides nothing that is visible.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
-from drawings.views.view import Projection, Segment
-from stagecad.parameters.dimension import Point
+from drawings.views.view import Projection
 from stagecad.solids.export.mesh import Mesh, triangulated
 from stagecad.solids.modelling.frame import Frame
 
@@ -29,9 +27,6 @@ if TYPE_CHECKING:
 
 PIXELS = 2800
 """Number of pixels of the depth buffer along its longer side."""
-LINE_STEP, SHORTEST_LINE, HIDDEN_DEPTH = 0.5, 6.0, 1.0
-"""Step along a line whose visibility is looked at, length of the shortest piece that is drawn, and depth within a
-shape from which on a point is hidden, mm."""
 DEFLECTION, TURN = 0.5, 0.6
 """Tolerances of the mesher for a shape that has no triangles yet: chord error in mm, angle between facets in rad."""
 
@@ -64,59 +59,32 @@ def scene_of(shapes: Mapping[str, TopoDS_Shape], meshes: Mapping[str, Mesh]) -> 
     return {name: meshed(shape, meshes.get(name)) for name, shape in shapes.items()}
 
 
-class DepthBuffer:
-    """Depth buffer of placed shapes in one direction of view.
+def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
+    """For each placed shape, a compound of those of its faces that are in front somewhere; None where there are none.
 
     Args:
         pieces: shapes, and where they are placed.
         projection: direction of view.
     """
-
-    def __init__(self, pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> None:
-        # Columns to the right, rows downwards, depth away from the eye.
-        self._axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
-        self._pieces, self._projection = pieces, projection
-        first_vertex = np.cumsum([0, *(len(piece.vertices) for piece, _ in pieces)])
-        self._first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
-        points = np.concatenate([piece.placed_vertices(frame) @ self._axes.T for piece, frame in pieces])
-        self._low, high = points.min(axis=0), points.max(axis=0)
-        self._pixel = float((high - self._low)[:2].max()) / PIXELS
-        width, height = (int(np.ceil(extent / self._pixel)) + 1 for extent in (high - self._low)[:2])
-        self._depth = np.full((height, width), np.inf, dtype=np.float32)
-        self._front = np.full((height, width), -1, dtype=np.int32)
-        points = (points - self._low) / self._pixel
-        for (piece, _), vertex, face in zip(pieces, first_vertex, self._first_face, strict=False):
-            _rasterise(points, piece.triangles + vertex, piece.owners + face, self._depth, self._front)
-
-    def visible_faces(self) -> list[TopoDS_Shape | None]:
-        """For each shape, a compound of its faces that are in front somewhere; None where there are none."""
-        visible = np.zeros(self._first_face[-1], dtype=bool)
-        visible[self._front[self._front >= 0]] = True
-        found: list[TopoDS_Shape | None] = []
-        for (piece, frame), begin in zip(self._pieces, self._first_face, strict=False):
-            shown = [face for number, face in enumerate(piece.faces, start=begin) if visible[number]]
-            found.append(moved(compound_of(shown), frame) if shown else None)
-        return found
-
-    def visible_line(self, start: Point, end: Point) -> list[Segment]:
-        """The pieces of a straight line that nothing hides, view coordinates; short ones are left out."""
-        count = max(2, int(math.dist(start, end) / LINE_STEP))
-        points = np.linspace(start, end, count)
-        placed = (points @ self._axes.T - self._low) / self._pixel
-        columns = np.clip(placed[:, 0].astype(int), 0, self._depth.shape[1] - 1)
-        rows = np.clip(placed[:, 1].astype(int), 0, self._depth.shape[0] - 1)
-        seen = placed[:, 2] < self._depth[rows, columns] - HIDDEN_DEPTH / self._pixel
-        found: list[Segment] = []
-        begin = None
-        for number, free in enumerate([*seen, False]):
-            if free and begin is None:
-                begin = number
-            elif not free and begin is not None:
-                if (number - 1 - begin) * LINE_STEP > SHORTEST_LINE:
-                    ends = ((float(x), float(y), float(z)) for x, y, z in points[[begin, number - 1]])
-                    found.append(Segment(*(self._projection.to_view(point) for point in ends)))
-                begin = None
-        return found
+    # Columns to the right, rows downwards, depth away from the eye.
+    axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
+    first_vertex = np.cumsum([0, *(len(piece.vertices) for piece, _ in pieces)])
+    first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
+    points = np.concatenate([piece.placed_vertices(frame) @ axes.T for piece, frame in pieces])
+    low, high = points.min(axis=0), points.max(axis=0)
+    pixel = float((high - low)[:2].max()) / PIXELS
+    width, height = (int(np.ceil(extent / pixel)) + 1 for extent in (high - low)[:2])
+    depth, front = np.full((height, width), np.inf, dtype=np.float32), np.full((height, width), -1, dtype=np.int32)
+    points = (points - low) / pixel
+    for (piece, _), vertex, face in zip(pieces, first_vertex, first_face, strict=False):
+        _rasterise(points, piece.triangles + vertex, piece.owners + face, depth, front)
+    visible = np.zeros(first_face[-1], dtype=bool)
+    visible[front[front >= 0]] = True
+    found: list[TopoDS_Shape | None] = []
+    for (piece, frame), begin in zip(pieces, first_face, strict=False):
+        shown = [face for number, face in enumerate(piece.faces, start=begin) if visible[number]]
+        found.append(moved(compound_of(shown), frame) if shown else None)
+    return found
 
 
 @numba.njit(cache=True)

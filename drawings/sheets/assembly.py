@@ -1,4 +1,4 @@
-"""The assembly sheet: top view, sections along and across the travel, exploded views with balloons, parts list."""
+"""The assembly sheet: top view, section through actuator 1, exploded views with balloons, parts list."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMa
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
 from drawings.annotations.primitives import Primitive, Stroke, Text
-from drawings.pictures.picture import ACROSS, EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
 from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, MachineSize, overall_dimensions, travel_range
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
@@ -66,9 +66,7 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
     rows = len(machine.rows) + len(machine.accessories)
     views = _placed([pictures[TOP].view, front, *(one.view for one in exploded)], rows, len(notes))
-    across = [_across(pictures[ACROSS].view, views, rows)] if ACROSS in pictures else []
     marks: list[Annotation] = [_mark(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
-    marks += [_mark_across(views[0])] if across else []
     placed = [replace(one, view=view) for one, view in zip(exploded, views[2:], strict=True)]
     marks += all_balloons(placed, machine.rows)
     return Sheet(
@@ -77,7 +75,7 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
         paper=PAPER,
         scale=SCALE,
         title=title_of(machine, design, "assembly"),
-        views=(*views, *across),
+        views=tuple(views),
         annotations=tuple(marks),
         notes=(Note(sheet_area(PAPER).space[:2], notes),),
         tables=tuple(parts_list(machine.rows, PAPER, machine.accessories)),
@@ -152,19 +150,6 @@ def _centred(box: Box2, area: Box2) -> Point2:
 def _mark(top: View) -> SectionMark:
     x0, _, x1, _ = view_box(top) or (0.0, 0.0, 0.0, 0.0)
     return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
-
-
-def _mark_across(top: View) -> SectionMark:
-    _, y0, _, y1 = view_box(top) or (0.0, 0.0, 0.0, 0.0)
-    return SectionMark(top.name, (top.place[0], y0 - 8.0), (top.place[0], y1 + 8.0), (-1.0, 0.0), "B")
-
-
-def _across(view: View, others: Sequence[View], rows: int) -> View:
-    """The section across the travel above the parts list, or above the view that is there."""
-    area = (title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW, *sheet_area(PAPER).space[2:])
-    taken = [box for box in map(view_box, others) if box and box[0] > area[0] - BALLOON]
-    low = max((box[3] for box in taken), default=area[1])
-    return replace(view, place=_centred(view_box(view) or (0.0, 0.0, 0.0, 0.0), (area[0], low, area[2], area[3])))
 
 
 def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:

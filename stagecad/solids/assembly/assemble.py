@@ -9,7 +9,7 @@ carries holder, piezos and tip.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.dimension import Datum
@@ -33,7 +33,7 @@ EXPLODED = {
     "tip": 40.0,
     "tooth_bar": 40.0,
     "bar_screw": 30.0,
-    "stage": 390.0,
+    "stage": 330.0,
     "tooth_iron": 30.0,
     "magnet": 50.0,
 }
@@ -50,7 +50,6 @@ class Instance:
         frame: position in the assembly.
         exploded: position in the exploded view.
         compression: of a spring, relative to its installed length at mid-adjustment, mm.
-        trail: seat on the parent and own place in the exploded view; None for a part without a parent.
     """
 
     name: str
@@ -58,12 +57,6 @@ class Instance:
     frame: Frame
     exploded: Frame
     compression: float = 0.0
-    trail: tuple[Vector, Vector] | None = None
-
-    def lifted(self, by: Vector) -> Instance:
-        """The instance moved in the exploded view, with the end of its trail."""
-        trail = (self.trail[0], add(self.trail[1], by)) if self.trail else None
-        return replace(self, exploded=self.exploded.shifted(by), trail=trail)
 
     @property
     def shape(self) -> str:
@@ -106,9 +99,7 @@ class _Builder:
         child = self.datum(part, own)
         out = scaled(parent.frame.direction(seat.normal), EXPLODED[part])
         frame = mate(child, parent.frame, seat)
-        exploded = mate(child, parent.exploded, seat).shifted(out)
-        trail = parent.exploded.point(seat.origin), exploded.point(child.origin)
-        return Instance(name, part, frame, exploded, trail=trail, **more)
+        return Instance(name, part, frame, mate(child, parent.exploded, seat).shifted(out), **more)
 
     def all(self) -> Iterator[Instance]:
         base = Instance("base", "base", UNMOVED, UNMOVED)
@@ -163,7 +154,7 @@ class _Builder:
             base, self.datum("base", f"pin_2_bore_{number}"), "height_pin_2", "axis", f"height_pin_2_{number}"
         )
         drop = self._down_to(pin, wedge)
-        pin = replace(pin, frame=pin.frame.shifted(drop))
+        pin = Instance(pin.name, pin.part, pin.frame.shifted(drop), pin.exploded)
         yield pin
         pocket = self.datum("base", f"pocket_{number}")
         up = pocket.normal
@@ -172,7 +163,7 @@ class _Builder:
         foot = Datum("foot", add(pocket.origin, scaled(up, rise)), up, pocket.x_direction)
         holder = self.on(base, foot, "holder", "bottom", f"holder_{number}")
         lift = scaled(up, EXPLODED["height_pin_2"] + self.datum("height_pin_2", "top").origin[2] - rise)
-        holder = holder.lifted(lift)
+        holder = Instance(holder.name, holder.part, holder.frame, holder.exploded.shifted(lift))
         yield holder
         piezos = []
         for name, bored in self.seats(holder, "piezo"):

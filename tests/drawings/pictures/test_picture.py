@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drawings.pictures.picture import Picture, Piece, picture
-from drawings.pictures.scene import DepthBuffer, meshed, moved
+from drawings.pictures.scene import meshed, moved, visible_faces
 from drawings.views.bounding_box import extreme_points
 from drawings.views.projection import hidden_lines
 from drawings.views.view import PROJECTIONS, Curve
@@ -53,7 +53,7 @@ def test_a_partly_hidden_piece_has_fewer_lines(shown: Picture) -> None:
 
 
 def test_invisible_faces_are_left_out_and_change_no_line(pieces: list[Piece], shown: Picture) -> None:
-    faces = DepthBuffer([(piece.shape, piece.frame) for piece in pieces], ISO).visible_faces()
+    faces = visible_faces([(piece.shape, piece.frame) for piece in pieces], ISO)
     counts = [len(cq.Shape.cast(shape).Faces()) for shape in faces if shape is not None]
     assert len(counts) == len(pieces)
     assert counts[-1] == 3
@@ -65,6 +65,6 @@ def test_invisible_faces_are_left_out_and_change_no_line(pieces: list[Piece], sh
 def test_a_piece_behind_another_has_no_visible_face() -> None:
     assert isinstance(BOLT, cq.Shape) and isinstance(PLATE, cq.Shape)
     bolt, plate = meshed(BOLT.wrapped), meshed(PLATE.wrapped)
-    below = DepthBuffer([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"]).visible_faces()
+    below = visible_faces([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"])
     assert below[0] is None
     assert below[1] is not None
