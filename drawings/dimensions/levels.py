@@ -58,9 +58,10 @@ class Levels:
                 row[number] = row.get(number, 0.0) + sign * side
                 self._names.setdefault(number, d.name)
             rows.append(row)
-        rows += self._equal_features([d.value for d in own if d.count > 1 and d.kind != "pitch"])
+        several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
+        rows += self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)
-        self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in own if d.count > 1]
+        self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
         self.superfluous = _closing([d for d in own if not _is_secondary(d)], feature_at)
 
     def located_by(self, level: float) -> str:

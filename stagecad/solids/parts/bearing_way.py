@@ -118,7 +118,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     way, d = design.bearing_way, DimensionDeclarations(design, "bearing_way")
     x, y, top, flange = way.length / 2, way.width / 2, way.height, way.flange_thickness
     root, bolts = -y + way.ledge_width, bolt_places(design)
-    (bolt, row), (second, _) = bolts[:2]
+    bolt, row = bolts[0]
     plan, side = d.group(view="top"), d.group(view="right")
     plan.linear("length", "length", (-x, y / 2, top / 2), (x, y / 2, top / 2))
     plan.linear("width", "width", (0, -y, flange / 2), (0, y, flange / 2))
@@ -130,7 +130,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     hole, mouth = plan.group(feature="screw hole"), (bolt, row, flange)
     hole.diameter("screw hole", "bolt_hole", (bolt, row, flange / 2), count=len(bolts), note="through")
     hole.counted("screw holes", "bolt_count", mouth, X)
-    plan.linear("screw spacing", "bolt_spacing", mouth, (second, row, flange), count=len(bolts) - 1)
+    plan.pitch("screw spacing", "bolt_spacing", mouth, (bolts[-1][0], row, flange), len(bolts) - 1)
     plan.linear("screw row to edge", "bolt_edge", (bolt, -y, flange / 2), mouth, Y)
     c = way.edge_chamfer / 2
     side.chamfer("edge chamfer", "edge_chamfer", (0, y - c, top - c), note="all outer edges")

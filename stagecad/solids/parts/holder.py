@@ -23,7 +23,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.derived import Derived
-from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
@@ -101,6 +101,13 @@ def build(design: Any) -> cq.Solid:
             )
         )
     return cut_all(body, cutters)
+
+
+def defined_by_note(design: Any, point: Point) -> str:
+    """What defines faces beside the dimensions: the roots of the index notches."""
+    h = design.holder
+    at_root = abs(abs(point[0]) - (h.diameter / 2 - h.index_depth)) < 1e-3 and abs(point[1]) < h.index_width
+    return "note: index notches as deep radially" if at_root else ""
 
 
 def material(design: Any) -> str:
