@@ -30,7 +30,7 @@ class Levels:
         axis: unit vector, part coordinates.
         dimensions: of the part.
         symmetric: whether the middle plane of the axis is a plane of symmetry.
-        feature_at: identifies the face, or the axis of a round face, at a point of a dimension.
+        feature_at: identifies the plane face, by a number, or the axis of a round face, at a point of a dimension.
 
     Attributes:
         superfluous: names of dimensions between faces that other dimensions tie together already.
@@ -52,8 +52,9 @@ class Levels:
         for d in own:
             row: dict[int, float] = {}
             for place, (point, sign) in enumerate(zip(d.points[:2], (-1.0, 1.0), strict=True)):
-                # The end of a hole is at no level of another face, even if it is at the same height.
-                private = place == 1 and d.kind == "depth" and bool(d.feature)
+                # The end of a drilled hole is at no level of another face, even if it is at the same height.
+                drilled = place == 1 and d.kind == "depth" and bool(d.feature)
+                private = drilled and not isinstance(feature_at(point), int)
                 number, side = self._unknown(dot(point, axis), private=private)
                 row[number] = row.get(number, 0.0) + sign * side
                 self._names.setdefault(number, d.name)
@@ -80,7 +81,10 @@ class Levels:
 
     def _direct(self, level: float) -> str:
         for number, known in enumerate(self._levels):
-            if number in self._located and abs(known - (abs(level) if self._symmetric else level)) < NEAR:
+            if (
+                number in self._located - self._private
+                and abs(known - (abs(level) if self._symmetric else level)) < NEAR
+            ):
                 return self._names[number]
         return ""
 
@@ -102,7 +106,7 @@ class Levels:
             for size in sizes
             for one, low in enumerate(self._levels)
             for other, high in enumerate(self._levels)
-            if abs(high - low - size) < NEAR
+            if abs(high - low - size) < NEAR and not {one, other} & self._private
         ]
 
     def _determined(self, rows: Sequence[dict[int, float]]) -> set[int]:
