@@ -17,7 +17,7 @@ from typing import Any
 from stagecad.parameters.derived import Derived
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
-from stagecad.parameters.iso286 import deviations, is_class
+from stagecad.parameters.tables.iso286 import deviations, is_class
 from stagecad.parameters.tables.machine import Tables, nearest_key
 from stagecad.parameters.tables.physics import Material
 from stagecad.parameters.units import to_si

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.iso286 import in_range, is_class
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
+from stagecad.parameters.tables.iso286 import in_range, is_class
 from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import from_si, parse_uncertain, quoted
 

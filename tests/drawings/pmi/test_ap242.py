@@ -31,8 +31,8 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.load import load_design
+from stagecad.parameters.tables.iso286 import deviations, is_class
 from stagecad.parameters.tables.machine import schema
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of

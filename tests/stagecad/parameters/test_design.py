@@ -12,8 +12,8 @@ from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text
-from stagecad.parameters.iso286 import is_class
 from stagecad.parameters.load import design_from_text, diff, load_design, write_values
+from stagecad.parameters.tables.iso286 import is_class
 from stagecad.parameters.tables.machine import schema
 
 
