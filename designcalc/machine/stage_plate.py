@@ -31,8 +31,8 @@ def payload_feet(r: DesignInputs) -> list[Place]:
 
 
 @remembered
-def stage_plate(r: DesignInputs) -> SupportedPlate:
-    """The stage on its pads."""
+def stage_plate(r: DesignInputs, supported: bool = True) -> SupportedPlate:
+    """The stage on its pads, or free."""
     length, width, thickness = r("stage.length"), r("stage.width"), r("stage.thickness")
     density = bare_stage(r).mass / (length * width * thickness)
     modulus, poisson = r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")
@@ -43,7 +43,7 @@ def stage_plate(r: DesignInputs) -> SupportedPlate:
         masses.append((TIP, extra, 0.0))
     return _supported(
         Plate(length, width, thickness, modulus, poisson, density),
-        tuple(((x, y), k) for (x, y), k in springs),
+        tuple(((x, y), k) for (x, y), k in springs) if supported else (),
         tuple(masses),
     )
 
@@ -69,6 +69,26 @@ def give_at(r: DesignInputs, places: ArrayLike) -> Array:
 def stage_modes(r: DesignInputs, count: int, places: ArrayLike = (TIP,)) -> Modes:
     """The lowest natural modes of the stage on its pads, the rigid-body ones among them."""
     return stage_plate(r).modes(count, places)
+
+
+RIGID_MODES = 3
+"""Of a free plate: heave, roll, pitch."""
+
+
+TIP_PLACES = 5
+"""Along the travel, at which the deflection under the tip is exact."""
+
+
+def bending_modes(r: DesignInputs, count: int) -> Modes:
+    """The lowest bending modes of the stage without pads, on a grid over the plate: (nodes along y, along x, modes).
+
+    Residual modes of the pads and of a tip along the travel complete them. With the motion of the rigid body they are
+    the basis of a free body, on which pads and tips act as forces at points.
+    """
+    reach = r("stage.travel") / 2
+    tips = [(x, 0.0) for x in np.linspace(-reach, reach, TIP_PLACES)]
+    modes = stage_plate(r, supported=False).modes_on_grid(RIGID_MODES + count, [*tips, *pad_positions(r).tolist()])
+    return Modes(modes.frequency[RIGID_MODES:], modes.shapes[:, :, RIGID_MODES:])
 
 
 def sag(r: DesignInputs, places: ArrayLike) -> Array:

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from sim.stage.dynamics import ELEMENTS
+from sim.stage.dynamics import ELEMENTS, TIP_FREEDOMS
 from sim.stage.machine import StageMachine
 from sim.stage.piezo import LAGS, PLAYS, piezo_response
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.state import Constants, State
-from sim.stage.statics import Rest, contact_depth
+from sim.stage.statics import Rest, contact_depth, preload_places
 from stagecad.parameters.errors import InputError
 
 STEP = 1e-6
@@ -27,10 +27,17 @@ def quickest_mode(machine: StageMachine) -> float:
     contact = 1.5 * machine.contact.rate * math.sqrt(depth)
     heave = (3.0 * tip.stiffness + contact) / tip.mass
     turn = float(max(np.sum(tip.piezo_places**2, axis=0))) * tip.stiffness
-    turn = (turn + machine.contact.tangential_ratio * contact * tip.height**2) / tip.inertia
+    inertia, shear = tip.inertia, machine.contact.tangential_ratio * contact
+    slide = 0.0
+    if tip.sways:
+        # Sway and tilt move together: the tilt alone has the inertia about the centre of mass.
+        inertia -= tip.moment**2 / tip.mass
+        slide = (tip.sway_stiffness + shear) / (tip.mass - tip.moment**2 / tip.inertia)
+    turn = (turn + shear * tip.height**2) / inertia + slide
     pads = 1.5 * machine.pads.contact_rate * math.sqrt((machine.load / machine.pads.contact_rate) ** (2.0 / 3.0))
     bounce = len(machine.pads.places) * pads / machine.stage.mass
-    return math.sqrt(max(heave, turn, bounce)) / (2.0 * math.pi)
+    bending = float(np.max(machine.stage.bending.frequencies, initial=0.0))
+    return max(math.sqrt(max(heave, turn, bounce)) / (2.0 * math.pi), bending)
 
 
 def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Constants:
@@ -50,6 +57,7 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
     centre = np.asarray(stage.centre, dtype=float)
     pad_springs, contact_springs = slip_springs(parabola), slip_springs(mindlin)
     pad_slope, contact_slope = float(np.sum(pad_springs.stiffness)), float(np.sum(contact_springs.stiffness))
+    bending, omega = stage.bending, 2.0 * math.pi * stage.bending.frequencies
     irons = np.atleast_2d(np.asarray(stage.guide_places, dtype=float)).reshape(-1, 2)
     return Constants(
         step=step,
@@ -69,6 +77,14 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         pad_stribeck=pads.stribeck_velocity,
         pad_stiffness_shares=pad_springs.stiffness / pad_slope,
         pad_cap_shares=pad_springs.limit,
+        bend_rates=omega**2,
+        bend_damping=2.0 * bending.damping * omega,
+        bend_preload=stage.preload * np.mean(bending.at(preload_places(machine))[:, 0], axis=0),
+        bend_at_pads=np.ascontiguousarray(bending.at(pads.places)[:, 0]),
+        bend_grid=np.ascontiguousarray(bending.shapes, dtype=float),
+        bend_corner=bending.corner,
+        bend_spacing=bending.spacing,
+        centre=centre,
         guide_at=_heights(irons, 0.0) - centre,
         guide_stiffness=stage.guide_stiffness,
         guide_yaw=stage.guide_stiffness * stage.guide_length**2 / 12.0,
@@ -77,7 +93,10 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         apex_rest=np.ascontiguousarray(rest.apex_heights, dtype=float),
         tip_mass=tip.mass,
         tip_inertia=tip.inertia,
+        tip_moment=tip.moment if tip.sways else 0.0,
         tip_height=tip.height,
+        sway_stiffness=tip.sway_stiffness if tip.sways else 0.0,
+        sway_damping=tip.sway_damping,
         piezo_at=np.ascontiguousarray(tip.piezo_places, dtype=float),
         piezo_stiffness=tip.stiffness,
         piezo_damping=tip.damping,
@@ -102,17 +121,22 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
 
 def make_state(machine: StageMachine, rest: Rest) -> State:
     """The machine at rest, its piezos at mid-stroke for long, no tangential force anywhere."""
-    actuators, pads = len(machine.actuators), len(machine.pads.places)
+    actuators, pads, modes = len(machine.actuators), len(machine.pads.places), len(rest.bending)
     state = State(
         position=np.zeros(6),
         velocity=np.zeros(6),
         acceleration=np.zeros(6),
-        tip=np.zeros((actuators, 3)),
-        tip_velocity=np.zeros((actuators, 3)),
-        tip_acceleration=np.zeros((actuators, 3)),
+        bend=rest.bending.copy(),
+        bend_velocity=np.zeros(modes),
+        bend_acceleration=np.zeros(modes),
+        tip=np.zeros((actuators, TIP_FREEDOMS)),
+        tip_velocity=np.zeros((actuators, TIP_FREEDOMS)),
+        tip_acceleration=np.zeros((actuators, TIP_FREEDOMS)),
         voltage=np.full((actuators, 3), machine.piezo.bias),
         play=np.full((actuators, 3, PLAYS), machine.piezo.bias),
         creep=np.zeros((actuators, 3, LAGS)),
+        tip_shapes=np.zeros((actuators, 3, modes)),
+        tip_shapes_at=np.zeros((actuators, 2)),
         stretch=np.zeros((actuators, 3)),
         piezo_force=np.zeros((actuators, 3)),
         pad_force=np.zeros((pads, ELEMENTS, 2)),
@@ -125,6 +149,13 @@ def make_state(machine: StageMachine, rest: Rest) -> State:
         clock=np.zeros(1),
     )
     state.position[2:5] = rest.attitude
+    for k, (load, slopes) in enumerate(zip(rest.tip_loads, rest.slopes, strict=True)):
+        # Friction holds the stage on the slope that a tip presses into it.
+        stiffness = slip_springs(mindlin).stiffness
+        state.contact_force[k] = -load * stiffness[:, None] / np.sum(stiffness) * slopes
+        state.contact_tangent[k] = (
+            machine.contact.tangential_ratio * 1.5 * machine.contact.rate * math.sqrt(contact_depth(machine, load))
+        )
     state.tip[:, 0] = -rest.tip_loads / (3.0 * machine.tip.stiffness)
     state.piezo_force[:] = (rest.tip_loads / 3.0)[:, None]
     return state

@@ -5,9 +5,13 @@ order, without drift of the energy). Rates that a force depends on are extrapola
 acceleration.
 
 Stage, six degrees of freedom about its centre of mass, small turns about x and y and free turn about z.
-Tip, three: height z of its axis in the piezos' plane, slopes a, b of its axis towards x and y:
+Its bending modes add to its height: w = z + y turn_x - x turn_y + sum phi_m(x, y) eta_m, eta_m'' = phi_m F - ...
+Tip, five: height z of its axis in the piezos' plane, slopes a, b of its axis towards x and y, sway (s_x, s_y) of the
+plane on the bending stacks:
 
-    apex = (h a, h b, z)      stretch at piezo i = z - p_i . (a, b)
+    apex = (s_x + h a, s_y + h b, z)      stretch at piezo i = z - p_i . (a, b)
+
+The force of the contact is normal to the drive surface as it is tilted and bent.
 
 Contacts (pads, tips): N = K delta^1.5 (1 + damping delta'), none in the gap. Tangentially Iwan elements
 (`slip_elements.py`). Their stiffness goes with the load; an element keeps its force when load is added, and loses force
@@ -26,12 +30,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.numerics.compilation import INLINED, compile_function
+from sim.stage import bending, slip_elements
 from sim.stage import state as state_module
 from sim.stage.state import Constants, State
 
 ELEMENTS = 4
 HEAD, PER_ACTUATOR, PER_PAD = 18, 13, 5
 """Columns of a row: time, position (6), velocity (6), energy and works (5); then of each actuator, of each pad."""
+TIP_FREEDOMS = 5
+SHAPES_EVERY = 16
+"""Steps between two evaluations of the bending modes above a tip, which slides some micrometres in that time; between
+them a mode is a plane there."""
 CREEP_EVERY = 128
 """Steps between two updates of the creep, whose shortest time constant is 0.1 s."""
 
@@ -46,6 +55,7 @@ class Loads(NamedTuple):
         pad_force: of each pad on the stage, (pads, 3).
         apex: of each tip from mid-stroke, m, (actuators, 3).
         energy: kinetic and potential energy, J, (1,); complete in the steps that write a row.
+        bend: on the bending modes, N kg^-1/2, (modes,).
     """
 
     force: np.ndarray
@@ -55,69 +65,15 @@ class Loads(NamedTuple):
     pad_force: np.ndarray
     apex: np.ndarray
     energy: np.ndarray
+    bend: np.ndarray
+
+
+_KERNELS: Any = bending.advance_modes, bending.surface, slip_elements.slip
+_bend, _surface, _slip = (function.kernel() for function in _KERNELS)
 
 
 def _inlined(function: Callable[..., Any]) -> Any:
     return compile_function(function, [state_module.__file__], **{**INLINED, "fastmath": False})
-
-
-@_inlined
-def _slip(force, stiffness, cap, shares, way, lag):
-    """Move the elements of a contact; returns the force that resists (x, y), the heat and the stored energy.
-
-    An element that sticks also damps: its force is k (z + tau z'). Slip begins when that exceeds the cap, and the force
-    stays at the cap while z relaxes with tau: at speed nothing is left of the damping.
-
-    Args:
-        force: of the elements, N, (elements, 2), written in place.
-        stiffness: tangential, before and after the step, N/m.
-        cap: friction limit, N.
-        shares: of the stiffness and of the cap, of each element.
-        way: motion (x, y) in the step, m.
-        lag: tau over the step.
-    """
-    tangent_before, tangent = stiffness
-    stiffness_shares, cap_shares = shares
-    dx, dy = way
-    fx, fy, heat, kept = 0.0, 0.0, 0.0, 0.0
-    if tangent <= 0.0:
-        for e in range(force.shape[0]):
-            if tangent_before > 0.0:
-                heat += (force[e, 0] ** 2 + force[e, 1] ** 2) / (2.0 * tangent_before * stiffness_shares[e])
-            force[e, 0] = 0.0
-            force[e, 1] = 0.0
-        return fx, fy, heat, kept
-    loss = 1.0
-    if tangent < tangent_before:
-        loss = tangent / tangent_before
-    for e in range(force.shape[0]):
-        spring = tangent * stiffness_shares[e]
-        most = cap * cap_shares[e]
-        x0, y0 = force[e, 0], force[e, 1]
-        before = 0.0
-        if tangent_before > 0.0:
-            before = (x0 * x0 + y0 * y0) / (2.0 * tangent_before * stiffness_shares[e])
-        x, y = x0 * loss, y0 * loss
-        damped_x = x + (1.0 + lag) * spring * dx
-        damped_y = y + (1.0 + lag) * spring * dy
-        size = math.sqrt(damped_x * damped_x + damped_y * damped_y)
-        if size > most:
-            damped_x *= most / size
-            damped_y *= most / size
-            x += (damped_x - x) / (1.0 + lag)
-            y += (damped_y - y) / (1.0 + lag)
-        else:
-            x += spring * dx
-            y += spring * dy
-        after = (x * x + y * y) / (2.0 * spring)
-        work = (0.5 * (x0 + x) + damped_x - x) * dx + (0.5 * (y0 + y) + damped_y - y) * dy
-        heat += work - (after - before)
-        kept += after
-        force[e, 0] = x
-        force[e, 1] = y
-        fx += damped_x
-        fy += damped_y
-    return fx, fy, heat, kept
 
 
 @_inlined
@@ -180,6 +136,8 @@ def _weight_and_guides(c, q, writes, loads):
         if writes:
             energy += 0.5 * c.guide_stiffness * away * away + 0.5 * c.guide_yaw * q[5] * q[5]
     loads.energy[0] = energy
+    for m in range(c.bend_rates.shape[0]):
+        loads.bend[m] = -c.bend_preload[m]
 
 
 @_inlined
@@ -192,11 +150,16 @@ def _pad(c, s, k, writes, loads):
     y = sine * c.pad_at[k, 0] + cosine * c.pad_at[k, 1]
     z = c.pad_at[k, 2]
     deep = -(q[2] + q[3] * y - q[4] * x)
+    rising = v[2] + v[3] * y - v[4] * x + half * (a[2] + a[3] * y - a[4] * x)
+    shape = c.bend_at_pads[k]
+    for m in range(shape.shape[0]):
+        deep -= shape[m] * s.bend[m]
+        rising += shape[m] * (s.bend_velocity[m] + half * s.bend_acceleration[m])
     load, tangent, mu = 0.0, 0.0, 0.0
     vx = v[0] + v[4] * z - v[5] * y
     vy = v[1] + v[5] * x - v[3] * z
     if deep > 0.0:
-        rate = -(v[2] + v[3] * y - v[4] * x) - half * (a[2] + a[3] * y - a[4] * x)
+        rate = -rising
         spring = c.pad_rate * deep * math.sqrt(deep)
         load = max(spring * (1.0 + c.pad_damping * rate), 0.0)
         s.totals[3] += (load - spring) * rate * h
@@ -206,6 +169,8 @@ def _pad(c, s, k, writes, loads):
         if writes:
             loads.energy[0] += 0.4 * spring * deep
         s.pad_totals[k, 1] += math.sqrt(vx * vx + vy * vy) * h
+        for m in range(shape.shape[0]):
+            loads.bend[m] += shape[m] * load
     else:
         s.pad_totals[k, 0] += h
     stiffness, shares = (s.pad_tangent[k], tangent), (c.pad_stiffness_shares, c.pad_cap_shares)
@@ -251,28 +216,34 @@ def _piezos(c, s, k, commands, creep_step, writes, loads):
 
 
 @_inlined
-def _tip_contact(c, s, k, writes, loads):
+def _tip_contact(c, s, k, refresh, writes, loads):
     """Contact of tip `k` with the stage: force on the stage (x, y, z), N."""
     q, v, a = s.position, s.velocity, s.acceleration
     tip, rate_of, h = s.tip[k], s.tip_velocity[k], c.step
     apex = loads.apex[k]
-    apex[0], apex[1], apex[2] = c.tip_height * tip[1], c.tip_height * tip[2], tip[0]
-    x = c.tip_at[k, 0] - c.centre_start[0] - q[0]
-    y = c.tip_at[k, 1] - c.centre_start[1] - q[1]
+    apex[0], apex[1], apex[2] = tip[3] + c.tip_height * tip[1], tip[4] + c.tip_height * tip[2], tip[0]
+    x = c.tip_at[k, 0] - c.centre_start[0] - q[0] + apex[0]
+    y = c.tip_at[k, 1] - c.centre_start[1] - q[1] + apex[1]
     z = -c.centre_start[2]
-    x += apex[0]
-    y += apex[1]
-    deep = c.apex_rest[k] + tip[0] - (q[2] + q[3] * y - q[4] * x)
+    cosine, sine = math.cos(q[5]), math.sin(q[5])
+    place = (cosine * x + sine * y + c.centre[0], cosine * y - sine * x + c.centre[1])
+    lift, lifting, slope_x, slope_y, dx, dy = _surface(c, s, k, place, refresh)
+    # The stage yaws by milliradians: the slopes of its modes are taken along the axes of the base.
+    slope_x, slope_y = slope_x - q[4], slope_y + q[3]
+    deep = c.apex_rest[k] + tip[0] - (q[2] + q[3] * y - q[4] * x + lift)
     load, tangent = 0.0, 0.0
-    slide_x = v[0] + v[4] * z - v[5] * y - c.tip_height * rate_of[1]
-    slide_y = v[1] + v[5] * x - v[3] * z - c.tip_height * rate_of[2]
+    slide_x = v[0] + v[4] * z - v[5] * y - rate_of[3] - c.tip_height * rate_of[1]
+    slide_y = v[1] + v[5] * x - v[3] * z - rate_of[4] - c.tip_height * rate_of[2]
     if deep > 0.0:
         later = 0.5 * h * (s.tip_acceleration[k, 0] - (a[2] + a[3] * y - a[4] * x))
-        rate = rate_of[0] - (v[2] + v[3] * y - v[4] * x) + later
+        rate = rate_of[0] - (v[2] + v[3] * y - v[4] * x) + later - lifting + slope_x * slide_x + slope_y * slide_y
         spring = c.contact_rate * deep * math.sqrt(deep)
         load = max(spring * (1.0 + c.contact_damping * rate), 0.0)
         s.totals[3] += (load - spring) * rate * h
         tangent = c.contact_ratio * 1.5 * c.contact_rate * math.sqrt(deep)
+        for m in range(c.bend_rates.shape[0]):
+            shapes = s.tip_shapes[k]
+            loads.bend[m] += (shapes[0, m] + shapes[1, m] * dx + shapes[2, m] * dy) * load
         if writes:
             loads.energy[0] += 0.4 * spring * deep
         s.actuator_totals[k, 3] += h
@@ -282,7 +253,7 @@ def _tip_contact(c, s, k, writes, loads):
     s.contact_tangent[k] = tangent
     s.totals[2] += heat
     loads.energy[0] += kept
-    fx, fy = -fx, -fy
+    fx, fy = -fx - slope_x * load, -fy - slope_y * load
     _add_force((x, y, z), (fx, fy, load), loads)
     loads.tip_force[k, 0], loads.tip_force[k, 1], loads.tip_force[k, 2] = fx, fy, load
     s.actuator_totals[k, 0] += fx * h
@@ -292,22 +263,46 @@ def _tip_contact(c, s, k, writes, loads):
 
 
 @_inlined
-def _actuator(c, s, k, commands, creep_step, writes, loads):
-    """Advance the tip of actuator `k` by one step."""
+def _sway(c, s, k, axis, turn, pull, writes, loads):
+    """Acceleration of the tilt and the sway of tip `k` along x (axis 0) or y (1), under a torque about the piezos'
+    plane and a force at the apex, N m and N."""
+    acceleration, half = s.tip_acceleration[k], 0.5 * c.step
+    tilt, across = 1 + axis, 3 + axis
+    torque = turn + pull * c.tip_height
+    if c.sway_stiffness == 0.0:
+        acceleration[tilt] = torque / c.tip_inertia
+        return
+    at = s.tip[k, across]
+    rate = s.tip_velocity[k, across] + half * acceleration[across]
+    force = pull - c.sway_stiffness * at - c.sway_damping * rate
+    s.totals[3] += c.sway_damping * rate * rate * c.step
+    determinant = c.tip_mass * c.tip_inertia - c.tip_moment * c.tip_moment
+    acceleration[tilt] = (c.tip_mass * torque - c.tip_moment * force) / determinant
+    acceleration[across] = (c.tip_inertia * force - c.tip_moment * torque) / determinant
+    if writes:
+        swing = s.tip_velocity[k, tilt] + half * acceleration[tilt]
+        move = s.tip_velocity[k, across] + half * acceleration[across]
+        loads.energy[0] += 0.5 * c.sway_stiffness * at * at
+        loads.energy[0] += (0.5 * c.tip_mass * move + c.tip_moment * swing) * move
+
+
+@_inlined
+def _actuator(c, s, k, commands, updates, writes, loads):
+    """Advance the tip of actuator `k` by one step; updates: of the creep, s, and whether of the modes above it."""
     tip, rate_of, acceleration = s.tip[k], s.tip_velocity[k], s.tip_acceleration[k]
     half = 0.5 * c.step
-    for i in range(3):
+    for i in range(TIP_FREEDOMS):
         tip[i] += half * rate_of[i]
-    push, turn_a, turn_b = _piezos(c, s, k, commands, creep_step, writes, loads)
-    fx, fy, load = _tip_contact(c, s, k, writes, loads)
+    push, turn_a, turn_b = _piezos(c, s, k, commands, updates[0], writes, loads)
+    fx, fy, load = _tip_contact(c, s, k, updates[1], writes, loads)
     acceleration[0] = (push - load) / c.tip_mass
-    acceleration[1] = (turn_a - fx * c.tip_height) / c.tip_inertia
-    acceleration[2] = (turn_b - fy * c.tip_height) / c.tip_inertia
-    for i in range(3):
+    _sway(c, s, k, 0, turn_a, -fx, writes, loads)
+    _sway(c, s, k, 1, turn_b, -fy, writes, loads)
+    for i in range(TIP_FREEDOMS):
         before = rate_of[i]
         rate_of[i] += c.step * acceleration[i]
         tip[i] += half * rate_of[i]
-        if writes:
+        if writes and i < 3:
             middle = 0.5 * (before + rate_of[i])
             loads.energy[0] += 0.5 * (c.tip_mass if i == 0 else c.tip_inertia) * middle * middle
 
@@ -350,12 +345,15 @@ def _advance(c, s, commands, rows, stride, loads):
         for i in range(6):
             q[i] += half * v[i]
         writes = (n + 1) % stride == 0
-        creep_step = h * CREEP_EVERY if (n + 1) % CREEP_EVERY == 0 else 0.0
+        for m in range(s.bend.shape[0]):
+            s.bend[m] += half * s.bend_velocity[m]
+        updates = (h * CREEP_EVERY if (n + 1) % CREEP_EVERY == 0 else 0.0, n % SHAPES_EVERY == 0)
         _weight_and_guides(c, q, writes, loads)
         for k in range(c.pad_at.shape[0]):
             _pad(c, s, k, writes, loads)
         for k in range(c.tip_at.shape[0]):
-            _actuator(c, s, k, commands[n], creep_step, writes, loads)
+            _actuator(c, s, k, commands[n], updates, writes, loads)
+        _bend(c, s, writes, loads)
         for i in range(3):
             a[i] = loads.force[i] / c.mass
             a[3 + i] = 0.0
@@ -383,5 +381,6 @@ def advance(constants: Constants, state: State, commands: np.ndarray, rows: np.n
         stride: steps a row.
     """
     actuators, pads = constants.tip_at.shape[0], constants.pad_at.shape[0]
-    shapes = ((3,), (3,), (6,), (actuators, 3), (pads, 3), (actuators, 3), (1,))
+    modes = constants.bend_rates.shape[0]
+    shapes = ((3,), (3,), (6,), (actuators, 3), (pads, 3), (actuators, 3), (1,), (modes,))
     _compiled_advance(constants, state, commands, rows, stride, Loads(*map(np.zeros, shapes)))

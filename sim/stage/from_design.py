@@ -13,13 +13,20 @@ from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import gravity, load, moved_mass, preload
 from designcalc.machine.pads import mean_film, pad_positions
 from designcalc.machine.position_loop import BANDS, air_error, suspension
+from designcalc.machine.stage_plate import bending_modes
 from designcalc.machine.teeth import magnets
 from designcalc.machine.tip_contact import contact_stiffness
-from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness
-from sim.stage.machine import Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
+from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness, sway
+from sim.stage.machine import Bending, Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
 from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+
+BENDING_MODES = 10
+"""Natural ones of the plate, up to some 4 kHz; residual modes complete them."""
+
+HIGHEST_MODE = 24e3
+"""Hz: higher ones are left out, as the step of the simulation would have to be shorter."""
 
 
 def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
@@ -59,6 +66,19 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
     )
 
 
+def flexible_machine(design: Design, masses: BodyMasses) -> StageMachine:
+    """The machine of `stage_machine` with the bending modes of its stage and the sway of its tips on bending stacks."""
+    machine, r = stage_machine(design, masses), DesignInputs(design, masses)
+    lateral = sway(r)
+    tip = dataclasses.replace(
+        machine.tip,
+        moment=masses.tip.mass * masses.tip.centre_of_mass[2],
+        sway_stiffness=lateral,
+        sway_damping=2.0 * r("piezo.damping_ratio") * math.sqrt(lateral * machine.tip.mass),
+    )
+    return dataclasses.replace(machine, stage=dataclasses.replace(machine.stage, bending=_bending(r)), tip=tip)
+
+
 def driven_alone(design: Design, machine: StageMachine) -> StageMachine:
     """The machine on actuator 1 only."""
     return dataclasses.replace(machine, actuators=np.array(design.derived.actuator_places[:1]) * 1e-3)
@@ -76,6 +96,17 @@ def driven_by_three(design: Design, machine: StageMachine) -> StageMachine:
 
 def _as_stage(body: MassProperties) -> Stage:
     return Stage(mass=body.mass, centre=np.array(body.centre_of_mass), inertia=np.array(body.inertia))
+
+
+def _bending(r: DesignInputs) -> Bending:
+    modes = bending_modes(r, BENDING_MODES)
+    kept = modes.frequency < HIGHEST_MODE
+    return Bending(
+        modes.frequency[kept],
+        r("stage.damping_ratio"),
+        np.ascontiguousarray(np.moveaxis(modes.shapes[:, :, kept], 2, 0)),
+        -0.5 * np.array([r("stage.length"), r("stage.width")]),
+    )
 
 
 def _stage(r: DesignInputs) -> Stage:

@@ -16,6 +16,41 @@ Place = tuple[float, float]
 
 
 @dataclass(frozen=True)
+class Bending:
+    """Bending modes of the free stage with its payload, orthogonal to the motion of the rigid body.
+
+    Args:
+        frequencies: Hz, shape (modes,).
+        damping: ratio.
+        shapes: deflection at the nodes of a regular grid over the plate, of modes of mass 1 kg, kg^-1/2, shape
+            (modes, nodes along y, nodes along x).
+        corner: of the grid, (x, y) from the middle of the stage, m, shape (2,); the opposite corner is at its negative.
+    """
+
+    frequencies: np.ndarray
+    damping: float
+    shapes: np.ndarray
+    corner: np.ndarray
+
+    @property
+    def spacing(self) -> np.ndarray:
+        """Of the nodes along x and y, m, shape (2,)."""
+        return -2.0 * self.corner / (np.array(self.shapes.shape[:0:-1]) - 1.0)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Deflection and slopes along x and y at places (x, y) on the stage, kg^-1/2, shape (places, 3, modes)."""
+        from sim.stage.bending import shapes_at
+
+        out = np.zeros((len(places), 3, len(self.frequencies)))
+        for (x, y), shapes in zip(np.asarray(places, dtype=float).tolist(), out, strict=True):
+            shapes_at(self.shapes, self.corner, self.spacing, (x, y), shapes)
+        return out
+
+
+RIGID = Bending(np.empty(0), 0.0, np.empty((0, 2, 2)), np.array([-1.0, -1.0]))
+
+
+@dataclass(frozen=True)
 class Stage:
     """The body that moves, payload and ballast included.
 
@@ -27,6 +62,7 @@ class Stage:
         guide_stiffness: of one tooth iron across the travel, N/m.
         guide_places: middles of the tooth irons (x, y), m, shape (n, 2); empty without teeth.
         guide_length: of an iron along the travel, m.
+        bending: modes; none for a rigid stage.
     """
 
     mass: float
@@ -36,6 +72,7 @@ class Stage:
     guide_stiffness: float = 0.0
     guide_places: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     guide_length: float = 0.0
+    bending: Bending = RIGID
 
 
 @dataclass(frozen=True)
@@ -64,7 +101,7 @@ class Pads:
 
 @dataclass(frozen=True)
 class Tip:
-    """The rigid tip on its three piezos, turning about a point in the plane of their ends.
+    """The rigid tip on its three piezos: it rises, tilts about the plane of their ends, and sways with that plane.
 
     Args:
         mass: with the part of the stacks that moves with it, kg.
@@ -73,6 +110,9 @@ class Tip:
         piezo_places: axes (x, y) of the piezos about the tip's axis, m, shape (3, 2).
         stiffness: of one piezo, N/m.
         damping: of one piezo, N s/m.
+        moment: mass times height of the centre of mass over the piezos' plane, kg m.
+        sway_stiffness: of the three stacks together against a force across them, N/m; infinite where they only stretch.
+        sway_damping: of the same, N s/m.
     """
 
     mass: float
@@ -81,6 +121,13 @@ class Tip:
     piezo_places: np.ndarray
     stiffness: float
     damping: float
+    moment: float = 0.0
+    sway_stiffness: float = math.inf
+    sway_damping: float = 0.0
+
+    @property
+    def sways(self) -> bool:
+        return math.isfinite(self.sway_stiffness)
 
 
 @dataclass(frozen=True)

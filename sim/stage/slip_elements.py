@@ -8,10 +8,12 @@ Source: Mindlin and Deresiewicz, J. Appl. Mech. 20 (1953) 327.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
+from sim.numerics.compilation import inlined
 from sim.numerics.elasto_plastic import Springs, elements_along, springs_of
 
 KNOTS = np.array([0.06, 0.3, 0.65, 1.0])
@@ -31,3 +33,69 @@ def slip_springs(curve: Callable[[np.ndarray], np.ndarray]) -> Springs:
     """Springs (4,) that follow a curve, for a limit and a displacement x_full of one: their stiffnesses sum to that at
     rest as a multiple of limit/x_full, and their limits to one."""
     return springs_of(elements_along(KNOTS, curve(KNOTS)))
+
+
+@inlined
+def slip(
+    force: np.ndarray,
+    stiffness: tuple[float, float],
+    cap: float,
+    shares: tuple[np.ndarray, np.ndarray],
+    way: tuple[float, float],
+    lag: float,
+) -> tuple[float, float, float, float]:
+    """Move the elements of a contact; returns the force that resists (x, y), the heat and the stored energy.
+
+    An element that sticks also damps: its force is k (z + tau z'). Slip begins when that exceeds the cap, and the force
+    stays at the cap while z relaxes with tau: at speed nothing is left of the damping.
+
+    Args:
+        force: of the elements, N, (elements, 2), written in place.
+        stiffness: tangential, before and after the step, N/m.
+        cap: friction limit, N.
+        shares: of the stiffness and of the cap, of each element.
+        way: motion (x, y) in the step, m.
+        lag: tau over the step.
+    """
+    tangent_before, tangent = stiffness
+    stiffness_shares, cap_shares = shares
+    dx, dy = way
+    fx, fy, heat, kept = 0.0, 0.0, 0.0, 0.0
+    if tangent <= 0.0:
+        for e in range(force.shape[0]):
+            if tangent_before > 0.0:
+                heat += (force[e, 0] ** 2 + force[e, 1] ** 2) / (2.0 * tangent_before * stiffness_shares[e])
+            force[e, 0] = 0.0
+            force[e, 1] = 0.0
+        return fx, fy, heat, kept
+    loss = 1.0
+    if tangent < tangent_before:
+        loss = tangent / tangent_before
+    for e in range(force.shape[0]):
+        spring = tangent * stiffness_shares[e]
+        most = cap * cap_shares[e]
+        x0, y0 = force[e, 0], force[e, 1]
+        before = 0.0
+        if tangent_before > 0.0:
+            before = (x0 * x0 + y0 * y0) / (2.0 * tangent_before * stiffness_shares[e])
+        x, y = x0 * loss, y0 * loss
+        damped_x = x + (1.0 + lag) * spring * dx
+        damped_y = y + (1.0 + lag) * spring * dy
+        size = math.sqrt(damped_x * damped_x + damped_y * damped_y)
+        if size > most:
+            damped_x *= most / size
+            damped_y *= most / size
+            x += (damped_x - x) / (1.0 + lag)
+            y += (damped_y - y) / (1.0 + lag)
+        else:
+            x += spring * dx
+            y += spring * dy
+        after = (x * x + y * y) / (2.0 * spring)
+        work = (0.5 * (x0 + x) + damped_x - x) * dx + (0.5 * (y0 + y) + damped_y - y) * dy
+        heat += work - (after - before)
+        kept += after
+        force[e, 0] = x
+        force[e, 1] = y
+        fx += damped_x
+        fy += damped_y
+    return fx, fy, heat, kept

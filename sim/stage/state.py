@@ -27,6 +27,14 @@ class Constants(NamedTuple):
     pad_stribeck: float
     pad_stiffness_shares: np.ndarray  # (elements,)
     pad_cap_shares: np.ndarray  # (elements,)
+    bend_rates: np.ndarray  # (modes,) square of the angular frequency, 1/s^2
+    bend_damping: np.ndarray  # (modes,) twice damping ratio times angular frequency, 1/s
+    bend_preload: np.ndarray  # (modes,) of the preload, N kg^-1/2
+    bend_at_pads: np.ndarray  # (pads, modes)
+    bend_grid: np.ndarray  # (modes, nodes along y, nodes along x)
+    bend_corner: np.ndarray  # (2,) of the grid, from the middle of the stage
+    bend_spacing: np.ndarray  # (2,)
+    centre: np.ndarray  # (3,) of mass, from the middle of the stage
     guide_at: np.ndarray  # (irons, 3) from the centre of mass
     guide_stiffness: float
     guide_yaw: float  # stiffness against yaw of one iron's length, N m/rad
@@ -35,7 +43,10 @@ class Constants(NamedTuple):
     apex_rest: np.ndarray  # (actuators,) height of an unloaded apex at mid-stroke over the unloaded drive surface
     tip_mass: float
     tip_inertia: float
+    tip_moment: float  # mass times height of the centre of mass, kg m
     tip_height: float
+    sway_stiffness: float  # N/m; zero where the stacks only stretch
+    sway_damping: float
     piezo_at: np.ndarray  # (3, 2)
     piezo_stiffness: float
     piezo_damping: float
@@ -63,12 +74,17 @@ class State(NamedTuple):
     position: np.ndarray  # (6,) x, y, z, turn about x, y, z
     velocity: np.ndarray  # (6,)
     acceleration: np.ndarray  # (6,)
-    tip: np.ndarray  # (actuators, 3) z, a, b
+    bend: np.ndarray  # (modes,)
+    bend_velocity: np.ndarray
+    bend_acceleration: np.ndarray
+    tip: np.ndarray  # (actuators, 5) z, a, b, sway x, sway y
     tip_velocity: np.ndarray
     tip_acceleration: np.ndarray
     voltage: np.ndarray  # (actuators, 3)
     play: np.ndarray  # (actuators, 3, plays)
     creep: np.ndarray  # (actuators, 3, lags)
+    tip_shapes: np.ndarray  # (actuators, 3, modes) of the stage above the tip: deflection, slopes along x and y
+    tip_shapes_at: np.ndarray  # (actuators, 2) place on the stage at which those hold
     stretch: np.ndarray  # (actuators, 3) free stretch from mid-stroke, m
     piezo_force: np.ndarray  # (actuators, 3)
     pad_force: np.ndarray  # (pads, elements, 2) on the stage

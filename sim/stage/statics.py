@@ -1,7 +1,7 @@
 """Static equilibrium of the stage on its pads and tips.
 
-The elastic energy of pads and tips in heave and the two turns is convex, so rest is its minimum, found by Newton's
-method with halving. There is no friction force at rest: the stage is set down without shear.
+The elastic energy of pads, tips and bent stage in heave, the two turns and the bending modes is convex, so rest is its
+minimum, found by Newton's method with halving. There is no friction force at rest: the stage is set down without shear.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ class Rest:
         tip_loads: N, shape (actuators,).
         pad_loads: N, shape (pads,).
         pad_height: of the pads below the drive surface, m.
+        bending: of the stage in its modes, m kg^1/2, shape (modes,).
+        slopes: of the drive surface above each tip along x and y, shape (actuators, 2).
     """
 
     position: float
@@ -34,6 +36,8 @@ class Rest:
     tip_loads: np.ndarray
     pad_loads: np.ndarray
     pad_height: float
+    bending: np.ndarray
+    slopes: np.ndarray
 
 
 def contact_depth(machine: StageMachine, load: float) -> float:
@@ -57,41 +61,56 @@ def _tip_load(machine: StageMachine, depth: float) -> tuple[float, float]:
     return rate * x**1.5, tangent * stiffness / (tangent + stiffness)
 
 
-def rest_at(machine: StageMachine, position: float, apex_heights: np.ndarray, pad_height: float = 2e-3) -> Rest:
+def rest_at(
+    machine: StageMachine, position: float, apex_heights: np.ndarray, pad_height: float = 2e-3, lifted: float = 0.0
+) -> Rest:
     """Rest with the tips at given heights over the unloaded drive surface.
+
+    Args:
+        machine: the machine.
+        position: of the stage's middle, m.
+        apex_heights: m, (actuators,).
+        pad_height: of the pads below the drive surface, m.
+        lifted: dead load upwards in the place of each tip, N.
 
     Raises:
         InputError: the load's centre is outside the pads: the stage tips over.
     """
-    centre = np.asarray(machine.stage.centre, dtype=float)
-    pads = np.asarray(machine.pads.places, dtype=float) - centre[:2]
-    tips = np.asarray(machine.actuators, dtype=float) - centre[:2] - [position, 0.0]
+    stage, bending = machine.stage, machine.stage.bending
+    centre = np.asarray(stage.centre, dtype=float)
     heights = np.asarray(apex_heights, dtype=float)
-    pad_rows = np.column_stack([np.ones(len(pads)), pads[:, 1], -pads[:, 0]])
-    tip_rows = np.column_stack([np.ones(len(tips)), tips[:, 1], -tips[:, 0]])
-    weight, preload = machine.stage.mass * machine.gravity, machine.stage.preload
-    load = np.array([-weight - preload, preload * centre[1], -preload * centre[0]])
+    pad_rows, tip_rows = _rows(machine, machine.pads.places), _rows(machine, _tips_on_stage(machine, position))
+    weight, preload = stage.mass * machine.gravity, stage.preload
+    load = np.zeros(3 + len(bending.frequencies))
+    load[:3] = -weight - preload, preload * centre[1], -preload * centre[0]
+    if preload:
+        load[3:] = -preload * np.mean(bending.at(preload_places(machine))[:, 0], axis=0)
+    load += lifted * np.sum(tip_rows, axis=0)
+    bent = np.zeros_like(load)
+    bent[3:] = (2.0 * math.pi * bending.frequencies) ** 2
     rate = machine.pads.contact_rate
-    # Turns are scaled by the pads' reach, so that Newton's step has one unit.
-    reach = float(np.max(np.abs(pads)))
-    scale = np.array([1.0, 1.0 / reach, 1.0 / reach])
-    q = np.array([-((-load[0] / len(pads) / rate) ** (2.0 / 3.0)), 0.0, 0.0])
+    # Turns are scaled by the pads' reach, so that Newton's step has one unit; modal masses are 1 kg.
+    reach = float(np.max(np.abs(pad_rows[:, 1:3])))
+    scale = np.array([1.0, 1.0 / reach, 1.0 / reach, *np.full(len(bending.frequencies), math.sqrt(stage.mass))])
+    q = np.zeros_like(load)
+    q[0] = -((max(-load[0], 1e-9 * weight) / len(pad_rows) / rate) ** (2.0 / 3.0))
 
-    def forces(q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def forces(q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         depth = np.maximum(-pad_rows @ q, 0.0)
         pad_loads, pad_slopes = rate * depth**1.5, 1.5 * rate * np.sqrt(depth)
         found = [_tip_load(machine, d) for d in heights - tip_rows @ q]
         tip_loads, tip_slopes = np.array([f for f, _ in found]), np.array([k for _, k in found])
-        unbalance = load + pad_rows.T @ pad_loads + tip_rows.T @ tip_loads
-        stiffness = (pad_rows.T * pad_slopes) @ pad_rows + (tip_rows.T * tip_slopes) @ tip_rows
-        return unbalance, stiffness, pad_loads, tip_loads, pad_slopes
+        unbalance = load - bent * q + pad_rows.T @ pad_loads + tip_rows.T @ tip_loads
+        stiffness = np.diag(bent) + (pad_rows.T * pad_slopes) @ pad_rows + (tip_rows.T * tip_slopes) @ tip_rows
+        return unbalance, stiffness, pad_loads, tip_loads
 
-    tolerance = 1e-12 * -load[0]
+    tolerance = 1e-12 * (weight + preload)
     for _ in range(200):
-        unbalance, stiffness, pad_loads, tip_loads, _ = forces(q)
+        unbalance, stiffness, pad_loads, tip_loads = forces(q)
         size = float(np.max(np.abs(unbalance * scale)))
         if size <= tolerance:
-            return Rest(position, heights, q, tip_loads, pad_loads, pad_height)
+            slopes = np.array([-q[2], q[1]]) + bending.at(_tips_on_stage(machine, position))[:, 1:] @ q[3:]
+            return Rest(position, heights, q[:3], tip_loads, pad_loads, pad_height, q[3:], slopes)
         floor = 1e-9 * rate * math.sqrt(1e-6) * np.diag(1.0 / scale**2)
         step = np.linalg.solve(stiffness + floor, unbalance)
         part = 1.0
@@ -101,46 +120,42 @@ def rest_at(machine: StageMachine, position: float, apex_heights: np.ndarray, pa
     raise InputError("stage: no rest: weight and preload act outside the pads, or the tips tip the stage")
 
 
+def preload_places(machine: StageMachine) -> np.ndarray:
+    """Where the magnets pull, (x, y) from the middle of the stage, m, (n, 2)."""
+    irons = np.asarray(machine.stage.guide_places, dtype=float).reshape(-1, 2)
+    return irons if len(irons) else np.zeros((1, 2))
+
+
+def _tips_on_stage(machine: StageMachine, position: float) -> np.ndarray:
+    """Places of the tips from the middle of the stage, m, (actuators, 2)."""
+    return np.asarray(machine.actuators, dtype=float) - [position, 0.0]
+
+
+def _rows(machine: StageMachine, places: np.ndarray) -> np.ndarray:
+    """Height of the stage at places by heave, turns and bending modes, (places, 3 + modes)."""
+    places = np.asarray(places, dtype=float)
+    x, y = (places - np.asarray(machine.stage.centre, dtype=float)[:2]).T
+    return np.column_stack([np.ones(len(places)), y, -x, machine.stage.bending.at(places)[:, 0]])
+
+
 def rest_with_load(machine: StageMachine, position: float, load: float, pad_height: float = 2e-3) -> Rest:
     """Rest with each tip carrying `load`, N (0: just touching), which fixes the tips' heights."""
     apart = np.full(len(machine.actuators), -1.0)
     if load == 0.0:
         free = rest_at(machine, position, apart, pad_height)
-        return rest_at(machine, position, _surface_at_tips(machine, position, free.attitude), pad_height)
-    # The pads' attitude with the tips' forces applied as dead loads.
-    lifted = _with_dead_loads(machine, position, load, pad_height)
+        return rest_at(machine, position, _surface_at_tips(machine, position, free), pad_height)
+    # The stage with the tips' forces applied as dead loads.
+    lifted = rest_at(machine, position, apart, pad_height, load)
     pressed = contact_depth(machine, load) + load / (3.0 * machine.tip.stiffness)
-    return rest_at(machine, position, _surface_at_tips(machine, position, lifted.attitude) + pressed, pad_height)
+    return rest_at(machine, position, _surface_at_tips(machine, position, lifted) + pressed, pad_height)
 
 
 def over_drive_surface(machine: StageMachine, position: float, height: float, pad_height: float = 2e-3) -> Rest:
     """Rest with each apex at mid-stroke set to `height` over the drive surface without tips, m (below: negative)."""
     free = rest_at(machine, position, np.full(len(machine.actuators), -1.0), pad_height)
-    return rest_at(machine, position, _surface_at_tips(machine, position, free.attitude) + height, pad_height)
+    return rest_at(machine, position, _surface_at_tips(machine, position, free) + height, pad_height)
 
 
-def _surface_at_tips(machine: StageMachine, position: float, attitude: np.ndarray) -> np.ndarray:
-    centre = np.asarray(machine.stage.centre, dtype=float)
-    tips = np.asarray(machine.actuators, dtype=float) - centre[:2] - [position, 0.0]
-    return attitude[0] + attitude[1] * tips[:, 1] - attitude[2] * tips[:, 0]
-
-
-def _with_dead_loads(machine: StageMachine, position: float, load: float, pad_height: float) -> Rest:
-    """Rest of the stage with an upward force of `load` at each tip, as if the preload were less and moved."""
-    from dataclasses import replace
-
-    centre = np.asarray(machine.stage.centre, dtype=float)
-    tips = np.asarray(machine.actuators, dtype=float)
-    weight, preload = machine.stage.mass * machine.gravity, machine.stage.preload
-    total = weight + preload - load * len(tips)
-    if total <= 0.0:
-        raise InputError(f"stage: tips that press with {load:g} N each lift the stage off its pads")
-    moment = weight * centre[:2] - load * np.sum(tips - [position, 0.0], axis=0)
-    # One force `total` at the point where the moments of weight, preload (at the middle) and tips put it.
-    stage = replace(
-        machine.stage, mass=total / machine.gravity, preload=0.0, centre=np.array([*(moment / total), centre[2]])
-    )
-    found = rest_at(replace(machine, stage=stage), position, np.full(len(tips), -1.0), pad_height)
-    shift = centre[:2] - stage.centre[:2]
-    heave = found.attitude[0] + found.attitude[1] * shift[1] - found.attitude[2] * shift[0]
-    return replace(found, attitude=np.array([heave, found.attitude[1], found.attitude[2]]))
+def _surface_at_tips(machine: StageMachine, position: float, rest: Rest) -> np.ndarray:
+    """Height of the drive surface above each tip, from the unloaded one, m, (actuators,)."""
+    return _rows(machine, _tips_on_stage(machine, position)) @ np.append(rest.attitude, rest.bending)

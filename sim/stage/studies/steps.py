@@ -94,15 +94,18 @@ class StepStudy:
 def static_ratio(constants: Constants, rest: Rest) -> float:
     """Motion of the stage over that of the free apex, for steps well within presliding of pads and contact.
 
-        ratio = k/(k + k_pads),   1/k = 1/k_contact + h^2/k_tilt
+        ratio = k/(k + k_pads),   1/k = 1/k_contact + h^2/k_tilt + 1/k_sway
 
-    k_tilt = (stiffness of a piezo) sum p_x^2, k_contact = (tangential ratio) (normal stiffness at the load), k_pads =
-    sum of (pad load) (bristle stiffness per load): springs in series, and the pads' against them.
+    k_tilt = (stiffness of a piezo) sum p_x^2, k_sway that of the bending stacks, k_contact = (tangential ratio) (normal
+    stiffness at the load), k_pads = sum of (pad load) (bristle stiffness per load): springs in series, and the pads'
+    against them.
     """
     depth = (float(rest.tip_loads.sum()) / constants.contact_rate) ** (2.0 / 3.0)
     contact = constants.contact_ratio * 1.5 * constants.contact_rate * math.sqrt(depth)
     tilt = constants.piezo_stiffness * float(np.sum(constants.piezo_at[:, 0] ** 2)) / constants.tip_height**2
     series = 1.0 / (1.0 / contact + 1.0 / tilt)
+    if constants.sway_stiffness > 0.0:
+        series = 1.0 / (1.0 / series + 1.0 / constants.sway_stiffness)
     pads = constants.pad_bristle * float(rest.pad_loads.sum())
     return series / (series + pads)
 

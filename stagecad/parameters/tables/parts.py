@@ -17,6 +17,7 @@ class Stage:
     width: float = mm("across the travel")
     thickness: float = mm("from the drive surface to the payload face")
     travel: float = mm("from end to end")
+    damping_ratio: float = number("of its bending", closed=True, high=1)
     corner_radius: float = mm("of the upright corners")
     edge_chamfer: float = mm("of the rim")
     hole_chamfer: float = mm("at the mouth of every hole")

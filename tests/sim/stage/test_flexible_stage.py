@@ -1,0 +1,241 @@
+"""The stage with a bending plate and swaying stacks: statics, modes, an independent planar model, energy, checks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+from planar_model import Planar, Ritz, free_plate, mindlin_springs, planar_run, shapes
+from scipy.linalg import eigvalsh
+from stage_machines import FOUR_PADS, example, ideal_piezos
+
+from designcalc.bearing.plate import Plate, SupportedPlate
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.pads import pad_positions, pad_spring_stiffness
+from designcalc.machine.stage_plate import give_at_tip
+from designcalc.machine.tip_dynamics import sway_resonance
+from sim.stage.from_design import driven_alone, flexible_machine
+from sim.stage.machine import RIGID, Bending, Pads, StageMachine
+from sim.stage.simulation import drive_stage
+from sim.stage.statics import over_drive_surface, rest_with_load
+from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+
+BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
+TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
+MASSES = BodyMasses(BODY, TIP)
+SIDES = 0.23, 0.27, 0.012
+ALUMINIUM = 68.9e9, 0.33, 2700.0
+PAYLOAD = [(x, y, 0.25, 0.0) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
+LOSS = 0.01
+
+
+@pytest.fixture(scope="module")
+def ritz() -> Ritz:
+    return free_plate(*SIDES, ALUMINIUM, PAYLOAD)
+
+
+@pytest.fixture(scope="module")
+def machine() -> StageMachine:
+    """The example on four pads, its stage an aluminium plate with payload, its tip on swaying stacks."""
+    length, width, thickness = SIDES
+    plate = Plate(length, width, thickness, *ALUMINIUM)
+    modes = SupportedPlate(plate, (), [((x, y), m, r) for x, y, m, r in PAYLOAD]).modes_on_grid(
+        13, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist()
+    )
+    bending = Bending(
+        modes.frequency[3:], LOSS, np.moveaxis(modes.shapes[:, :, 3:], 2, 0).copy(), np.array([-0.115, -0.135])
+    )
+    own = length * width * thickness * ALUMINIUM[2]
+    turns = [
+        own * (side**2) / 12 + sum(m * (q**2 + r**2) for *p, m, r in PAYLOAD for q in [p[k]])
+        for k, side in ((1, width), (0, length))
+    ]
+    base = ideal_piezos(example())
+    stage = replace(
+        base.stage,
+        mass=own + 1.0,
+        centre=np.array([0.0, 0.0, 0.006]),
+        inertia=np.diag([*turns, 0.03]),
+        bending=bending,
+    )
+    tip = replace(
+        base.tip, moment=0.03 * 0.01, sway_stiffness=5e5, sway_damping=2 * 0.05 * math.sqrt(5e5 * base.tip.mass)
+    )
+    return replace(base, stage=stage, tip=tip, pads=replace(base.pads, places=FOUR_PADS, tangential_lag=0.0))
+
+
+def planar(machine: StageMachine, ritz: Ritz, pads: Pads) -> Planar:
+    """The planar model of the same machine: modes even across the travel, below 20 kHz."""
+    order = ritz.coefficients.shape[1]
+    odd = np.abs(ritz.coefficients[:, :, 1::2]).max(axis=(1, 2))
+    even = np.abs(ritz.coefficients[:, :, 0::2]).max(axis=(1, 2))
+    kept = (odd < 1e-6 * even) & (ritz.rates < 2 * math.pi * 20e3)
+    chosen = ritz._replace(
+        rates=np.where(ritz.rates[kept] < 1.0, 0.0, ritz.rates[kept]), coefficients=ritz.coefficients[kept]
+    )
+    middle = [legendre.legval(0.0, np.eye(order)[j]) for j in range(order)]
+    line = [legendre.leg2poly(c @ middle) for c in chosen.coefficients]
+    powers = np.zeros((len(line), order))
+    for i, poly in enumerate(line):
+        powers[i, : poly.size] = poly / chosen.half[0] ** np.arange(poly.size)
+    tip, contact, stage = machine.tip, machine.contact, machine.stage
+    lift = np.array([_even_mean(c, chosen.half) for c in chosen.coefficients])
+    weight = -9.80665 * (ALUMINIUM[2] * SIDES[2] * lift + sum(m * shapes(chosen, x, y) for x, y, m, _ in PAYLOAD))
+    return Planar(
+        mass=stage.mass,
+        load=machine.load,
+        rates=chosen.rates,
+        damping=LOSS,
+        lever=float(stage.centre[2]),
+        pad_lever=float(stage.centre[2]) + 2e-3,
+        at_pads=np.array([shapes(chosen, x, y) for x, y in pads.places]),
+        slope_at_pads=np.array([shapes(chosen, x, y, 1) for x, y in pads.places]),
+        gravity=weight,
+        polynomials=powers,
+        pad=np.array(
+            [
+                pads.contact_rate,
+                pads.damping,
+                pads.static_friction,
+                pads.dynamic_friction,
+                pads.stribeck_velocity,
+                pads.presliding,
+            ]
+        ),
+        tip=np.array(
+            [
+                tip.mass,
+                tip.inertia,
+                tip.moment,
+                tip.height,
+                tip.stiffness,
+                tip.damping,
+                float(np.sum(tip.piezo_places[:, 0] ** 2)),
+                tip.sway_stiffness,
+                tip.sway_damping,
+            ]
+        ),
+        contact=np.array([contact.rate, contact.damping, contact.friction, contact.tangential_ratio]),
+        springs=mindlin_springs(12),
+    )
+
+
+def _even_mean(coefficients: np.ndarray, half: tuple[float, float]) -> float:
+    """Integral of a mode over the plate, m^2."""
+    return float(coefficients[0, 0]) * 4.0 * half[0] * half[1]
+
+
+def planar_rest(c: Planar) -> np.ndarray:
+    """Modal deflections of the planar model at rest on its pads alone."""
+    eta = np.zeros(c.rates.size)
+    for _ in range(60):
+        depth = np.maximum(-c.at_pads @ eta, 1e-12)
+        left = c.gravity - c.rates**2 * eta + c.at_pads.T @ (c.pad[0] * depth**1.5)
+        stiffness = np.diag(c.rates**2) + (c.at_pads.T * 1.5 * c.pad[0] * np.sqrt(depth)) @ c.at_pads
+        eta += np.linalg.solve(stiffness, left)
+    return eta
+
+
+def test_the_free_square_plate_of_ritz_and_of_the_finite_elements():
+    side, thickness = 0.2, 0.002
+    material = 70e9, 0.3, 2700.0
+    found = free_plate(side, side, thickness, material, []).rates[3:6]
+    unit = math.sqrt(70e9 * thickness**2 / (12 * (1 - 0.3**2) * 2700.0)) / side**2
+    assert found / unit == pytest.approx([13.468, 19.596, 24.270], rel=2e-3)
+
+
+def test_modes_on_the_grid_are_those_of_ritz(machine, ritz):
+    bending = machine.stage.bending
+    assert bending.frequencies[:8] == pytest.approx(ritz.rates[3:11] / (2 * math.pi), rel=0.01)
+    places = np.array([[0.01, 0.02], [-0.07, 0.0], [0.025, 0.115], [0.1, -0.11]])
+    expected = np.array([shapes(ritz, x, y) for x, y in places])[:, 3:7]
+    assert np.abs(bending.at(places)[:, 0, :4]) == pytest.approx(np.abs(expected), abs=0.01)
+
+
+@pytest.fixture(scope="module")
+def of_design(design) -> StageMachine:
+    return driven_alone(design, flexible_machine(design, MASSES))
+
+
+def test_rest_bends_the_plate_as_the_finite_elements_do(design, of_design):
+    """What the tip rises for half a newton more, less what it does under a rigid stage."""
+    stiff = replace(of_design, stage=replace(of_design.stage, bending=RIGID))
+    rises = []
+    for machine in (of_design, stiff):
+        heights = [rest_with_load(machine, 0.0, load).apex_heights[0] for load in (20.0, 20.5)]
+        rises.append((heights[1] - heights[0]) / 0.5)
+    r = DesignInputs(design, MASSES)
+    rows = np.column_stack([np.ones(3), pad_positions(r)])
+    on_springs = np.linalg.inv(rows.T @ np.diag(pad_spring_stiffness(r)) @ rows)[0, 0]
+    assert rises[0] - rises[1] == pytest.approx(give_at_tip(r) - on_springs, rel=0.05)
+    assert of_design.tip.sway_stiffness == pytest.approx(0.50e6, rel=0.02)
+
+
+def test_the_free_tip_sways_at_the_resonance_of_the_checks(design, of_design):
+    """Sway and tilt are coupled by the tip's height: the lower mode of the pair, from the eigenvalues."""
+    tip = ideal_piezos(of_design).tip
+    masses = np.array([[tip.mass, tip.moment], [tip.moment, tip.inertia]])
+    tilt = tip.stiffness * np.sum(tip.piezo_places[:, 0] ** 2)
+    expected = math.sqrt(np.min(eigvalsh(np.diag([tip.sway_stiffness, tilt]), masses))) / (2 * math.pi)
+    machine = ideal_piezos(replace(of_design, tip=replace(tip, sway_damping=0.0, damping=0.0)))
+    volts = np.full((20_000, 1, 3), machine.piezo.bias) + np.array([10.0, -10.0, 0.0])
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, -1e-4), volts, 1e-6)
+    sway = run.apex(0)[:, 0]
+    wave = sway - sway.mean()
+    spectrum = np.abs(np.fft.rfft(wave * np.hanning(wave.size), 16 * wave.size))
+    below = np.arange(spectrum.size) / (16 * wave.size * 1e-5) < 2000.0
+    found = np.argmax(spectrum * below[: spectrum.size]) / (16 * wave.size * 1e-5)
+    assert found == pytest.approx(expected, rel=0.01)
+    assert expected == pytest.approx(sway_resonance(DesignInputs(design, MASSES)), rel=0.02)
+
+
+@pytest.mark.parametrize("frequency", [1500.0, 2000.0, 3000.0, 4000.0, 6000.0])
+def test_speed_and_load_are_those_of_an_independent_planar_model(machine, ritz, frequency):
+    """Where the stage moves steadily. Near the sway of the tip, 0.2 to 1 kHz, it hardly moves; at 5 kHz the contact
+    repeats after one drive cycle or after two, and the two programs find different ones."""
+    ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
+    begin, duration, rise = 1.5 * ellipse.along * frequency, 30.0 / frequency + 0.03, 2e-3
+    height = -0.3 * ellipse.normal
+    time = step_times(round(duration / 1e-6 / 10) * 10, 1e-6)
+    wave = ellipse_wave(machine, ellipse, frequency, time, np.minimum(time / rise, 1.0))
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, height), wave, 1e-6, 1, begin)
+    model = planar(machine, ritz, machine.pads)
+    eta = planar_rest(model)
+    above = float(shapes_on(model, 0.0) @ eta) + height
+    drive = ellipse.along, ellipse.normal, frequency, rise
+    speed, load, _ = planar_run(model, drive, eta, above, 0.0, begin, duration, 1e-7)
+    assert speed > 1.8 * ellipse.along * frequency
+    assert run.mean_velocity(0.6 * duration, duration)[0] == pytest.approx(speed, rel=0.05)
+    assert run.mean_tip_load(0.6 * duration, duration) == pytest.approx(load, rel=0.05)
+
+
+def shapes_on(model: Planar, x: float) -> np.ndarray:
+    """Deflection of every mode of the planar model on the tip's line."""
+    return model.polynomials @ x ** np.arange(model.polynomials.shape[1])
+
+
+def test_energy_of_the_driven_flexible_stage_balances(machine):
+    left = []
+    for step in (2e-7, 1e-7, 5e-8):
+        ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
+        rest = over_drive_surface(machine, 0.0, -0.3 * ellipse.normal)
+        time = step_times(round(6e-3 / step), step)
+        wave = ellipse_wave(machine, ellipse, 5000.0, time, np.minimum(time / 2e-3, 1.0))
+        run = drive_stage(machine, rest, wave, step, 20, 0.05)
+        energy = {name: values - values[0] for name, values in run.energy.items()}
+        heats = [energy[name] for name in ("pads", "contacts", "damping")]
+        left.append(np.abs(energy["kept"] - energy["drive"] + sum(heats)).max() / energy["drive"][-1])
+        for heat in heats:
+            assert np.diff(heat).min() > -1e-15
+    assert left[2] < 1e-5
+
+
+def test_a_flexible_stage_at_rest_stays_at_rest(machine):
+    rest = rest_with_load(machine, 0.02, 5.0)
+    run = drive_stage(machine, rest, np.full((5000, 1, 3), machine.piezo.bias), 1e-6)
+    assert np.abs(run.position).max() < 1e-13
+    assert np.ptp(run.tip_force(0)[:, 2]) < 1e-6
