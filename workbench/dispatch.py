@@ -23,6 +23,7 @@ COMMANDS = {
     "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",
     "diff": "Parameters, masses, margins, sheets and volumes that differ between two designs.",
     "check": "Every design check, with value, limit and margin.",
+    "optimize": "The nearest design without violated rules and failed checks, or the conflicting requirements.",
     "calc": "One design calculator by itself.",
     "simulate": "The thesis's experiments, and the stage driven by its piezos.",
     "effects": "The library of physical effects.",
@@ -41,6 +42,7 @@ COMMANDS = {
 MODULES = {
     "diff": "workbench.commands.design.diff",
     "docs": "workbench.documentation.command",
+    "optimize": "workbench.commands.design.optimize",
     "workbench": "workbench.page.command",
 }
 """Modules of commands that are not `workbench.commands.NAME`."""

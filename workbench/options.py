@@ -38,13 +38,15 @@ class Run:
     json_target: str | None
     earlier: Path | None = None
     """Parameter file of an earlier issue of the design, for the revision table of the drawings."""
+    rules: bool = True
+    """whether the design must satisfy the rules; a command that repairs a design has none"""
 
     @functools.cached_property
     def design(self) -> Design:
         """The design of `--params` (default: stage.toml here, else the packaged thesis design) with `--set` applied."""
         from stagecad.parameters.load import load_design
 
-        design = load_design(self.parameter_file, self.overrides)
+        design = load_design(self.parameter_file, self.overrides, rules=self.rules)
         return design if self.earlier is None else design.since(load_design(self.earlier))
 
     @property
@@ -155,6 +157,12 @@ def consent(run: Run, experiment: Path) -> None:
         run.note(f"trusted as it is now: {path}")
 
 
+def without_rules(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Below `common_options`: the command accepts a design that violates rules."""
+    function.without_rules = True  # type: ignore[attr-defined]
+    return function
+
+
 def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options of every command; the function receives them as its first argument, a `Run`."""
 
@@ -183,7 +191,7 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     def wrapper(
         params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
     ) -> Any:
-        run = Run(params, overrides, out, json_target)
+        run = Run(params, overrides, out, json_target, rules=not getattr(function, "without_rules", False))
         try:
             if params is not None or overrides:
                 # A mistake in them is reported by every command, also by one that reads little of the design.

@@ -106,7 +106,11 @@ def averaged_profile(profile: ArrayLike, step: float, pad_length: float) -> Arra
         )
     place = np.linspace(-1, 1, count + 2)[1:-1]
     weight = 1 - place**2
-    return np.convolve(heights, weight / weight.sum(), mode="valid")
+    # By Fourier transform: direct summation takes ten times as long for a way at a quarter of its correlation length.
+    size = 1 << (heights.size - 1).bit_length()
+    middle = heights.mean()
+    spectrum = np.fft.rfft(heights - middle, size) * np.fft.rfft(weight / weight.sum(), size)
+    return np.fft.irfft(spectrum, size)[count - 1 : heights.size] + middle
 
 
 def averaged_roughness(roughness: ArrayLike, correlation_length: ArrayLike, radius: ArrayLike, pads: int = 1) -> Array:

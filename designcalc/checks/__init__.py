@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
 
-__all__ = ["SUBJECTS", "Check", "Verdict", "run_checks"]
+__all__ = ["OWN", "SUBJECTS", "Check", "Verdict", "run_checks"]
 
 SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
     "tip on stage": contact.checks,
@@ -54,12 +54,16 @@ SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
 }
 """Checks by subject, in the order of the report."""
 
+OWN: dict[str, tuple[str, CheckFunction]] = {}
+"""Checks of the user's own, with their subjects, by file; they follow the others."""
+
 
 def run_checks(
     design: Design,
     masses: BodyMasses | None = None,
     subjects: tuple[str, ...] | None = None,
     positions: Container[int] | None = None,
+    advise: bool = True,
 ) -> list[Check]:
     """Run every check on one design.
 
@@ -69,6 +73,7 @@ def run_checks(
             limit, and the inputs of the checks concerned state it.
         subjects: names of `SUBJECTS` to run; all when left out.
         positions: of the checks to run, counted over all checks of the subjects; all when left out.
+        advise: whether a failing check looks for a change that passes, where that takes long.
 
     Returns:
         the checks, in the order of the subjects. A calculator that refuses its arguments gives the verdict
@@ -76,12 +81,13 @@ def run_checks(
     """
     chosen = [name for name in SUBJECTS if subjects is None or name in subjects]
     functions = [(subject, function) for subject in chosen for function in SUBJECTS[subject](design)]
+    functions += [own for own in OWN.values() if subjects is None or own[0] in subjects]
     found: list[Check] = []
     memory: dict[Any, Any] = {}
     for position, (subject, function) in enumerate(functions):
         if positions is not None and position not in positions:
             continue
-        inputs = DesignInputs(design, masses, memory)
+        inputs = DesignInputs(design, masses, memory, advise)
         try:
             check = function(inputs)
         except InputError as error:

@@ -74,7 +74,7 @@ def preload(r: DesignInputs) -> Check:
 
 def preload_share(r: DesignInputs) -> Check:
     pull, wanted = attraction(r), r("preload.force")
-    gap = gap_for(circuit(r), 1.2 * wanted) if wanted > 0 and pull > 1.5 * wanted else None
+    gap = gap_for(circuit(r), 1.2 * wanted) if r.advise and wanted > 0 and pull > 1.5 * wanted else None
     changes = change("preload.force", pull / 1.2, "N", up=False)
     if gap is not None:
         changes = change("teeth.gap", gap, "m", up=True) + changes

@@ -41,13 +41,21 @@ class DesignInputs:
         masses: of the solids; without them the masses are estimated from the stage's plain plate and the tip's limit,
             and the recorded inputs state it.
         memory: results of `remembered` functions; shared by readers of the same design and masses.
+        advise: whether a check that fails looks for a change that passes, where that takes long.
     """
 
-    def __init__(self, design: Design, masses: BodyMasses | None = None, memory: dict[Any, Any] | None = None) -> None:
+    def __init__(
+        self,
+        design: Design,
+        masses: BodyMasses | None = None,
+        memory: dict[Any, Any] | None = None,
+        advise: bool = True,
+    ) -> None:
         self.design = design
         self.masses = masses
         self.inputs: dict[str, Input] = {}
         self.memory: dict[Any, Any] = {} if memory is None else memory
+        self.advise = advise
 
     def take(self) -> dict[str, Input]:
         """The inputs recorded since the last call."""

@@ -66,8 +66,13 @@ class SheetPlan:
 
 
 def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:
-    """The sheets of a part, in order."""
-    return _PLANS[part](design)
+    """The sheets of a part, in order; a part of the user's own has one with three views and a picture."""
+    return _PLANS[part](design) if part in _PLANS else _own(part, design)
+
+
+def _own(part: str, design: Any) -> tuple[SheetPlan, ...]:
+    views = (_TOP, ViewPlan("front", "front", "top", hidden=True), _RIGHT, _ISO)
+    return (SheetPlan(part, ("A3", "A2"), getattr(design, part).drawing_scale, views),)
 
 
 def sheet_of(plans: tuple[SheetPlan, ...], declaration: str) -> SheetPlan:

@@ -23,7 +23,7 @@ PACKAGED = "thesis"
 
 ORIGINS = "thesis SECTION, catalogue PART, assumed: REASON, measured: EXPERIMENT"
 _ORIGIN = re.compile(r"(thesis|catalogue) \S.*|(assumed|measured): \S.*")
-_FIELDS = ("value", "tolerance", "origin")
+_FIELDS = ("value", "tolerance", "origin", "free")
 _LARGEST = 4_000_000
 """Largest accepted size of a parameter file, bytes."""
 
@@ -36,12 +36,14 @@ class FileEntry:
         value: as written: text, number or truth value.
         place: file and key, for messages.
         tolerance, origin: as written; None for a bare value.
+        free: range or choices in which an optimisation may change the value, as written; empty for none.
     """
 
     value: Any
     place: str
     tolerance: str | None = None
     origin: str | None = None
+    free: str = ""
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str,
             raise InputError(f"{name}: the key {path!r} contains characters that cannot be printed")
         if not isinstance(value, dict):
             entries[path] = FileEntry(_scalar(value, f"{name}: {path}"), f"{name}: {path}")
-        elif "value" in value or (value and set(value) <= {"tolerance", "origin"}):
+        elif "value" in value or (value and set(value) <= {"tolerance", "origin", "free"}):
             entries[path] = _entry(name, path, value)
         else:
             _collect(name, path, value, entries)
@@ -139,7 +141,12 @@ def _entry(name: str, path: str, table: dict[str, Any]) -> FileEntry:
         )
     if origin is not None:
         require_origin(origin, place)
-    return FileEntry(value, place, tolerance, origin)
+    free = table.get("free", "")
+    if not isinstance(free, str) or (free and ".." not in free and "|" not in free):
+        raise InputError(
+            f"{place}: free = {_value_text(free)}; write a range like '8 mm..20 mm', or choices like 'A | B'"
+        )
+    return FileEntry(value, place, tolerance, origin, free)
 
 
 def _scalar(value: Any, place: str) -> str | float | bool:
@@ -192,6 +199,7 @@ class Entry:
         meaning: one line for people.
         std: standard deviation in `unit`, where the file gives one.
         formula: as written, where the value comes from a formula of the file.
+        free: range or choices in which an optimisation may change the value, as written.
     """
 
     key: str
@@ -203,13 +211,16 @@ class Entry:
     meaning: str
     std: float | None = None
     formula: str = ""
+    free: str = ""
 
 
 def read_formula(key: str, entry: FileEntry, formula: str, value: float, declaration: Declaration) -> Entry:
     """The entry of a design from the value of a formula, in the unit of the attribute."""
     text = f"{value:.10g} {declaration.unit}".strip()
     bare = entry.tolerance is None and entry.origin is None and declaration.unit == "mm"
-    plain = FileEntry(text, f"{entry.place} = '{formula}'", "X.X" if bare else entry.tolerance, entry.origin)
+    plain = FileEntry(
+        text, f"{entry.place} = '{formula}'", "X.X" if bare else entry.tolerance, entry.origin, entry.free
+    )
     return replace(read_entry(key, plain, declaration, ()), formula=formula)
 
 
@@ -240,7 +251,7 @@ def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: 
     if std is not None:
         std = from_si(std, declaration.unit)
     origin = entry.origin or "assumed: the file gives no origin"
-    return Entry(key, shown, value, declaration.unit, tolerance, origin, declaration.meaning, std)
+    return Entry(key, shown, value, declaration.unit, tolerance, origin, declaration.meaning, std, free=entry.free)
 
 
 def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | None]:

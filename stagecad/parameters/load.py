@@ -106,7 +106,9 @@ def _override(text: str, keys: Mapping[str, Declaration], given: Mapping[str, Fi
     if key not in keys:
         raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
     source = given.get(key) or COMPUTED.get(key)
-    return key, FileEntry(value, f"--set {key}", source.tolerance if source else None, "assumed: given by --set")
+    free = source.free if isinstance(source, FileEntry) else ""
+    tolerance = source.tolerance if source else None
+    return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set", free)
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ def diff(design_a: Design, design_b: Design) -> tuple[Difference, ...]:
 
     def without_text(entry: Entry | None) -> Entry | None:
         # The same length written as 1 in, as 25.4 mm or as a formula is no difference.
-        return replace(entry, text="", formula="") if entry else None
+        return replace(entry, text="", formula="", free="") if entry else None
 
     a_by_key, b_by_key = ({entry.key: entry for entry in design.entries} for design in (design_a, design_b))
     keys = [*a_by_key, *(key for key in b_by_key if key not in a_by_key)]

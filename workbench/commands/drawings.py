@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
@@ -21,6 +22,14 @@ MANIFEST = "drawings_manifest.json"
 
 @click.command("drawings")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.option(
+    "--part",
+    "own",
+    type=click.Path(path_type=Path),
+    metavar="FILE.py",
+    help="Draw a part of your own instead, from a Python file (see `stagecad new part`).",
+)
+@click.option("--trust", is_flag=True, help="Consent to run the file of --part as it is now.")
 @click.option("--lint", is_flag=True, help="Check the sheets for overlapping texts and lines; exit status 1 on a hit.")
 @click.option("--revision", help="Revision in the title block (parameter drawing.revision).")
 @click.option("--date", help="Date of issue in the title block (drawing.date).")
@@ -34,10 +43,14 @@ MANIFEST = "drawings_manifest.json"
     help="Parameter file of the earlier issue: the differences are the revision table.",
 )
 @common_options
-def command(run: Run, names: tuple[str, ...], lint: bool, since: Path | None, **issue: str | None) -> int:
+def command(
+    run: Run, names: tuple[str, ...], own: Path | None, trust: bool, lint: bool, since: Path | None, **issue: str | None
+) -> int:
     """Draw the sheets of all parts, or of those NAMEd only (a part, or one of its sheets: base_2)."""
     entries = tuple(f"drawing.{key}={value}" for key, value in issue.items() if value is not None)
     run = replace(run, overrides=(*run.overrides, *entries), earlier=since)
+    if own is not None:
+        return _draw_own(run, own, names, trust, lint)
     document = write_drawings(run, names)
     if run.json_target is None:
         _tell(run, document)
@@ -47,6 +60,23 @@ def command(run: Run, names: tuple[str, ...], lint: bool, since: Path | None, **
             for hit in sheet["hits"]:
                 run.note(f"{name}: {hit}")
         run.echo(f"lint: {len(hits)} hits on {len(document['sheets'])} sheets")
+    run.emit(document)
+    return 1 if lint and hits else 0
+
+
+def _draw_own(run: Run, path: Path, names: tuple[str, ...], trust: bool, lint: bool) -> int:
+    """Sheet, STEP AP242 and mass of a part from the user's file."""
+    from workbench.machine.own_part import draw_part, load_part
+
+    if names:
+        raise InputError(f"--part {path}: draws this part alone; leave out '{names[0]}'")
+    document = draw_part(load_part(path, run.design, trust), run.out)
+    hits = [hit for sheet in document["sheets"] for hit in sheet["hits"]]
+    for file in document["files"]:
+        run.echo(file)
+    for hit in hits if lint else ():
+        run.note(f"{document['part']}: {hit}")
+    run.echo(f"mass {document['mass']['value']:.4g} kg; lint: {len(hits)} hits")
     run.emit(document)
     return 1 if lint and hits else 0
 

@@ -14,6 +14,7 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 STAMP = "made_from.json"
@@ -21,8 +22,9 @@ STAMP = "made_from.json"
 
 @click.command("make")
 @click.option("--simulations/--no-simulations", default=True, help="Run the thesis's friction experiments too.")
+@click.option("--trust", is_flag=True, help="Consent to run the files of the folder checks as they are now.")
 @common_options
-def command(run: Run, simulations: bool) -> None:
+def command(run: Run, simulations: bool, trust: bool) -> None:
     """Make everything from the parameter file: parts, assembly, drawings, list of parts, checks, simulations, report.
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
@@ -37,6 +39,7 @@ def command(run: Run, simulations: bool) -> None:
     from stagecad.solids.assembly.machine import find_machine
     from stagecad.solids.assembly.pictures import build_pictures
     from stagecad.solids.modelling.registry import chosen
+    from workbench.commands.check import trust_own_checks
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
     from workbench.machine.artefacts import stored_values
@@ -45,6 +48,8 @@ def command(run: Run, simulations: bool) -> None:
     from workbench.report.machine import MachineResults, write_report
 
     design = run.design
+    if trust:
+        trust_own_checks(run)
     document = write_parts(run, chosen((), design))
     run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
     store = ArtefactStore()
@@ -65,7 +70,7 @@ def command(run: Run, simulations: bool) -> None:
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
     checks = evaluated_checks(run, masses)
     run.echo(f"checks: {counted(checks)}")
-    check_figures = _check_figures(run, masses)
+    check_figures = _check_figures(run, store, masses)
     write_check_files(checks, design, masses, run.out / "checks", check_figures)
     figures = _simulate(run) if simulations else []
     bill = machine.bill_of_materials
@@ -126,18 +131,26 @@ def _source_of(*packages: str) -> str:
     return digest.hexdigest()
 
 
-def _check_figures(run: Run, masses: BodyMasses) -> dict[str, Path]:
+def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[str, Path]:
+    """The figures of the checks by title; each is drawn again only if a value that it reads has changed."""
+    from stagecad.solids.artefacts.outputs import write_stored
     from workbench.report.check_figures import FIGURES
 
     folder = run.out / "checks"
-    inputs = [run.design.digest, _source_of("designcalc", "workbench")]
-    files = {title: folder / f"{name}.png" for title, (name, _) in FIGURES.items()}
-    if not run.design.teeth.fitted:
-        del files["map of the magnetic teeth"]
-    if not _stamped(folder, inputs, list(files.values())):
-        for title, path in files.items():
-            FIGURES[title][1](run.design, masses, path)
-        _stamp(folder, inputs, list(files.values()))
+    files: dict[str, Path] = {}
+    entries: dict[str, Artefact] = {}
+    for title, (name, draw) in FIGURES.items():
+        if title == "map of the magnetic teeth" and not run.design.teeth.fitted:
+            continue
+
+        def make(tracked: Any, target: Path, name: str = name, draw: Any = draw) -> None:
+            draw(tracked, masses, target / f"{name}.png")
+
+        depends = (repr((masses.moving, masses.tip)),)
+        entry = store.make(f"figure {name}", run.design, ("workbench.report.check_figures", __name__), make, depends)
+        entries[f"{name}.png"] = entry
+        files[title] = folder / f"{name}.png"
+    write_stored(folder, entries)
     return files
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
 
-from stagecad.parameters.errors import nearest
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError, nearest
 from workbench.options import Run, common_options
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 class Templates(click.Group):
@@ -60,3 +64,55 @@ def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None
             "questions": asked,
         }
     )
+
+
+def _template(kind: str, name: str) -> str:
+    """Text of a template with the user's name in it."""
+    if not _NAME.fullmatch(name):
+        raise InputError(f"new {kind} '{name}': a name has small letters, digits and _, and begins with a letter")
+    folder = Path(__file__).parents[1] / "templates"
+    suffix = "toml" if kind == "machine" else "py"
+    text = (folder / f"{kind}.{suffix}.txt").read_text("utf-8")
+    return text.replace(f"my_{kind}", name).replace(f"my {kind}", name.replace("_", " "))
+
+
+def _write(path: Path, text: str) -> None:
+    if path.exists():
+        raise InputError(f"{path}: is there already; choose another name")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    atomic_write_text(path, text)
+    click.echo(f"written: {path}")
+
+
+@command.command("part")
+@click.argument("name")
+def part(name: str) -> None:
+    """NAME.py: a part in cadquery with its dimensions; `stagecad drawings --part NAME.py` draws it."""
+    _write(Path(f"{name}.py"), _template("part", name))
+
+
+@command.command("check")
+@click.argument("name")
+def check(name: str) -> None:
+    """checks/NAME.py: a design check; `stagecad check` runs those beside the parameter file."""
+    _write(Path("checks") / f"{name}.py", _template("check", name))
+
+
+@command.command("effect")
+@click.argument("name")
+def effect(name: str) -> None:
+    """NAME.py: a physical effect, for `[model] custom` of an experiment."""
+    _write(Path(f"{name}.py"), _template("effect", name))
+
+
+@command.command("machine")
+@click.argument("name")
+def machine(name: str) -> None:
+    """NAME/: a project folder with stage.toml, a check of its own and a part of its own."""
+    text = _template("machine", name)
+    folder = Path(name)
+    if folder.exists():
+        raise InputError(f"{folder}: is there already; choose another name")
+    _write(folder / "stage.toml", text)
+    _write(folder / "checks" / f"{name}_check.py", _template("check", f"{name}_check"))
+    _write(folder / f"{name}_part.py", _template("part", f"{name}_part"))

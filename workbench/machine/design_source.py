@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from workbench.machine.own_checks import own_check_files
 from workbench.options import Run
 
 if TYPE_CHECKING:
@@ -19,11 +20,17 @@ class DesignSource:
     text: str | None
     name: str
     overrides: tuple[str, ...]
+    own: tuple[str, ...] = ()
+    """files of own checks, which run in every process that loads the design"""
 
     def design(self, *more: str, rules: bool = True) -> Design:
         """The design with `more` overrides `KEY=VALUE`."""
         from stagecad.parameters.load import design_from_text, load_design
 
+        if self.own:
+            from workbench.machine.own_checks import register
+
+            register(self.own)
         overrides = (*self.overrides, *more)
         if self.text is None:
             return load_design(None, overrides, rules=rules)
@@ -37,4 +44,4 @@ def source_of(run: Run) -> DesignSource:
         path = Path("stage.toml")
     if path is None:
         return DesignSource(None, "", run.overrides)
-    return DesignSource(path.read_text("utf-8"), path.name, run.overrides)
+    return DesignSource(path.read_text("utf-8"), path.name, run.overrides, own_check_files(path))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from stagecad.parallel import parallel_map
 from workbench.machine.design_source import DesignSource, source_of
+from workbench.machine.own_checks import register
 from workbench.options import Run
 
 FEW_POINTS = 30
@@ -27,7 +28,9 @@ def evaluated_checks(run: Run, masses: BodyMasses | None) -> list[Check]:
     from designcalc.checks import run_checks
     from designcalc.checks.analysis.proposals import evaluate_proposals
 
-    load = partial(source_of(run).design, rules=False)
+    source = source_of(run)
+    register(source.own)
+    load = partial(source.design, rules=False)
     return evaluate_proposals(run_checks(run.design, masses), run.design, masses, load)
 
 

@@ -1,4 +1,4 @@
-"""Figures of many designs: failed checks over a grid of two parameters."""
+"""Figures of many designs: failed checks over a grid of two parameters, Pareto fronts."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.units import to_si
@@ -14,6 +15,9 @@ from stagecad.parameters.units import to_si
 if TYPE_CHECKING:
     from designcalc.checks.analysis.grid import GridPoint
     from designcalc.checks.analysis.sweep import Range
+    from designcalc.optimisation.evaluation import Evaluator
+
+Array = NDArray[np.float64]
 
 
 def new_figure(width: float, height: float) -> tuple[Any, Any]:
@@ -43,3 +47,36 @@ def grid_figure(ranges: Sequence[Range], points: Sequence[GridPoint], path: Path
     axes.set_xlabel(names[1])
     axes.set_ylabel(names[0])
     save(figure, path)
+
+
+def pareto_figure(evaluator: Evaluator, names: Sequence[str], path: Path) -> None:
+    """Margins of the first two requirements of a conflict over all evaluated designs that violate no rule.
+
+    The front joins the designs of which no other one is better in both margins.
+    """
+    first, second = names[:2]
+    kept = [one for one in evaluator.archive if not one.refused and not one.violated]
+    pairs = [(one.margins.get(first), one.margins.get(second)) for one in kept]
+    margins = 100 * np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2)
+    figure, axes = new_figure(6.4, 4.6)
+    axes.scatter(*margins.T, s=8, color="0.6", label="designs")
+    front = pareto_front(margins)
+    axes.plot(*front.T, marker="o", ms=4, color="tab:red", drawstyle="steps-post", label="front")
+    axes.axhline(0, color="0.3", lw=0.8)
+    axes.axvline(0, color="0.3", lw=0.8)
+    axes.set_xscale("symlog", linthresh=10)
+    axes.set_yscale("symlog", linthresh=10)
+    axes.set_xlabel(f"margin of '{first}', %", fontsize=8)
+    axes.set_ylabel(f"margin of '{second}', %", fontsize=8)
+    axes.legend(frameon=False, fontsize=8)
+    save(figure, path)
+
+
+def pareto_front(points: Array) -> Array:
+    """The points, shape (n, 2), of which no other one is larger in one coordinate and not smaller in the other."""
+    order = np.lexsort((-points[:, 1], -points[:, 0]))
+    front: list[Any] = []
+    for point in points[order]:
+        if not front or point[1] > front[-1][1]:
+            front.append(point)
+    return np.array(front[::-1]).reshape(-1, 2)

@@ -65,7 +65,8 @@ def _evaluated(
     positions = {k for k, check in enumerate(checks) if not differ.isdisjoint(check.inputs)}
     before = {checks[k].name: checks[k].verdict for k in positions}
     after = {
-        check.name: check for check in run_checks(changed, scaled_masses(changed, design, masses), None, positions)
+        check.name: check
+        for check in run_checks(changed, scaled_masses(changed, design, masses), None, positions, advise=False)
     }
     if name in after and after[name].verdict != "passes":
         return replace(one, result="is not enough")

@@ -1,0 +1,195 @@
+"""Requirements that contradict each other: those out of reach alone, irreducible sets, and what to relax."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+from designcalc.checks import Check
+from designcalc.optimisation.evaluation import Evaluation, Evaluator
+from designcalc.optimisation.search import Best, search
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Requirements that no design within the ranges satisfies together, while it does without any one of them.
+
+    Args:
+        names: of the checks.
+        fixed: it is certain, since the check reads no free parameter; otherwise a search found no design.
+    """
+
+    names: tuple[str, ...]
+    fixed: bool = False
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """How far one requirement must be relaxed while others are kept.
+
+    Args:
+        name: of the check.
+        margin: best that was reached.
+        needed: value of the check there: the limit that would be met.
+        limit: present limit.
+        unit: of both.
+        keeping: the other requirements of the conflict.
+    """
+
+    name: str
+    margin: float
+    needed: float | None
+    limit: float | None
+    unit: str
+    keeping: tuple[str, ...]
+
+
+def out_of_reach(
+    evaluator: Evaluator, names: Collection[str], progress: Callable[[str], None] = lambda name: None
+) -> tuple[dict[str, Conflict], dict[str, Evaluation]]:
+    """Checks that fail whatever the free parameters, and the best evaluation of each of these checks.
+
+    Rules are left aside: a check that cannot pass without them cannot pass with them. A check that reads no free
+    parameter keeps its value; each other one is searched by itself, one parameter after another.
+    """
+    found: dict[str, Conflict] = {}
+    best: dict[str, Evaluation] = {}
+    for name in names:
+        if not evaluator.fails(evaluator.checks[evaluator.positions[name]]):
+            continue
+        progress(name)
+        axes = evaluator.axes(name)
+        if not axes:
+            found[name] = Conflict((name,), fixed=True)
+            continue
+        evaluation, reached = _best_of(evaluator, name, axes)
+        best[name] = evaluation
+        if not reached:
+            found[name] = Conflict((name,))
+    return found, best
+
+
+def _best_of(evaluator: Evaluator, name: str, axes: Sequence[int], passes: int = 2) -> tuple[Evaluation, bool]:
+    """The best margin of one check over the cube, by coordinate search from the present design; whether it passes."""
+
+    def margin(evaluation: Evaluation) -> float:
+        value = evaluation.margins.get(name)
+        return -1e30 if value is None else value
+
+    def passed(evaluation: Evaluation) -> bool:
+        return not evaluation.refused and name in evaluation.margins and name not in evaluation.unmet
+
+    point = evaluator.start.copy()
+    best = evaluator.at(point, (name,))
+    for _ in range(passes):
+        before = margin(best)
+        for axis in axes:
+            for place in (0.0, 0.25, 0.5, 0.75, 1.0):
+                trial = best.point.copy()
+                trial[axis] = place
+                found = evaluator.at(trial, (name,))
+                if margin(found) > margin(best):
+                    best = found
+                if passed(found):
+                    return found, True
+        if margin(best) <= before:
+            break
+    return best, passed(best)
+
+
+def irreducible(
+    evaluator: Evaluator,
+    names: Collection[str],
+    budget: int,
+    progress: Callable[[str], None] = lambda name: None,
+) -> tuple[str, ...] | None:
+    """An irreducible infeasible subset of requirements by the deletion filter; None when a design satisfies all.
+
+    Every requirement is left out in turn, and stays out if the rest still has no design. A search that finds none
+    within its budget counts as none; each member of the result is verified by a design that satisfies all others.
+
+    Source: Chinneck, Dravnieks, ORSA J. Computing 3 (1991) 157.
+    """
+    kept = _infeasible_part(evaluator, names, budget)
+    if kept is None:
+        return None
+    for name in list(kept):
+        progress(name)
+        rest = [other for other in kept if other != name]
+        if feasible(evaluator, rest, budget) is None:
+            kept = rest
+    return tuple(sorted(kept, key=evaluator.positions.__getitem__))
+
+
+def _infeasible_part(evaluator: Evaluator, names: Collection[str], budget: int) -> list[str] | None:
+    """A small part of the requirements that has no design; None when a design satisfies all.
+
+    It begins with those that the best compromise fails, and grows by those that the designs found for it fail.
+    """
+    known = [one for one in evaluator.archive if one.complete] or [evaluator.at(evaluator.start)]
+    compromise = min(known, key=lambda one: one.shortfall(names))
+    part = [name for name in names if name in compromise.unmet]
+    while True:
+        found = feasible(evaluator, part, budget)
+        if found is None:
+            # Requirements that most designs fail come last: the first to be left out are those that matter least.
+            counts = {name: sum(name in one.unmet for one in evaluator.archive) for name in part}
+            return sorted(part, key=lambda name: counts[name])
+        whole = found if found.complete else evaluator.of(found.values)
+        new = [name for name in names if name in whole.unmet and name not in part]
+        if not new:
+            return None
+        part += new
+
+
+def feasible(evaluator: Evaluator, names: Collection[str], budget: int) -> Evaluation | None:
+    """A design that satisfies the rules and these checks: a known one, or one found by a search; None for none."""
+    for known in evaluator.archive:
+        if known.satisfies(names):
+            return known
+    for seed in (1, 2):
+        best = search(evaluator, names, budget, seed=seed, subset=True, first=True)
+        if best.satisfied:
+            return best.evaluation
+    return None
+
+
+def relaxations(
+    evaluator: Evaluator,
+    conflicts: Sequence[Conflict],
+    kept: Collection[str],
+    alone: dict[str, Evaluation],
+    budget: int,
+) -> list[Relaxation]:
+    """For each member of each conflict, the best margin with the other members (and, alone, any) satisfied."""
+    found = []
+    for conflict in conflicts:
+        for name in conflict.names:
+            others = tuple(other for other in conflict.names if other != name)
+            check = evaluator.checks[evaluator.positions[name]]
+            evaluation = alone.get(name) if not others else _closest(evaluator, name, others, budget)
+            margin = check.margin if evaluation is None else evaluation.margins.get(name)
+            if margin is None:
+                continue
+            found.append(Relaxation(name, margin, _value(check, margin), check.limit, check.unit, others))
+    return found
+
+
+def _closest(evaluator: Evaluator, name: str, others: Collection[str], budget: int) -> Evaluation | None:
+    """The best margin of a check among designs that satisfy the rules and the other checks."""
+    names = (*others, name)
+    best = Best(names)
+    search(evaluator, names, budget, best=best, subset=True)
+    candidates = [one for one in evaluator.archive if one.satisfies(others)]
+    if best.evaluation is not None and best.evaluation.satisfies(others):
+        candidates.append(best.evaluation)
+    candidates = [one for one in candidates if one.margins.get(name) is not None]
+    return max(candidates, key=lambda one: one.margins[name] or 0.0, default=None)
+
+
+def _value(check: Check, margin: float) -> float | None:
+    """Value of a check with this margin at its present limit."""
+    if check.limit is None:
+        return None
+    size = abs(check.limit) if check.limit != 0 else 1.0
+    return check.limit - margin * size if check.comparison.upper else check.limit + margin * size

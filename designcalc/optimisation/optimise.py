@@ -1,0 +1,237 @@
+"""`optimise`: the nearest design without violated rules and failed checks, or the conflicts and what to relax."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatch
+from typing import TYPE_CHECKING, Any
+
+from designcalc.optimisation.conflicts import (
+    Conflict,
+    Relaxation,
+    irreducible,
+    out_of_reach,
+    relaxations,
+)
+from designcalc.optimisation.evaluation import Evaluation, Evaluator
+from designcalc.optimisation.search import Best, search
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.units import as_json
+
+if TYPE_CHECKING:
+    from designcalc.checks import Check
+
+CONFLICT_BUDGET = 150
+"""Evaluations of each search of a design for a part of the requirements."""
+MOST_CONFLICTS = 8
+
+
+@dataclass(frozen=True)
+class ParameterChange:
+    """A changed parameter, and the requirements that fail without the change."""
+
+    key: str
+    before: str
+    after: str
+    needed_by: tuple[str, ...]
+
+    @property
+    def reason(self) -> str:
+        """The requirements as text."""
+        if not self.needed_by:
+            return "needed together with the other changes"
+        more = f" and {len(self.needed_by) - 3} more" if len(self.needed_by) > 3 else ""
+        return f"needed by {', '.join(self.needed_by[:3])}{more}"
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        return {"key": self.key, "from": self.before, "to": self.after, "reason": self.reason}
+
+
+@dataclass
+class Outcome:
+    """Result of an optimisation.
+
+    Args:
+        feasible: whether a design satisfies all requirements.
+        required: names of the checks that were required.
+        design: the nearest design that satisfies the requirements, without those of the conflicts when there are any;
+            None when none was found.
+        changes: of it.
+        conflicts: irreducible sets of requirements.
+        relax: how far each member of a conflict must be relaxed.
+        evaluations: number of evaluated designs.
+        interrupted: by Ctrl-C; the rest is what was known then.
+    """
+
+    feasible: bool
+    required: tuple[str, ...]
+    before: Evaluation
+    design: Evaluation | None = None
+    changes: tuple[ParameterChange, ...] = ()
+    conflicts: list[Conflict] = field(default_factory=list)
+    relax: list[Relaxation] = field(default_factory=list)
+    evaluations: int = 0
+    interrupted: bool = False
+
+
+def required_checks(checks: Sequence[Check], keep: Sequence[str]) -> tuple[str, ...]:
+    """Names of the required checks: those of `--keep` (a name, its beginning, or a pattern with `*`), or all.
+
+    Raises:
+        InputError: no check of this name.
+    """
+    names = [check.name for check in checks]
+    if not keep:
+        return tuple(names)
+    found: dict[str, None] = {}
+    for word in keep:
+        exact = [name for name in names if name == word]
+        some = exact or [name for name in names if fnmatch(name, f"{word}*")]
+        if not some:
+            raise InputError(f"--keep '{word}': no such check{nearest(word, names)}")
+        found.update(dict.fromkeys(some))
+    return tuple(name for name in names if name in found)
+
+
+def optimise(
+    evaluator: Evaluator,
+    required: Collection[str],
+    budget: int,
+    *,
+    seed: int = 1,
+    tell: Callable[[str], None] = lambda words: None,
+    progress: Callable[[int], None] = lambda done: None,
+) -> Outcome:
+    """Find the nearest design that satisfies the rules and the required checks; otherwise their conflicts.
+
+    Args:
+        evaluator: of designs.
+        required: checks that must pass.
+        budget: evaluations of the main search.
+        seed: of its random numbers.
+        tell: called with what is being done.
+        progress: called with the number of evaluations.
+    """
+    names = tuple(name for name in required if name in evaluator.positions)
+    before = evaluator.at(evaluator.start)
+    outcome = Outcome(False, names, before)
+    best: Best | None = None
+    alone: dict[str, Evaluation] = {}
+    try:
+        tell("each failed check by itself")
+        single, alone = out_of_reach(evaluator, names, lambda name: progress(evaluator.count))
+        outcome.conflicts = list(single.values())
+        kept = [name for name in names if name not in single]
+        while True:
+            tell("nearest design")
+            best = Best(kept)
+            _nearest(evaluator, kept, best, budget, seed, progress)
+            if best.satisfied or len(outcome.conflicts) >= len(single) + MOST_CONFLICTS:
+                break
+            tell("conflicting requirements")
+            members = irreducible(evaluator, kept, CONFLICT_BUDGET, lambda name: progress(evaluator.count))
+            if members is None:
+                known = next(one for one in evaluator.archive if one.satisfies(kept))
+                best.offer(known)
+                break
+            outcome.conflicts.append(Conflict(members))
+            kept.remove(_hardest(evaluator, members))
+        tell("what to relax")
+        outcome.relax = relaxations(evaluator, outcome.conflicts, kept, alone, CONFLICT_BUDGET)
+    except KeyboardInterrupt:
+        outcome.interrupted = True
+    outcome.evaluations = evaluator.count
+    if best is not None and best.satisfied:
+        assert best.evaluation is not None
+        outcome.design = evaluator.of(best.evaluation.values)  # with all checks
+        outcome.feasible = not outcome.conflicts
+        outcome.changes = _changes(evaluator, outcome.design, best.names)
+    elif best is not None:
+        outcome.design = best.evaluation
+    return outcome
+
+
+def _nearest(
+    evaluator: Evaluator, names: Sequence[str], best: Best, budget: int, seed: int, progress: Callable[[int], None]
+) -> None:
+    """Search with the requirements that fail now, and add those that the designs found fail, until none is new.
+
+    Most requirements never matter, and a design is evaluated the faster the fewer checks are run.
+    """
+    for known in evaluator.archive:
+        best.offer(known)
+    part = [name for name in names if name in evaluator.at(evaluator.start).unmet]
+    while True:
+        inner = Best(part)
+        try:
+            search(evaluator, part, budget, seed=seed, best=inner, progress=progress, subset=True)
+        finally:
+            whole = None
+            if inner.evaluation is not None:
+                whole = evaluator.of(inner.evaluation.values)
+                best.offer(whole)
+        if whole is None or not inner.satisfied:
+            return
+        new = [name for name in names if name in whole.unmet and name not in part]
+        if not new:
+            return
+        part += new
+
+
+def _hardest(evaluator: Evaluator, members: Sequence[str]) -> str:
+    """The member that fewest of the evaluated designs satisfy."""
+    return min(members, key=lambda name: sum(not one.refused and name not in one.unmet for one in evaluator.archive))
+
+
+def _changes(evaluator: Evaluator, design: Evaluation, names: Collection[str]) -> tuple[ParameterChange, ...]:
+    found = []
+    for one in evaluator.free:
+        value = design.values[one.key]
+        if value == one.start:
+            continue
+        without = evaluator.of({**design.values, one.key: one.start})
+        failing = [f"'{name}'" for name in names if name in without.unmet]
+        rules = [f"the rule '{name}'" for name in dict.fromkeys(without.violated)]
+        found.append(ParameterChange(one.key, one.text(one.start), one.text(value), (*failing, *rules)))
+    return tuple(found)
+
+
+def outcome_document(outcome: Outcome, evaluator: Evaluator, after: Sequence[Check] | None) -> dict[str, Any]:
+    """The result as a JSON document; `after`: checks of the new design."""
+    document: dict[str, Any] = {"feasible": outcome.feasible, "evaluations": outcome.evaluations}
+    if outcome.feasible or (outcome.design is not None and outcome.changes):
+        document["changes"] = [change.as_json() for change in outcome.changes]
+        document["margins"] = margins_document(evaluator.checks, after or ())
+    if not outcome.feasible:
+        document["conflicts"] = [list(conflict.names) for conflict in outcome.conflicts]
+        document["certain"] = [conflict.fixed for conflict in outcome.conflicts]
+        document["relax"] = [
+            {
+                "check": one.name,
+                "limit": None if one.limit is None else as_json(one.limit, one.unit),
+                "needed": None if one.needed is None else as_json(one.needed, one.unit),
+                "margin": one.margin,
+                "keeping": list(one.keeping),
+            }
+            for one in outcome.relax
+        ]
+    if outcome.interrupted:
+        document["interrupted"] = True
+    return document
+
+
+def margins_document(before: Sequence[Check], after: Sequence[Check]) -> list[dict[str, Any]]:
+    """Margins of all checks before and after."""
+    new = {check.name: check for check in after}
+    return [
+        {
+            "check": check.name,
+            "before": {"margin": check.margin, "verdict": check.verdict},
+            "after": {"margin": new[check.name].margin, "verdict": new[check.name].verdict}
+            if check.name in new
+            else None,
+        }
+        for check in before
+    ]

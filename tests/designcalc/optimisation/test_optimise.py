@@ -1,0 +1,143 @@
+"""Optimisation of designs: nearest design, conflicts, relaxations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from designcalc.checks import run_checks
+from designcalc.optimisation.conflicts import irreducible
+from designcalc.optimisation.evaluation import Evaluator
+from designcalc.optimisation.optimise import optimise, required_checks
+from designcalc.optimisation.space import free_parameters, read_range, start_point, values_at
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design, load_variations
+from stagecad.parameters.rules.registry import violations
+
+STROKE, PRESSURE = "piezo stroke of the drive", "tip contact pressure"
+LIFT, BENDING, SAG = (
+    "acceleration of 1 G without lift-off",
+    "bending of the stage above the tip",
+    "sag of the drive surface over the travel",
+)
+
+
+def _evaluator(freed: Sequence[str], *overrides: str) -> Evaluator:
+    variations = load_variations(None, overrides)
+    given = [
+        read_range(text.partition("=")[0], text.partition("=")[2], ":", variations.design, "--free") for text in freed
+    ]
+    return Evaluator(variations, given)
+
+
+def test_nearest_stroke_by_the_closed_form() -> None:
+    """2 A <= 17 um: 8.5 um from above, no change from below."""
+    found = optimise(_evaluator(["actuator.stroke_amplitude=4 um:12 um"]), [STROKE], 40)
+    assert found.feasible
+    (change,) = found.changes
+    assert change.key == "actuator.stroke_amplitude" and change.needed_by == (f"'{STROKE}'",)
+    assert load_design(None, [f"{change.key}={change.after}"]).si(change.key) == pytest.approx(8.5e-6, rel=5e-3)
+    below = optimise(
+        _evaluator(["actuator.stroke_amplitude=4 um:12 um"], "actuator.stroke_amplitude=6 um"), [STROKE], 40
+    )
+    assert below.feasible and not below.changes
+
+
+def test_nearest_nose_by_bisection() -> None:
+    """The contact pressure falls with the radius of the nose: the least one, found independently."""
+
+    def passes(radius: float) -> bool:
+        design = load_design(None, [f"tip.nose_radius={radius} mm"])
+        return (
+            next(one.verdict for one in run_checks(design, None, ("tip on stage",)) if one.name == PRESSURE) == "passes"
+        )
+
+    low, high = 20.0, 60.0
+    for _ in range(8):
+        low, high = (low, (low + high) / 2) if passes((low + high) / 2) else ((low + high) / 2, high)
+    evaluator = _evaluator(["tip.nose_radius=15 mm:60 mm", "bearing.way_roughness=10 nm:1 um"])
+    found = optimise(evaluator, [PRESSURE], 60)
+    assert found.feasible
+    (change,) = found.changes  # the other parameter is taken back
+    assert low <= 1e3 * load_design(None, [f"{change.key}={change.after}"]).si("tip.nose_radius") <= 1.04 * high
+
+
+def test_start_that_violates_rules() -> None:
+    """Pads of 30 mm by 12 mm are not 2 : 1 and run off the way; within 5 % are lengths up to 25.2 mm."""
+    found = optimise(_evaluator(["pads.length=20 mm:32 mm"], "pads.length=30 mm"), [], 40)
+    assert found.before.violated and found.feasible
+    (change,) = found.changes
+    design = load_design(None, [f"pads.length={change.after}"])
+    assert violations(design) == [] and 24.5 <= design.pads.length <= 25.2
+    assert change.needed_by[0].startswith("the rule")
+
+
+def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
+    """A light stage against a stiff one: with the sag, which both allow, three requirements."""
+    freed = ["stage.thickness=10 mm:30 mm"]
+    found = optimise(_evaluator(freed), [LIFT, BENDING, SAG], 40)
+    assert not found.feasible
+    assert [set(one.names) for one in found.conflicts] == [{LIFT, BENDING}]
+    for left_out in (LIFT, BENDING):
+        rest = [name for name in (LIFT, BENDING, SAG) if name != left_out]
+        assert optimise(_evaluator(freed), rest, 40).feasible
+    # An independent search: no thickness of a fine grid satisfies both.
+    evaluator = _evaluator(freed)
+    for place in np.linspace(0, 1, 41):
+        assert evaluator.at(np.array([place]), (LIFT, BENDING)).unmet
+    relax = {one.name: one for one in found.relax}
+    assert set(relax) == {LIFT, BENDING}
+    assert all(one.margin < 0 and one.keeping for one in relax.values())
+
+
+def test_check_without_a_free_parameter_is_certain() -> None:
+    found = optimise(_evaluator(["stage.thickness=10 mm:30 mm"]), ["LVDT range", SAG], 40)
+    assert not found.feasible
+    assert [(one.names, one.fixed) for one in found.conflicts] == [(("LVDT range",), True)]
+    # All others are met by the design that is given along.
+    assert found.design is not None and found.design.satisfies([SAG])
+
+
+def test_no_conflict_where_a_design_exists() -> None:
+    assert irreducible(_evaluator(["stage.thickness=10 mm:30 mm"]), [LIFT, SAG], 40) is None
+
+
+def test_ranges_and_choices() -> None:
+    design = load_design()
+    marked = {one.key for one in free_parameters(design, ())}
+    assert {"stage.thickness", "tip.material"} <= marked
+    (one,) = [one for one in free_parameters(design, ["stage.thickness=11 mm:13 mm"]) if one.key == "stage.thickness"]
+    assert (one.low, one.high, one.value(0.5), one.distance(13.0)) == (11.0, 13.0, 12.0, 0.5)
+    choice = read_range("tip.material", "alumina | al_6061_t6", "..", design, "free")
+    assert [choice.value(place) for place in (0.0, 0.4, 0.6, 1.0)] == ["alumina"] * 2 + ["al_6061_t6"] * 2
+    free = (one, choice)
+    assert values_at(free, start_point(free)) == {"stage.thickness": 12.0, "tip.material": "al_6061_t6"}
+    wide = read_range("bearing.way_roughness", "10 nm..10 um", "..", design, "free")
+    assert wide.value(0.5) == pytest.approx(10**-6.5)
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("stage.thickness", "write KEY=LOW:HIGH"),
+        ("stage.thickness=8 mm", "write LOW:HIGH"),
+        ("stage.thickness=20 mm:8 mm", "must be below"),
+        ("stage.thickness=8 kg:9 kg", "wrong dimension"),
+        ("stage.thicknes=8 mm:9 mm", "did you mean 'stage.thickness'"),
+        ("stage.material=sic", "at least two different choices"),
+    ],
+)
+def test_free_parameters_that_are_none(text: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        free_parameters(load_design(), [text])
+
+
+def test_required_checks_by_name_and_pattern() -> None:
+    checks = run_checks(load_design(), subjects=("error budget", "friction drive"))
+    assert required_checks(checks, [STROKE]) == (STROKE,)
+    assert len(required_checks(checks, ["error budget*"])) == 4
+    assert len(required_checks(checks, [])) == len(checks)
+    with pytest.raises(InputError, match="did you mean 'piezo stroke of the drive'"):
+        required_checks(checks, ["piezo strok of the drive"])

@@ -1,0 +1,118 @@
+"""`stagecad optimize`: the nearest design without violated rules and failed checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stagecad.parameters.errors import InputError
+from workbench.options import Run, common_options, without_rules
+
+if TYPE_CHECKING:
+    from designcalc.checks import Check
+    from designcalc.optimisation.evaluation import Evaluator
+    from designcalc.optimisation.optimise import Outcome
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the command, as given."""
+
+    freed: tuple[str, ...]
+    keep: tuple[str, ...]
+    target: Path | None
+    relax: bool
+    budget: int
+    seed: int
+    solids: bool
+    figures: bool
+    scheduler: str | None
+
+
+@click.command("optimize")
+@click.option(
+    "--free",
+    "freed",
+    multiple=True,
+    metavar="KEY=LOW:HIGH",
+    help="Let a parameter change in a range, or among choices KEY=A|B; besides those marked free in the file.",
+)
+@click.option("--keep", multiple=True, metavar="CHECK", help="Require these checks only (a name, or a pattern with *).")
+@click.option("--write", "target", type=click.Path(path_type=Path), metavar="FILE.toml", help="Write the design found.")
+@click.option(
+    "--relax", is_flag=True, help="Write the design that meets all requirements but those that cannot be met."
+)
+@click.option(
+    "--budget", type=click.IntRange(20, 100_000), default=600, show_default=True, help="Designs of the search."
+)
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the search.")
+@click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
+@click.option("--figures/--no-figures", default=True, help="Draw the Pareto fronts of the conflicts.")
+@click.option("--scheduler", metavar="ADDRESS", help="Run searches from several seeds on a dask cluster.")
+@common_options
+@without_rules
+def command(run: Run, **given: Any) -> int:
+    """Find the design nearest to the present one that violates no rule and fails no check.
+
+    If there is none: irreducible sets of requirements that contradict each other, and how far each must be relaxed.
+    """
+    from designcalc.optimisation.optimise import outcome_document
+    from stagecad.parameters.rules.registry import violations
+    from workbench.commands.check import masses_of_solids
+    from workbench.console.optimisation import print_outcome
+    from workbench.machine.optimisation import optimised, verified_checks, written
+
+    options = Options(**given)
+    target, relax = options.target, options.relax
+    if target is not None and target.exists():
+        raise InputError(f"{target}: is there already; name a new file")
+    # A design that violates a rule may have no solids.
+    masses = masses_of_solids(run) if options.solids and not violations(run.design) else None
+    evaluator, outcome = optimised(
+        run, options.freed, options.keep, options.budget, options.seed, masses, options.scheduler
+    )
+    found = outcome.design if outcome.feasible or relax else None
+    after: list[Check] | None = None
+    if outcome.design is not None and outcome.changes:
+        after = verified_checks(evaluator, outcome, masses is not None)
+    print_outcome(run, outcome, evaluator, after)
+    wrong = _unverified(outcome, after or [])
+    if wrong:
+        run.note(f"with the masses of its own solids the design fails: {', '.join(wrong)}; repeat with --params on it")
+    document = outcome_document(outcome, evaluator, after)
+    if after is not None:
+        document["verified"] = not wrong
+    if target is not None and found is not None and after is not None:
+        written(run, outcome, target)
+        document["written"] = str(target)
+        run.note(f"written: {target}")
+    elif target is not None:
+        run.note(
+            f"{target} is not written: no design meets all requirements (--relax leaves out those of the conflicts)"
+        )
+    if options.figures:
+        document["figures"] = _figures(run, outcome, evaluator)
+    run.emit(document)
+    return 130 if outcome.interrupted else 0
+
+
+def _unverified(outcome: Outcome, after: list[Check]) -> list[str]:
+    """Requirements that the search met, and that fail with the masses of the design's own solids."""
+    conflicting = {name for conflict in outcome.conflicts for name in conflict.names}
+    met = set(outcome.required) - conflicting
+    return [check.name for check in after if check.name in met and check.verdict in ("fails", "out_of_range")]
+
+
+def _figures(run: Run, outcome: Outcome, evaluator: Evaluator) -> list[str]:
+    from workbench.report.design_figures import pareto_figure
+
+    drawn = []
+    for number, conflict in enumerate((one for one in outcome.conflicts if len(one.names) > 1), start=1):
+        path = run.out / "optimize" / f"conflict_{number}.png"
+        pareto_figure(evaluator, conflict.names, path)
+        drawn.append(str(path))
+        run.echo(f"figure {path}")
+    return drawn

@@ -1,0 +1,67 @@
+"""The outcome of an optimisation in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich.markup import escape
+
+from designcalc.checks.analysis.report import counted, shown, shown_margin
+from workbench.console.tables import plain_table
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    from designcalc.checks import Check
+    from designcalc.optimisation.evaluation import Evaluator
+    from designcalc.optimisation.optimise import Outcome
+
+
+def print_outcome(run: Run, outcome: Outcome, evaluator: Evaluator, after: Sequence[Check] | None) -> None:
+    """Changes with reasons and margins before and after; conflicts and what to relax."""
+    if run.json_target is not None:
+        return
+    if outcome.interrupted:
+        run.echo("stopped; the best design so far:")
+    if not outcome.feasible:
+        run.echo(f"no design within the ranges meets all {len(outcome.required)} requirements")
+        _print_conflicts(run, outcome)
+    if after is None:
+        run.echo("no change is needed" if outcome.feasible else "no design was found")
+        return
+    table = plain_table("changes", "parameter", "from", "to", "reason", left=("parameter", "reason"))
+    for change in outcome.changes:
+        table.add_row(change.key, change.before, change.after, escape(change.reason))
+    run.console.print(table)
+    margins = plain_table("margins that change", "check", "before", "after", "verdict", left=("check", "verdict"))
+    new = {check.name: check for check in after}
+    for check in evaluator.checks:
+        other = new.get(check.name)
+        if other is None or (other.margin == check.margin and other.verdict == check.verdict):
+            continue
+        verdict = other.verdict if other.verdict == check.verdict else f"{check.verdict} -> {other.verdict}"
+        margins.add_row(check.name, shown_margin(check), shown_margin(other), verdict)
+    run.console.print(margins)
+    run.echo(f"before: {counted(evaluator.checks)}; after: {counted(after)}; {outcome.evaluations} designs evaluated")
+
+
+def _print_conflicts(run: Run, outcome: Outcome) -> None:
+    certain = [conflict.names[0] for conflict in outcome.conflicts if conflict.fixed]
+    if certain:
+        run.echo(f"\nThese checks read no free parameter, so they fail in every design ({len(certain)}):")
+        for name in certain:
+            run.echo(f"- {name}")
+    columns = ("requirement", "limit", "reached", "margin", "together with")
+    table = plain_table("what cannot be met", *columns, left=("requirement", "together with"))
+    for one in outcome.relax:
+        if one.name in certain:
+            continue
+        table.add_row(
+            one.name,
+            shown(one.limit, one.unit),
+            shown(one.needed, one.unit),
+            f"{100 * one.margin:+.3g} %",
+            "; ".join(one.keeping) or "(by itself)",
+        )
+    if table.row_count:
+        run.console.print(table)

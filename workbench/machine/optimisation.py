@@ -1,0 +1,134 @@
+"""Optimisation of the run's design: its evaluator, the search with progress, verification, and the new file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workbench.machine.design_source import DesignSource, source_of
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    from designcalc.checks import Check
+    from designcalc.optimisation.evaluation import Evaluator
+    from designcalc.optimisation.optimise import Outcome
+    from designcalc.optimisation.space import Free
+    from stagecad.parameters.mass_properties import BodyMasses
+
+SAFETY = 0.002
+"""Part of its limit by which a check must pass in the search, for the error of the masses without solids."""
+SEEDS = 8
+"""Searches sent to a cluster."""
+
+
+def evaluator_of(source: DesignSource, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
+    """The evaluator of a design given as text and overrides."""
+    from designcalc.optimisation.evaluation import Evaluator
+    from stagecad.parameters.load import load_variations, variations_from_text
+
+    if source.text is None:
+        variations = load_variations(None, source.overrides)
+    else:
+        variations = variations_from_text(source.text, source.name, source.overrides)
+    return Evaluator(variations, free, masses, SAFETY if masses is not None else 0.0)
+
+
+def optimised(
+    run: Run,
+    freed: Sequence[str],
+    keep: Sequence[str],
+    budget: int,
+    seed: int,
+    masses: BodyMasses | None,
+    scheduler: str | None,
+) -> tuple[Evaluator, Outcome]:
+    """The outcome of the optimisation of the run's design, and the evaluator with all evaluated designs.
+
+    Args:
+        run: of the command.
+        freed, keep: as given by --free and --keep.
+        budget, seed: of the search.
+        masses: of the design's solids; None estimates them from plain volumes.
+        scheduler: address of a dask cluster, which begins with searches from several seeds.
+    """
+    from designcalc.optimisation.optimise import optimise, required_checks
+    from designcalc.optimisation.space import free_parameters
+    from stagecad.parallel import parallel_map
+
+    source = source_of(run)
+    free = free_parameters(source.design(rules=False), freed)
+    evaluator = evaluator_of(source, free, masses)
+    required = required_checks(evaluator.checks, keep)
+    with run.progress() as progress:
+        task = progress.add_task("optimize", total=None)
+        if scheduler is not None:
+            job = partial(seeded_search, source, free, masses, required, budget)
+            for values in parallel_map(job, range(seed, seed + SEEDS), scheduler=scheduler):
+                if values is not None:
+                    evaluator.of(values)
+        outcome = optimise(
+            evaluator,
+            required,
+            budget,
+            seed=seed,
+            tell=lambda words: progress.update(task, description=words),
+            progress=lambda done: progress.update(task, completed=done),
+        )
+    return evaluator, outcome
+
+
+def seeded_search(
+    source: DesignSource,
+    free: Sequence[Free],
+    masses: BodyMasses | None,
+    required: Sequence[str],
+    budget: int,
+    seed: int,
+) -> dict[str, object] | None:
+    """Values of the free parameters of the nearest satisfying design found from one seed; None for none."""
+    from designcalc.optimisation.search import search
+
+    best = search(evaluator_of(source, free, masses), required, budget, seed=seed)
+    return dict(best.evaluation.values) if best.satisfied and best.evaluation is not None else None
+
+
+def verified_checks(evaluator: Evaluator, outcome: Outcome, solids: bool) -> list[Check]:
+    """Checks of the design found, with the masses of its own solids."""
+    from designcalc.checks import run_checks
+    from stagecad.solids.assembly.machine import body_masses
+
+    assert outcome.design is not None
+    design = evaluator.design(outcome.design.values)
+    return run_checks(design, body_masses(design) if solids else None)
+
+
+def written(run: Run, outcome: Outcome, target: Path) -> None:
+    """Write the parameter file with the changes, their reasons as origins; comments are kept."""
+    from stagecad.parameters.atomic import atomic_write_text
+    from stagecad.parameters.file import packaged_text
+    from stagecad.parameters.load import changed_text
+
+    source = source_of(run)
+    changes: dict[str, tuple[str | float | bool, str]] = {}
+    for override in source.overrides:
+        key = override.partition("=")[0].strip()
+        entry = run.design.entry(key)
+        changes[key] = (_written(entry.formula or entry.text, entry.unit, entry.value), entry.origin)
+    for change in outcome.changes:
+        entry = run.design.entry(change.key)
+        value = _written(change.after, entry.unit, entry.value)
+        changes[change.key] = (value, f"assumed: optimised from {change.before}: {change.reason}")
+    text = source.text if source.text is not None else packaged_text()
+    atomic_write_text(target, changed_text(text, str(target), changes))
+
+
+def _written(text: str, unit: str, present: object) -> str | float | bool:
+    """The value of an entry as TOML keeps it: numbers without unit and truth values as such."""
+    if isinstance(present, bool):
+        return text == "true"
+    if unit or isinstance(present, str) or text.startswith("="):
+        return text
+    number = float(text)
+    return int(number) if isinstance(present, int) else number

@@ -1,0 +1,44 @@
+"""Design checks of the user's own: Python files in the folder `checks` beside the parameter file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.errors import InputError
+from workbench.machine.own_part import run_file
+
+_registered: dict[str, str] = {}
+"""Subject of each file that is registered in this process."""
+
+
+def own_check_files(params: Path | None) -> tuple[str, ...]:
+    """The files beside a parameter file; none for the packaged design."""
+    if params is None:
+        return ()
+    return tuple(str(path) for path in sorted((params.parent / "checks").glob("*.py")))
+
+
+def register(files: Sequence[str], trust: bool = False) -> None:
+    """Add the checks of these files to those of every design in this process.
+
+    Raises:
+        InputError: no consent, an error of a file, or no check in it.
+    """
+    for name in files:
+        if name in _registered and not trust:
+            continue
+        path = Path(name)
+        module = run_file(path, trust, "this project")
+        function = getattr(module, "check", None)
+        if not callable(function):
+            raise InputError(f"{path}: has no function check(r); `stagecad new check NAME` writes a file that has")
+        _add(str(getattr(module, "SUBJECT", "own checks")), function, name)
+
+
+def _add(subject: str, function: Any, name: str) -> None:
+    from designcalc.checks import OWN
+
+    OWN[name] = (subject, function)
+    _registered[name] = subject

@@ -1,0 +1,197 @@
+"""A part of the user's own, from a Python file: its solid, its sheet, and its STEP AP242 file.
+
+The file follows the interface of a part (`stagecad.solids.modelling.part`). Its parameters are declared in the file
+itself, as in a parameter file: ``PARAMETERS = {"length": "60 mm", "hole": "6.6 mm"}``; tolerance classes follow from
+the decimals. It may read those of the machine too. The file is Python code: it runs after `--trust`.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.file import Entry, FileEntry, read_entry
+from stagecad.parameters.schema import Declaration
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+SCALES = (5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
+ROOM = (230.0, 160.0)
+"""Space of the views on the sheet, with gaps and dimensions, mm."""
+
+
+@dataclass(frozen=True)
+class OwnPart:
+    """A part from a file, and the design with its parameters."""
+
+    path: Path
+    module: Any
+    design: Design
+
+    @property
+    def name(self) -> str:
+        return self.module.NAME
+
+
+def load_part(path: Path, design: Design, trust: bool) -> OwnPart:
+    """Run a part's file and read its parameters.
+
+    Args:
+        path: of the file.
+        design: of the machine.
+        trust: whether the user consents to run the file as it is now.
+
+    Raises:
+        InputError: no consent, an error of the file, or something missing in it.
+    """
+    module = run_file(path, trust, "this part")
+    for word in REQUIRED:
+        if not hasattr(module, word):
+            raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
+    name = module.NAME
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or hasattr(design, name):
+        raise InputError(
+            f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
+        )
+    return OwnPart(path, module, own_design(design, name, module.PARAMETERS, path))
+
+
+def run_file(path: Path, trust: bool, what: str) -> ModuleType:
+    """Run a Python file of the user's, with consent, and return it as a module.
+
+    Raises:
+        InputError: the file cannot be read, no consent, or an error in it.
+    """
+    from sysid.experiment.consent import give_consent, require_consent
+
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if trust:
+        give_consent((path,))
+    try:
+        require_consent(path, data)
+    except InputError as error:
+        raise InputError(str(error).replace("this experiment", what)) from None
+    module = ModuleType(path.stem)
+    module.__file__ = str(path)
+    try:
+        exec(compile(data, str(path), "exec"), vars(module))
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: {_where(error, path)}{type(error).__name__}: {error}") from None
+    return module
+
+
+def _where(error: Exception, path: Path) -> str:
+    """Line of the file in which an error occurred."""
+    if isinstance(error, SyntaxError):
+        return f"line {error.lineno}: "
+    trace, line = error.__traceback__, None
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return f"line {line}: " if line else ""
+
+
+def own_design(design: Design, name: str, parameters: Mapping[str, str], path: Path) -> Design:
+    """The design with one more table, in millimetres: the parameters of the part.
+
+    Raises:
+        InputError: a parameter that is no length.
+    """
+    entries: list[Entry] = []
+    for key, text in parameters.items():
+        place = f"{path}: PARAMETERS[{key!r}]"
+        if not isinstance(text, str) or not _NAME.fullmatch(str(key)):
+            raise InputError(f"{place}: write a name and a length, like 'width': '40.0 mm'")
+        declaration = Declaration("number", f"of {name}", "mm", low=0.0, closed=False)
+        entries.append(read_entry(f"{name}.{key}", FileEntry(text, place), declaration, ()))
+    extended = replace(design, entries=(*design.entries, *entries))
+    table = SimpleNamespace(**{entry.key.split(".")[1]: entry.value for entry in entries}, drawing_scale=1.0)
+    object.__setattr__(extended, name, table)
+    return extended
+
+
+def draw_part(part: OwnPart, folder: Path) -> dict[str, Any]:
+    """Write sheet, STEP AP242, STEP and mass properties of a part; returns their document.
+
+    Raises:
+        InputError: the file's functions fail, the result is no valid solid, or a dimension is not on the solid.
+    """
+    try:
+        return _drawn(part, folder)
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{part.path}: {_where(error, part.path)}{type(error).__name__}: {error}") from None
+
+
+def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
+    from drawings.artefacts.sheets import write_sheet
+    from drawings.pmi.ap242 import ap242_bytes
+    from drawings.sheets.part import PartDescription, part_sheets
+    from stagecad import __version__
+    from stagecad.parameters.atomic import atomic_write_bytes
+    from stagecad.solids.modelling.mass import density_of, geometry_of, mass_properties
+    from stagecad.solids.modelling.verification import DimensionVerifier
+
+    module, design = part.module, part.design
+    solid = _solid(part, module.build(design))
+    material = module.material(design)
+    if material not in design.materials:
+        raise InputError(f"{part.path}: material '{material}' is not in [materials]")
+    mass = mass_properties(geometry_of(solid), density_of(design, material))
+    low, high = mass.bounding_box
+    getattr(design, part.name).drawing_scale = _scale([1e3 * (b - a) for a, b in zip(low, high, strict=True)])
+    description = PartDescription(
+        name=part.name,
+        solid=solid,
+        dimensions=tuple(module.dimensions(design)),
+        requirements=tuple(module.requirements(design)) if hasattr(module, "requirements") else (),
+        notes=tuple(getattr(module, "NOTES", ())),
+        material=design.materials[material].description,
+        mass=f"{mass.mass:.3f} kg" if mass.mass >= 1 else f"{1e3 * mass.mass:.1f} g",
+        digest=design.digest[:8],
+        revision=__version__,
+    )
+    verifier = DimensionVerifier(solid)
+    folder.mkdir(parents=True, exist_ok=True)
+    sheets = [write_sheet(sheet, folder) for sheet in part_sheets(description, design, verifier)]
+    model = folder / f"{part.name}_ap242.step"
+    atomic_write_bytes(model, ap242_bytes(part.name, module, design, solid, verifier))
+    files = [str(folder / f"{sheet['name']}.{kind}") for sheet in sheets for kind in ("dxf", "svg", "pdf", "png")]
+    properties = folder / f"{part.name}_mass.json"
+    properties.write_text(json.dumps(mass.as_json(), indent=1) + "\n", "utf-8")
+    return {"part": part.name, "sheets": sheets, "files": [*files, str(model), str(properties)], **mass.as_json()}
+
+
+def _solid(part: OwnPart, found: Any) -> Any:
+    """The one solid that the file has built, also from a workplane."""
+    shape = found.val() if hasattr(found, "val") else found
+    if hasattr(shape, "Solids") and len(shape.Solids()) == 1:
+        shape = shape.Solids()[0]
+    if getattr(shape, "ShapeType", lambda: "")() != "Solid" or not shape.isValid() or shape.Volume() <= 0:
+        raise InputError(f"{part.path}: build(design) must return one valid closed solid")
+    return shape
+
+
+def _scale(size: list[float]) -> float:
+    """The largest usual scale with which top, front and right view fit on an A3 sheet."""
+    x, y, z = size
+    for scale in SCALES:
+        if scale * (x + y) <= ROOM[0] and scale * (y + z) <= ROOM[1]:
+            return scale
+    return SCALES[-1]
