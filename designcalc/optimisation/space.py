@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.units import DIMENSIONLESS, format_quantity, from_si, parse_quantity, unit_dimension
+from stagecad.parameters.units import DIMENSIONLESS, format_quantity, from_si, parse_quantity, to_si, unit_dimension
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -84,7 +84,7 @@ class Free:
             return str(value).lower()
         if self.whole or isinstance(value, str):
             return str(value)
-        return format_quantity(value, self.unit, 10)
+        return format_quantity(to_si(value, self.unit), self.unit, 10)
 
 
 def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:

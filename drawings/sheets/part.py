@@ -292,7 +292,7 @@ def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, cou
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,
         supplement=supplement_of(design, part.reads),
-        number=getattr(drawing, f"file_{part.name}"),
+        number=getattr(drawing, f"file_{part.name}", part.name),
         material=part.material,
         mass=part.mass,
         scale=scale_text(plan.scale),

@@ -143,7 +143,6 @@ def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
     from drawings.artefacts.sheets import write_sheet
     from drawings.pmi.ap242 import ap242_bytes
     from drawings.sheets.part import PartDescription, part_sheets
-    from stagecad import __version__
     from stagecad.parameters.atomic import atomic_write_bytes
     from stagecad.solids.modelling.mass import density_of, geometry_of, mass_properties
     from stagecad.solids.modelling.verification import DimensionVerifier
@@ -165,9 +164,13 @@ def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
         material=design.materials[material].description,
         mass=f"{mass.mass:.3f} kg" if mass.mass >= 1 else f"{1e3 * mass.mass:.1f} g",
         digest=design.digest[:8],
-        revision=__version__,
     )
     verifier = DimensionVerifier(solid)
+    for dimension in description.dimensions:
+        try:
+            verifier.measure(dimension)
+        except LookupError as error:
+            raise InputError(f"{part.path}: dimension '{dimension.name}': {error.args[0]}") from None
     folder.mkdir(parents=True, exist_ok=True)
     sheets = [write_sheet(sheet, folder) for sheet in part_sheets(description, design, verifier)]
     model = folder / f"{part.name}_ap242.step"
