@@ -74,6 +74,7 @@ def test_start_that_violates_rules() -> None:
     assert change.needed_by[0].startswith("the rule")
 
 
+@pytest.mark.slow
 def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
     """A light stage against a stiff one: with the sag, which both allow, three requirements."""
     freed = ["stage.thickness=10 mm:30 mm"]
