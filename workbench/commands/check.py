@@ -40,13 +40,10 @@ if TYPE_CHECKING:
 def command(
     run: Run,
     swept: tuple[str, ...],
-    chains: bool,
     tolerance: bool,
     samples: int,
-    solids: bool,
-    figures: bool,
     scheduler: str | None,
-    trust: bool,
+    **asked: bool,
 ) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks.analysis.grid import combinations
@@ -59,20 +56,20 @@ def command(
     if scheduler is not None and not swept and not tolerance:
         raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
     design = run.design
-    if trust:
+    if asked["trust"]:
         trust_own_checks(run)
     wanted = [read_range(text, design) for text in swept]
     if len(wanted) > 1:
         combinations(wanted)
-    masses = masses_of_solids(run) if solids else None
+    masses = masses_of_solids(run) if asked["solids"] else None
     checks = evaluated_checks(run, masses)
     folder = run.out / "checks"
-    drawn = draw_figures(run, masses, folder) if figures else {}
+    drawn = draw_figures(run, masses, folder) if asked["figures"] else {}
     print_checks(run, checks)
     document: Any = [check.as_json() for check in checks]
-    if wanted or tolerance or chains:
+    if wanted or tolerance or asked["chains"]:
         document = {"checks": document}
-    if chains:
+    if asked["chains"]:
         from designcalc.machine.tolerance_chains import chains as chains_of
         from workbench.console.checks import print_chains
 

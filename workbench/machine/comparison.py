@@ -145,7 +145,7 @@ def volume_changes(before: Machine, after: Machine) -> list[VolumeChange]:
         if consistent and max(removed, added) <= ROUNDING * max(volumes):
             continue
         parts = (removed, added) if consistent else (None, None)
-        found.append(VolumeChange(name, *volumes, *parts))
+        found.append(VolumeChange(name, volumes[0], volumes[1], *parts))
     return found
 
 
@@ -204,8 +204,8 @@ def mark_changes(before: Path, after: Path, target: Path) -> int:
     picture[changed & (other < one)] = (200, 0, 0)
     picture[changed & (other >= one)] = (120, 160, 255)
     reach = max(width // 120, 1)
-    labels, _ = ndimage.label(ndimage.binary_dilation(changed, iterations=reach))
-    boxes = ndimage.find_objects(labels)
+    labelled: Any = ndimage.label(ndimage.binary_dilation(changed, iterations=reach))
+    boxes = ndimage.find_objects(labelled[0])
     image = Image.fromarray(picture.astype(np.uint8))
     draw = ImageDraw.Draw(image)
     for rows, columns in boxes:
