@@ -27,6 +27,7 @@ from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
+from sysid.noise.estimate import Noise
 from sysid.prediction.model import Model, PreparedRecord, public_name
 from sysid.prediction.problem import Problem, load_problem
 
@@ -160,7 +161,7 @@ def _added(problem: Problem) -> list[str]:
 def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     """What is known of the noise level, and of the form error of the effects added."""
     problem, base = search.problem, search.base
-    given = all(problem.noise[c].source == "given" for c in problem.fit_records[0].measured if c in problem.noise)
+    known = all(_is_known(problem.noise[c]) for c in problem.fit_records[0].measured if c in problem.noise)
     richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
     held = _contributions(base.fitted, added, problem.validate_records, base.weights)
     fit = _contributions(base.fitted, added, problem.fit_records, base.fitted.weights)
@@ -168,10 +169,16 @@ def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     losses = [huber_square(r / np.sqrt(1.0 + FORM_ERROR**2 * c)) for r, c in parts if r.size]
     form_error = FORM_ERROR**2 * float(np.mean(held)) if held.size else 0.0
     return NoiseLevel(
-        loss=(1.0 if given else min(1.0, max(richest, NOISE_FACTOR**-2))) + form_error,
+        loss=(1.0 if known else min(1.0, max(richest, NOISE_FACTOR**-2))) + form_error,
         form_error=form_error,
         adequate_loss=max((float(np.mean(loss)) for loss in losses), default=1.0),
     )
+
+
+def _is_known(noise: Noise) -> bool:
+    """Whether the level of a noise is known: stated, or mostly that of rounding. The rounding error of a smooth force is
+    a function of the motion itself, so a rich model may leave less."""
+    return noise.source == "given" or (noise.quantisation_step or 0.0) ** 2 / 12.0 >= 0.5 * noise.value**2
 
 
 def _contributions(
