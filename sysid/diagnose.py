@@ -176,8 +176,10 @@ def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
 
 
 def _is_known(noise: Noise) -> bool:
-    """Whether the level of a noise is known: stated, or mostly that of rounding. The rounding error of a smooth force is
-    a function of the motion itself, so a rich model may leave less."""
+    """Whether the level of a noise is known: stated, or mostly that of rounding.
+
+    The rounding error of a smooth force is a function of the motion itself, so a rich model may leave less.
+    """
     return noise.source == "given" or (noise.quantisation_step or 0.0) ** 2 / 12.0 >= 0.5 * noise.value**2
 
 
