@@ -19,7 +19,7 @@ def test_refits_on_a_cluster_are_those_of_the_local_cores(capsys, tmp_path, clus
         (tmp_path / name).write_bytes((EXAMPLE / name).read_bytes())
     text = (EXAMPLE / "experiment.toml").read_text("utf-8")
     (tmp_path / "experiment.toml").write_text(text.replace('"viscous"]', '"viscous", "bellows"]'), "utf-8")
-    words = ["compare", str(tmp_path), "--bootstrap", "24", "--out", str(tmp_path / "out"), "--json"]
+    words = ["compare", str(tmp_path), "--trust", "--bootstrap", "24", "--out", str(tmp_path / "out"), "--json"]
     assert run(words) == 0
     printed = capsys.readouterr()
     here = json.loads(printed.out)
@@ -47,5 +47,5 @@ def test_refits_on_a_cluster_are_those_of_the_local_cores(capsys, tmp_path, clus
     ],
 )
 def test_a_mistake_ends_in_status_two(capsys, tmp_path, words, message):
-    assert run(["compare", str(EXAMPLE), *words, "--no-figures", "--out", str(tmp_path)]) == 2
+    assert run(["compare", str(EXAMPLE), "--trust", *words, "--no-figures", "--out", str(tmp_path)]) == 2
     assert message in capsys.readouterr().err.splitlines()[-1]
