@@ -45,6 +45,7 @@ def test_the_demo_leaves_one_report_of_every_step(demo: tuple[Path, dict]) -> No
     assert (out / "demo" / "ladder" / "002.json").is_file()
 
 
+@pytest.mark.xdist_group("demo")
 def test_the_demo_begins_anew_each_time(demo: tuple[Path, dict], tmp_path: Path) -> None:
     folder = tmp_path / "demo"
     fresh_copy(folder)

@@ -23,6 +23,7 @@ def document(capsys, folder, *words):
     return json.loads(out)
 
 
+@pytest.mark.slow
 def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(capsys, tmp_path, cluster):
     """Heavier by the plate's added volume less what pockets and holes, which grow with it, take from it."""
     words = ("--sweep", 'stage.thickness="11 mm":"12 mm":2')

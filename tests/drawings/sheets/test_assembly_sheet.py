@@ -199,6 +199,7 @@ build_sheets(ArtefactStore(Path(sys.argv[1])), "assembly", load_design())
 """
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same_bytes(machine: Machine, tmp_path: Path) -> None:
     files = []
     for seed in ("1", "2"):

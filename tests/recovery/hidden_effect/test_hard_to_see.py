@@ -21,11 +21,11 @@ from sysid.prediction.problem import load_problem
     "rig,effect,seed",
     [
         pytest.param("spring-pull", "presliding", 2, marks=pytest.mark.slow),
-        ("force-drive", "dwell_strengthening", 3),
+        pytest.param("force-drive", "dwell_strengthening", 3, marks=pytest.mark.slow),
         ("force-drive", "flexible_mode", 4),
         # The loss at the stops, before and after, exceeds that of the drag between them.
-        ("force-drive", "quadratic_drag", 2),
-        ("velocity-drive", "bristle_damping", 7),
+        pytest.param("force-drive", "quadratic_drag", 2, marks=pytest.mark.slow),
+        pytest.param("velocity-drive", "bristle_damping", 7, marks=pytest.mark.slow),
         ("actuator-tip", "flexible_mode", 6),
     ],
 )

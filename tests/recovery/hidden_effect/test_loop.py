@@ -44,13 +44,13 @@ def _over_noise(stage: dict[str, Any]) -> float:
 @pytest.mark.parametrize(
     "rig,effect,seed",
     [
-        ("velocity-drive", "viscous", 1),
+        pytest.param("velocity-drive", "viscous", 1, marks=pytest.mark.slow),
         ("velocity-drive", "stribeck", 2),
-        ("velocity-drive", "load_dependent_friction", 3),
-        ("velocity-drive", "cable_spring", 4),
+        pytest.param("velocity-drive", "load_dependent_friction", 3, marks=pytest.mark.slow),
+        pytest.param("velocity-drive", "cable_spring", 4, marks=pytest.mark.slow),
         ("spring-pull", "magnetic_cogging", 5),
-        ("spring-pull", "direction_asymmetry", 6),
-        ("force-drive", "constant_bias", 7),
+        pytest.param("spring-pull", "direction_asymmetry", 6, marks=pytest.mark.slow),
+        pytest.param("force-drive", "constant_bias", 7, marks=pytest.mark.slow),
         ("force-drive", "temperature_dependent_friction", 8),
         ("actuator-tip", "gain_mismatch", 9),
         ("actuator-tip", "piezo_creep", 10),
@@ -83,7 +83,7 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
 @pytest.mark.parametrize(
     "rig,nuisance,seed",
     [
-        ("velocity-drive", "outliers", 21),
+        pytest.param("velocity-drive", "outliers", 21, marks=pytest.mark.slow),
         ("spring-pull", "spread", 22),
         ("force-drive", "plain", 23),
         ("actuator-tip", "outliers", 24),
@@ -102,7 +102,10 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate(
 
 @pytest.mark.parametrize(
     "rig,effect,seed",
-    [("velocity-drive", "UNKNOWN_floor_vibration", 31), ("spring-pull", "UNKNOWN_cubic_spring", 34)],
+    [
+        pytest.param("velocity-drive", "UNKNOWN_floor_vibration", 31, marks=pytest.mark.slow),
+        ("spring-pull", "UNKNOWN_cubic_spring", 34),
+    ],
 )
 def test_an_effect_of_no_library_is_called_unexplained_and_located(
     cli: Cli, tmp_path: Path, rig: str, effect: str, seed: int

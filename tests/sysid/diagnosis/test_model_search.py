@@ -23,6 +23,7 @@ def _search(folder: Path) -> ModelSearch:
     return ModelSearch(problem, fit_stated_model(problem))
 
 
+@pytest.mark.slow
 def test_two_effects_are_found_in_sequence_and_no_third(tmp_path: Path) -> None:
     rig = write(tmp_path, uneven)
     added = []
@@ -65,6 +66,7 @@ def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> N
     assert abs(values["position_dependent_friction:overtone.second_cosine"]) == pytest.approx(0.1, abs=0.02)
 
 
+@pytest.mark.slow
 def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
     search = _search(write(tmp_path, uneven))
     first = next(candidate for candidate in search.singles if candidate.name == "cable_spring")

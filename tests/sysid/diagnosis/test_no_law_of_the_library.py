@@ -15,6 +15,7 @@ def _wave(pitch: float) -> np.ndarray:
     return np.sin(2 * np.pi * POSITION / pitch)
 
 
+@pytest.mark.slow
 def test_the_strongest_of_three_pitches_is_named_and_the_others_stay_unexplained(tmp_path: Path) -> None:
     strongest, others = 0.08 * _wave(1.9e-3), 0.035 * (_wave(1.13e-3) + _wave(0.67e-3))
     force = (1.5 + strongest + others) * SIGN

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
@@ -24,6 +25,7 @@ def test_nonlinearity_is_applied_before_zero_drift_unless_listed_after(tmp_path:
     assert [e.name for e in listed.start.effects] == ["coulomb", "sensor_drift", "sensor_nonlinearity"]
 
 
+@pytest.mark.slow
 def test_nonlinear_and_drifting_sensor_is_found_in_either_order(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 25.0 * VELOCITY
     bent = force + 0.06 * force**2 + 0.05 * force**3

@@ -127,6 +127,7 @@ def test_a_record_may_override_the_noise_and_continue_another(tmp_path):
     assert (second.name, second.continues) == ("fit#2", "fit")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_every_practice_experiment_and_both_rigs_read():
     from sysid.experiment.record import load_records

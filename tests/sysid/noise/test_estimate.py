@@ -237,6 +237,7 @@ def test_real_rigs():
     assert tribometer.value == pytest.approx(0.05, rel=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_practice_records_whose_noise_is_given():
     from sysid.experiment.rigs import RIGS

@@ -83,6 +83,7 @@ def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect
         assert tried(problem, base, rival)[1] > 3.0 * after
 
 
+@pytest.mark.slow
 def test_slip_that_goes_with_the_load(tmp_path):
     folder = write_experiment(tmp_path, Truth(slip=2.2, load_exponent=1.0), ["coulomb", "contact.coulomb"], lift=15.0)
     problem = load_problem(folder)

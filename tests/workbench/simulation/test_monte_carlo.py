@@ -35,6 +35,7 @@ def test_the_tips_ellipse_spreads_as_its_two_lengths_say(capsys, tmp_path):
     assert document["features"]["tip"]["10um"]["pi/1.5"]["semi_minor"]["std"] < 1e-18
 
 
+@pytest.mark.slow
 def test_the_first_slip_of_each_machine_comes_when_the_spring_reaches_its_own_breakaway(capsys, tmp_path):
     words = ("stick-slip", "--model", "lugre_causal", "--draws", "12", "--set", "friction.breakaway=1.5 +- 0.1 N")
     document = drawn(capsys, tmp_path, *words)
