@@ -87,7 +87,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     d.radius("crown", "crown_radius", (0, 0, top), note="spherical", tolerance=None, reference=True)
     rim = pin.diameter / 2 - c
     sag, limit = pin.crown_radius - math.sqrt(pin.crown_radius**2 - rim**2), pin.sag_tolerance
-    keys = ("height_pin_2.crown_radius", "height_pin_2.sag_tolerance")
+    keys = ("height_pin_2.crown_radius", "height_pin_2.diameter", "height_pin_2.end_chamfer")
     ends, fields = ((0, 0, top), (2 * rim, 0, top)), {"kind": "sag", "tolerance": None, "deviations": (-limit, limit)}
     d.derived("crown height", sag, keys, ends, X, **fields)
     edge = top - pin.crown_radius + math.sqrt(pin.crown_radius**2 - rim**2)

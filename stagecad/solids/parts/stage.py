@@ -241,7 +241,7 @@ def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.radius("pad crown", "pads.crown_radius", crown, view="front", note="spherical", tolerance=None, reference=True)
     sag = pads.crown_radius - math.sqrt(pads.crown_radius**2 - half**2)
     ends, tolerance = (crown, (x + pads.length, y, low)), pads.sag_tolerance
-    keys, limits = ("pads.crown_radius", "pads.sag_tolerance"), (-tolerance, tolerance)
+    keys, limits = ("pads.crown_radius", "pads.length"), (-tolerance, tolerance)
     fields = {"kind": "sag", "tolerance": None, "deviations": limits, "view": "front", "note": "all pads"}
     d.derived("pad crown height", sag, keys, ends, X, **fields)
     inset = fillet_inset(pads.corner_radius)

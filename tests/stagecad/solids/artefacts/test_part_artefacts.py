@@ -73,9 +73,10 @@ def test_every_dimension_measures_as_declared(name: str) -> None:
 @pytest.mark.parametrize("name", MADE)
 def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(name: str) -> None:
     own = [dimension for dimension in part_definition(name).dimensions(thesis()) if not dimension.derived_from]
-    declared = [dimension.parameter for dimension in own]
+    # The callout of each tapped hole is complete: a tap drill is declared once for each feature with its thread.
+    declared = [(dimension.parameter, dimension.feature if dimension.kind == "tap_drill" else "") for dimension in own]
     assert sorted(declared) == sorted(set(declared))
-    assert read_by(name) - SWITCHES <= set(declared)
+    assert read_by(name) - SWITCHES <= {parameter for parameter, _ in declared}
     # What is declared and does not shape the solid is the depth of a thread, which is cosmetic.
     rest = {dimension for dimension in own if dimension.parameter not in read_by(name)}
     assert all(dimension.kind == "thread_depth" for dimension in rest)
@@ -102,12 +103,16 @@ def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: 
     for requirement in required:
         if isinstance(requirement, GeometricTolerance):
             assert set(requirement.datums) <= letters
-        for point in requirement.points:
+        median = isinstance(requirement, DatumFeature) and requirement.median
+        # The faces of a middle plane look in opposite directions; all others in that of the requirement.
+        outward = [(1.0, -1.0)[index] if median else 1.0 for index in range(len(requirement.points))]
+        assert len(outward) == 2 or not median
+        for point, sign in zip(requirement.points, outward, strict=True):
             on = [face for face in solid_of(name).Faces() if face.distance(cq.Vertex.makeVertex(*point)) < 1e-6]
             if isinstance(requirement, SurfaceTexture) or not requirement.round:
                 (face,) = on
                 normal = face.normalAt(cq.Vector(*point)).toTuple()
-                assert normal == pytest.approx(requirement.normal, abs=1e-6)
+                assert normal == pytest.approx([sign * n for n in requirement.normal], abs=1e-6)
             else:
                 bore = Dimension("bore", "diameter", 1.0, "any", (point,), requirement.normal)
                 assert DimensionVerifier(solid_of(name)).measure(bore)

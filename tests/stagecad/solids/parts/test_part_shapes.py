@@ -87,17 +87,23 @@ def way_volume() -> float:
 
 
 def base_volume() -> float:
-    pockets = 3 * (hole(76.03, 36.6) + hole(16.02, 60 - 36.6 - 8))
+    pockets = 3 * (hole(76.03, 36.6) + hole(16, 60 - 36.6 - 8))
     access = [114, 180 - 86.60254 - 66, 180 - 86.60254 - 66]
-    bores = sum(hole(26, a) + hole(22.225, 50) + hole(20.05, 86) for a in access)
+    bores = sum(hole(26, a) + hole(22.225, 50) + hole(20, 86) for a in access)
     slots = 4 * 90 * (1.5 * (46 + 21 + 25) + 3 * 28 + hole(10, 1))
     screws = 2 * hole(10.5, 140) + 2 * hole(10.5, 100)
     taps = 14 * pointed(7.9375, 18) + 7 * pointed(8.5, 20) + 4 * pointed(5, 15) + 8 * pointed(4.2, 15)
     return 360 * 350 * 90 - pockets - bores - slots - screws - taps - 3 * 110 * 8 * 6
 
 
+def strip(diameter: float, width: float) -> float:
+    """Area of the half of a circle's central strip: the integral of sqrt(r^2 - t^2) over |t| < width / 2."""
+    r, t = diameter / 2, width / 2
+    return t * math.sqrt(r**2 - t**2) + r**2 * math.asin(t / r)
+
+
 def holder_volume() -> float:
-    slots = 3 * 3 * 11.5 * 30.6
+    slots = 3 * 30.6 * (6 * 46 / math.sqrt(3) - strip(20, 6) - strip(10.05, 6))
     holes = 3 * hole(10.05, 30.6) + 3 * hole(5, 6) + hole(20, 30.6) + 3 * hole(3.3, 6.4) + 3 * pointed(3.3, 10)
     return hole(76, 36.6) - slots - holes - 2 * math.pi * 76 / 2
 
@@ -155,8 +161,8 @@ HOLES = [
     ("base", 10.5, 4, "clamp screws' clearance"),
     ("base", 15.9, 4, "clamp screws' heads"),
     ("base", 76.03, 3, "pockets"),
-    ("base", 16.02, 3, "pin 2"),
-    ("base", 20.05, 3, "pin 1"),
+    ("base", 16.0, 3, "pin 2"),
+    ("base", 20.0, 3, "pin 1"),
     ("base", 22.225, 3, "set screws"),
     ("base", 26.0, 3, "access"),
     ("base", 8.5, 7, "lifting and foot holes"),
