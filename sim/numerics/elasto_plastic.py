@@ -71,6 +71,10 @@ def springs_of(elements: Elements) -> Springs:
     return Springs(np.zeros(weights.size), np.ascontiguousarray(elements.stiffness, dtype=float), weights)
 
 
+AT_LIMIT = 1e-9
+"""Distance of an element's force from its limit, over the limit, below which the element slips."""
+
+
 @compiled(fastmath=SUMS_IN_ANY_ORDER, forceinline=True, _nrt=False)
 def displace(springs: Springs, displacement: float, level: float) -> float:
     """Move all elements at a friction limit `level`, N; returns the sum of their forces, N."""
@@ -133,8 +137,10 @@ def displace_to(springs: Springs, total: float, wanted: float, level: float) -> 
     for _ in range(springs.force.size + 1):
         tangent, reach = 0.0, np.inf
         for k in range(springs.force.size):
-            room = level * springs.limit[k] - side * springs.force[k]
-            if room > 0.0:
+            most = level * springs.limit[k]
+            room = most - side * springs.force[k]
+            # What rounding leaves of an element at its limit is no room: a step of that size would lead nowhere.
+            if room > AT_LIMIT * most:
                 tangent += springs.stiffness[k]
                 reach = min(reach, room / springs.stiffness[k])
         left = (wanted - total) * side
@@ -144,7 +150,7 @@ def displace_to(springs: Springs, total: float, wanted: float, level: float) -> 
         for k in range(springs.force.size):
             force, most = side * springs.force[k] + springs.stiffness[k] * step, level * springs.limit[k]
             # The element that yields now is set to its limit exactly.
-            slips = step == reach and most - force < 1e-9 * most
+            slips = step == reach and most - force < AT_LIMIT * most
             springs.force[k] = side * (most if slips else min(force, most))
         total += side * step * tangent
         moved += side * step

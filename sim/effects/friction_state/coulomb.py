@@ -60,7 +60,7 @@ def slopes(
 
 
 @compiled
-def _stop(dx: np.ndarray, level: np.ndarray, stiffness: float) -> np.ndarray:
+def _stop(dx: np.ndarray, level: np.ndarray, stretch: float) -> np.ndarray:
     n = level.size
     force = np.zeros(n)
     held = 0.0
@@ -68,7 +68,7 @@ def _stop(dx: np.ndarray, level: np.ndarray, stiffness: float) -> np.ndarray:
         # The first row: take the first interval to have been going on before it.
         step = dx[max(k - 1, 0)] if n > 1 else 0.0
         g = max(level[k], 0.0)
-        held = min(max(held + stiffness * step, -g), g)
+        held = min(max(held + g * step / stretch, -g), g)
         force[k] = held
     return force
 
@@ -76,12 +76,12 @@ def _stop(dx: np.ndarray, level: np.ndarray, stiffness: float) -> np.ndarray:
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
     """Coulomb force along a measured motion: a stop operator on the steps of the position.
 
-    `p.stretch` should be a few times the noise of the position, so that noise in a dwell does not turn the force. The
-    bristle stretches by it under the largest level of the record.
+    `p.stretch` should be a few times the noise of the position, so that noise in a dwell does not turn the force: it is
+    the resolution of the record, not a spring. So the bristle stretches by it under the level of each row, whatever
+    that of other rows: a part of a record has the force of the whole.
     """
     dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    level = np.ascontiguousarray(level, dtype=float)
-    return _stop(dx, level, float(np.max(level, initial=0.0) / p.stretch))
+    return _stop(dx, np.ascontiguousarray(level, dtype=float), float(p.stretch))
 
 
 def stored(k: int, z: Any, g: Any, p: Any) -> Any:
