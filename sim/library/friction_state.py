@@ -48,6 +48,7 @@ class FrictionStateModel:
         springs: the parallel elasto-plastic elements that the model consists of, if it does; a function of `p`.
         table: stretch, weight, damping and friction limit of each element, (elements, 4), for a model made by
             `parallel_elements`; a function of `p`.
+        sliding: friction in steady sliding, N, `sliding(level, speed, p)`; the level itself where left out.
     """
 
     name: str
@@ -60,6 +61,7 @@ class FrictionStateModel:
     stored: Callable[[int, Any, Any, Any], Any] | None = None
     springs: Callable[[Any], Elements] | None = None
     table: Callable[[Any], np.ndarray] | None = None
+    sliding: Callable[[np.ndarray, np.ndarray, Any], np.ndarray] | None = None
 
 
 def parallel_elements(

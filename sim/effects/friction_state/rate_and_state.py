@@ -125,6 +125,12 @@ def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: n
     return _forces(dx, dt, g, float(p.stiffness), float(p.direct), float(p.velocity))
 
 
+def sliding(level: np.ndarray, speed: np.ndarray, p: Any) -> np.ndarray:
+    """Friction in steady sliding, w = |v|: a g asinh(exp(1/a) |v|/(2 v_0)), N."""
+    exponent = np.log(np.maximum(np.abs(speed), 1e-300) / (2.0 * p.velocity)) + 1.0 / p.direct
+    return p.direct * level * np.logaddexp(exponent, 0.5 * np.logaddexp(2.0 * exponent, 0.0))
+
+
 EFFECT = Effect(
     name="rate_and_state",
     meaning="friction that rises with the logarithm of the slip rate and with the age of the contacts (creep included)",
@@ -166,6 +172,6 @@ EFFECT = Effect(
     level=level,
     slopes={"level.contact_age": level_by_age},
     memory=memory,
-    friction_state=FrictionStateModel("rate_and_state", law, slopes, along, scale, stored=stored),
+    friction_state=FrictionStateModel("rate_and_state", law, slopes, along, scale, stored=stored, sliding=sliding),
     acts_on="friction",
 )

@@ -178,7 +178,12 @@ def _event_resolved(
     """Event-resolved friction (n,) of a driven mass, N: by the sign of its motion and, while sticking, by the push."""
     # While sticking, Coulomb friction balances the push, up to the level; it does not follow from the motion.
     assert balance.direction is not None and balance.stick_fraction is not None and balance.slip_phases is not None
+    assert core.friction_state is not None
     push, mass = _as_driven(balance, effects, values) - forces, values.get("rig.mass", 0.0)
+    if core.friction_state.sliding is not None:
+        # At rest the speed is noise.
+        sliding = core.friction_state.sliding(level, balance.axis.velocity, values_of(core, values))
+        level = np.where(balance.stick_fraction > 0.0, level, sliding)
     level = np.ascontiguousarray(level, dtype=float)
     phases, search = balance.slip_phases, MOST_SHIFT * balance.prefilter_samples + 2.0
     forces_on_mass = Forces(push, level)
@@ -189,7 +194,6 @@ def _event_resolved(
     motion = shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
     friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)
-    assert core.friction_state is not None
     if core.friction_state.name != "coulomb":
         bristles = bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS)
         substeps = substeps_of(bristles, scale)

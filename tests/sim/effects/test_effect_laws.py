@@ -230,6 +230,14 @@ def test_dahl_of_growing_stiffness_tends_to_coulomb():
     assert away[2] < 2e-3
 
 
+@pytest.mark.parametrize("speed", [-1e-2, 1e-5, 1e-3, 0.2])
+def test_rate_and_state_friction_in_steady_sliding_is_where_its_state_rests(speed):
+    core, p = find("rate_and_state").friction_state, values("rate_and_state")
+    force = float(np.sign(speed) * core.sliding(np.array(1.3), np.array(speed), p))
+    assert core.law(0, force / p.stiffness, speed, np.sign(speed), 1.3, p)[0] == pytest.approx(0.0, abs=1e-9)
+    assert core.sliding(np.array(1.3), np.array(0.0), p) == pytest.approx(0.0, abs=1e-15)
+
+
 def test_coulomb_holds_its_last_force_in_a_dwell():
     time = np.linspace(0.0, 3.0, 3001)
     x = np.clip(time, None, 1.0) * 1e-3
