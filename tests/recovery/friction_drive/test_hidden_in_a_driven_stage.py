@@ -32,7 +32,7 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_ma
 @pytest.mark.parametrize(
     ("hidden", "motion", "seed", "left"),
     [
-        ("gain_mismatch", "lift", 1, 0.1),
+        pytest.param("gain_mismatch", "lift", 1, 0.1, marks=pytest.mark.slow),
         pytest.param("contact.coulomb", "sawtooth", 1, 0.1, marks=pytest.mark.slow),
         pytest.param("piezo_hysteresis", "lean", 1, 0.0, marks=pytest.mark.slow),
         pytest.param("contact.viscous", "sawtooth", 1, 0.0, marks=pytest.mark.slow),

@@ -58,6 +58,7 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert found.error < 1.1 < 1.5 < kept.error
 
 
+@pytest.mark.slow
 def test_a_wave_of_the_friction_and_a_pull_are_two_though_the_wave_is_no_sine(tmp_path: Path) -> None:
     # The generator's wave has overtones: what the two leave follows the position, as it does where one pull is curved.
     effects = ("position_dependent_friction", "gravity_torque")

@@ -116,6 +116,7 @@ def test_an_effect_of_no_library_is_called_unexplained_and_located(
     assert found["where"][0]["coordinate"] in key["where"]
 
 
+@pytest.mark.slow
 def test_two_hidden_effects_are_found_one_after_the_other_and_then_it_stops(cli: Cli, tmp_path: Path) -> None:
     _experiment(tmp_path / "rig", Plan("actuator-tip", ("gain_mismatch", "drive_lag"), "strong", rows=ROWS), 61)
     named: list[set[str]] = []

@@ -59,7 +59,9 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
         for px, py in design.derived.actuator_places:
             assert math.hypot(x - px, y - py) > way.bolt_hole / 2 + design.base.pocket_diameter / 2
     assert abs(design.derived.tip_apex - design.derived.drive_surface_height) <= design.derived.height_adjustment
-    assert design.height_pin_2.diameter < design.base.pin_2_bore
+    # The pins pass through their bores at the limits of size: the largest pin in the smallest bore.
+    for pin, bore in (("height_pin_1.diameter", "base.pin_1_bore"), ("height_pin_2.diameter", "base.pin_2_bore")):
+        assert design.si(pin) + 1e-3 * design.deviations(pin)[1] < design.si(bore) + 1e-3 * design.deviations(bore)[0]
     assert design.holder.diameter < design.base.pocket_diameter
     assert 0 < design.derived.way_screw_engagement <= design.base.way_thread_depth
 

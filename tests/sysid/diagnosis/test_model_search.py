@@ -39,6 +39,7 @@ def test_two_effects_are_found_in_sequence_and_no_third(tmp_path: Path) -> None:
     assert after.before_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_best_pair_is_the_true_one_down_to_the_noise(tmp_path: Path) -> None:
     search = _search(write(tmp_path, uneven))
     best = search.pairs[0]
