@@ -89,8 +89,8 @@ FRICTION = {
     "stribeck.velocity": "5 mm/s",
 }
 RIGID = FRICTION | {"coulomb.stretch": "1 nm"}
-"""The balance takes Coulomb friction as rigid. In time its bristle has the constant stiffness force/stretch, and a mass m
-turns round at up to 2 level/sqrt(force m/stretch): 0.2 mm/s for 8 kg under the level of a long rest at 5 nm."""
+"""The balance takes Coulomb friction as rigid. In time its bristle has the constant stiffness force/stretch, and a mass
+m turns round at up to 2 level/sqrt(force m/stretch): 0.2 mm/s for 8 kg under the level of a long rest at 5 nm."""
 PADS = {"coulomb.force": "1.5 N", "stribeck.force": "0.3 N", "stribeck.velocity": "0.05 mm/s"}
 SPRING = 'mass = "1.79 kg"\npull_stiffness = "5752 N/m"\n'
 PULL_NOISE = {"position": 5e-8, "spring_force": 0.02}
