@@ -1,7 +1,7 @@
 """Constants of the decision of a diagnosis. docs/theory.md lists them (docs/make_thresholds.py).
 
 Losses are mean Huber squares of the held-out residual in standard deviations of the noise: 1 for noise alone. The
-excess is the loss above 1; the share of a model is the part of the excess that it removes.
+excess is the loss above that of a complete model; the share of a model is the part of the excess that it removes.
 """
 
 from __future__ import annotations
