@@ -1,8 +1,8 @@
 """Decision of a diagnosis: an effect is missing, the model is adequate, or the misfit is unexplained.
 
 All models are compared by their held-out losses (`sysid/diagnosis/held_out.py`). With L0 the loss of the stated model,
-L that of another one and n that of a complete model (`NoiseLevel.loss`), the excess is L0 - n and the share of the other
-model (L0 - L) / (L0 - min(n, L)).
+L that of another one and n that of a complete model (`NoiseLevel.loss`), the excess is L0 - n and the share of the
+other model (L0 - L) / (L0 - min(n, L)).
 
 1. The best named model is the effect of lowest loss with plausible values, or a pair of effects that is clearly better.
 2. If its gain is certain (over its standard error, over the scatter of the blocks, and large enough), and its share is
