@@ -176,6 +176,51 @@ def force_along(position: np.ndarray, level: np.ndarray, elements: Elements) -> 
     return _force_along(displacements, np.ascontiguousarray(level, dtype=float), springs_of(elements))
 
 
+@compiled
+def _behind_gap(displacements: np.ndarray, level: np.ndarray, springs: Springs, gap: float) -> np.ndarray:
+    moved = np.zeros(level.size)
+    before = np.empty(springs.force.size)
+    springs.force[:] = np.sign(displacements[0]) * max(level[0], 0.0) * springs.limit
+    crossed = gap if displacements[0] > 0.0 else 0.0
+    for i in range(1, level.size):
+        limit, left = max(level[i], 0.0), displacements[i - 1]
+        side = 1.0 if left > 0.0 else -1.0
+        total = displace(springs, 0.0, limit)
+        moved[i] = moved[i - 1]
+        if side * total < 0.0:
+            before[:] = springs.force
+            if side * displace(springs, left, limit) <= 0.0:
+                moved[i] += left
+                continue
+            springs.force[:] = before
+            unloading, total = displace_to(springs, total, 0.0, limit)
+            moved[i] += unloading
+            left -= unloading
+        free = min(side * left, gap - crossed if side > 0.0 else crossed)
+        crossed += side * free
+        left -= side * free
+        displace(springs, left, limit)
+        moved[i] += left
+    return moved
+
+
+def position_behind_gap(position: np.ndarray, level: np.ndarray, elements: Elements, gap: float) -> np.ndarray:
+    """Position (n,) of elements that are moved through a gap, m: they rest, without force, while the gap is crossed.
+
+    After a reversal the elements unload first; where the sum of their forces is zero, the contact opens. Rigid elements
+    unload at once: then it is the play operator.
+
+    Args:
+        position: of the drive, (n,), m.
+        level: friction limit, N, (n,).
+        elements: on the other side of the gap.
+        gap: full width, m.
+    """
+    position = np.ascontiguousarray(position, dtype=float)
+    moved = _behind_gap(np.diff(position), np.ascontiguousarray(level, dtype=float), springs_of(elements), gap)
+    return position[0] + moved
+
+
 def stretch_along(position: np.ndarray, level: np.ndarray, elements: Elements) -> np.ndarray:
     """Stretch (b, n) of each element along a record, m; arguments as `force_along`."""
     each = [Elements(np.array([s]), np.ones(1), elements.force) for s in elements.stretches]

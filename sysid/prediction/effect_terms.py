@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from sim.library.effect import Axis, Effect
+from sim.library.time_domain import Backlash
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 Values = Mapping[str, float]
@@ -55,14 +56,24 @@ TERMS = TermCache()
 def friction_axis(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
 ) -> tuple[Axis, tuple[object, ...]]:
-    """The axis as level and core see it, after the effects with memory, and a key that names it."""
+    """The axis as level and core see it, after the effects with memory, and a key that names it.
+
+    The position of a pulled or driven body is measured on the body: what lies between it and the drive does not change
+    it.
+    """
     axis, key = balance.axis, ()
     for effect in effects:
-        if effect.memory is not None:
+        if effect.memory is not None and (effect.acts_on != "structure" or balance.acceleration is None):
             p = values_of(effect, values)
             key = (*key, effect.name, p)
             axis = TERMS.get(balance, ("axis", key), partial(effect.memory, axis, p))
     return axis, key
+
+
+def lost_motion(effects: Sequence[Effect], values: Values) -> float:
+    """Full width of the gap between the drive and the axis, m."""
+    realised = [e.time_domain(values_of(e, values)) for e in effects if e.acts_on == "structure" and e.time_domain]
+    return sum(found.gap for found in realised if isinstance(found, Backlash))
 
 
 def friction_level(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray | float:

@@ -9,8 +9,16 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Effect
-from sim.numerics.elasto_plastic import springs_of
-from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
+from sim.numerics.elasto_plastic import position_behind_gap, springs_of
+from sysid.prediction.effect_terms import (
+    Values,
+    axis_force,
+    friction_axis,
+    friction_level,
+    lost_motion,
+    split_channel,
+    values_of,
+)
 from sysid.prediction.force_balance.initial_state import friction_from_initial_state
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
@@ -109,6 +117,10 @@ def _friction(
         unseen = unobservable_part(balance, core, usual, p)
         if core.friction_state.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
+        gap = lost_motion(effects, values) if balance.acceleration is None else 0.0
+        if gap > 0.0 and core.friction_state.springs is not None:
+            body = position_behind_gap(balance.axis.position, level, core.friction_state.springs(p), gap)
+            axis = axis._replace(position=body)
         inertia = 0.0 if balance.acceleration is None else values.get("rig.mass", 0.0) * balance.acceleration
         held = friction_from_initial_state(balance, core, axis, level, p, forces + inertia)
         if (
@@ -329,9 +341,7 @@ def _stretch_relation(
     force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]
     force = sensor_input(force, "spring_force", effects, values, balance.step)[every]
     stretch = force / stiffness
-    for effect in effects:
-        if effect.name == "backlash":
-            # The gap is open on the side the spring pulls from; without force it may be anywhere, here in the middle.
-            slight = 3.0 * balance.noise["spring_force"]
-            stretch = stretch + 0.5 * values_of(effect, values).gap * np.clip(force / slight, -1.0, 1.0)
-    return pull - stretch
+    # The gap is open on the side the spring pulls from; without force it is where the measured position has it.
+    slight, half = 3.0 * balance.noise["spring_force"], 0.5 * lost_motion(effects, values)
+    low, high = np.where(force >= slight, half, -half), np.where(force <= -slight, -half, half)
+    return pull - stretch - np.clip(pull - stretch - balance.measured["position"][every], low, high)

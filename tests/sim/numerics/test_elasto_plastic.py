@@ -13,6 +13,7 @@ from sim.numerics.elasto_plastic import (
     elements_along,
     force_along,
     mean_force,
+    position_behind_gap,
     smooth_element,
     springs_of,
     sticking_fraction,
@@ -130,3 +131,28 @@ def test_the_stiffness_of_an_element_does_not_follow_the_limit():
     assert fallen == pytest.approx([2.0, 2.0, 0.5])
     stretches = stretch_along(np.array([0.0, 1e-3]), np.array([2.0, 2.0]), ELEMENTS)
     assert stretches[:, 1] == pytest.approx(2.0 * STRETCHES)
+
+
+def test_rigid_elements_behind_a_gap_follow_the_play_operator():
+    position = 1e-3 * np.sin(np.linspace(0.3, 20.0, 4000)) + 4e-4 * np.sin(np.linspace(0.0, 57.0, 4000))
+    gap, rigid = 5e-4, Elements(np.array([1e-12]), np.ones(1))
+    played = np.empty(position.size)
+    # By its definition: the output is the nearest value to the last one within half the gap of the input.
+    played[0] = position[0] - 0.5 * gap * np.sign(position[1] - position[0])
+    for i in range(1, position.size):
+        played[i] = min(max(played[i - 1], position[i] - 0.5 * gap), position[i] + 0.5 * gap)
+    body = position_behind_gap(position, np.ones(position.size), rigid, gap)
+    assert np.diff(body) == pytest.approx(np.diff(played), abs=3e-12)
+
+
+def test_a_spring_behind_a_gap_unloads_before_the_gap_opens():
+    level, stretch, gap = 2.0, 1e-4, 3e-4
+    position = np.concatenate([np.linspace(0.0, 1e-3, 1001), np.linspace(1e-3, 0.0, 1001)[1:]])
+    one, limit = Elements(np.array([stretch]), np.ones(1), level), np.full(position.size, level)
+    body = position_behind_gap(position, limit, one, gap)
+    force = force_along(body, limit, one)
+    back = 1e-3 - position[1000:]
+    expected = np.interp(
+        back, [0.0, stretch, stretch + gap, 2.0 * stretch + gap, 1e-3], [level, 0.0, 0.0, -level, -level]
+    )
+    assert force[1000:] == pytest.approx(expected, abs=1e-9 * level)
