@@ -12,6 +12,9 @@ from stagecad.parameters.errors import InputError
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+ANSWER_TIME = 5.0
+"""Longest time for the scheduler to answer, s."""
+
 
 def map_on_cluster(
     address: str, function: Callable[[Item], Result], items: Sequence[Item], progress: Callable[[Item], None]
@@ -37,7 +40,7 @@ def map_on_cluster(
             "without --scheduler the local processors are used"
         ) from None
     try:
-        client = Client(address, timeout=5)
+        client = Client(address, timeout=ANSWER_TIME)
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {address}: no cluster answers there ({error})") from None
     with client:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import stagecad.cluster
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 
@@ -15,6 +16,12 @@ from stagecad.parameters.load import load_design
 def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
     """The consents given in tests are not those of the user who runs them."""
     os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def short_wait_for_a_cluster() -> None:
+    """A cluster on this machine answers at once; one that is not there is not waited for."""
+    stagecad.cluster.ANSWER_TIME = 1.0
 
 
 @pytest.fixture(scope="session")

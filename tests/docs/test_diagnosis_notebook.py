@@ -7,6 +7,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 NOTEBOOK = DOCS / "diagnosis_step_by_step.ipynb"
 
@@ -15,6 +17,7 @@ def _code_cells(document: dict[str, Any]) -> list[dict[str, Any]]:
     return [cell for cell in document["cells"] if cell["cell_type"] == "code"]
 
 
+@pytest.mark.slow
 def test_the_notebook_arrives_at_the_verdict_of_a_diagnosis() -> None:
     spec = importlib.util.spec_from_file_location("run_notebook", DOCS / "run_notebook.py")
     assert spec is not None and spec.loader is not None

@@ -22,7 +22,7 @@ from sysid.prediction.problem import load_problem
     [
         pytest.param("spring-pull", "presliding", 2, marks=pytest.mark.slow),
         pytest.param("force-drive", "dwell_strengthening", 3, marks=pytest.mark.slow),
-        ("force-drive", "flexible_mode", 4),
+        pytest.param("force-drive", "flexible_mode", 4, marks=pytest.mark.slow),
         # The loss at the stops, before and after, exceeds that of the drag between them.
         pytest.param("force-drive", "quadratic_drag", 2, marks=pytest.mark.slow),
         pytest.param("velocity-drive", "bristle_damping", 7, marks=pytest.mark.slow),

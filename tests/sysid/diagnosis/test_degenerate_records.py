@@ -85,10 +85,16 @@ def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> No
     again = diagnose(tmp_path)
     assert again.verdict == "adequate"
     assert again.problem.noise["friction_force"].value == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=1e-6)
-    # An estimated noise contains the rounding from the start: nothing is missing.
+
+
+def test_an_estimated_noise_contains_the_rounding_and_nothing_is_missing(tmp_path: Path) -> None:
+    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
+    step = 10.0 * NOISE
+    for name in ("fit.csv", "validate.csv"):
+        force = np.loadtxt(tmp_path / name, delimiter=",", skiprows=1)[:, 3]
+        _edit(tmp_path / name, 3, step * np.round(force / step))
     experiment = (tmp_path / "experiment.toml").read_text(encoding="utf-8")
-    without = experiment.replace("[noise]\nfriction_force", "[noise]\n#").replace('"sensor_quantisation"', "")
-    (tmp_path / "experiment.toml").write_text(without, encoding="utf-8")
+    (tmp_path / "experiment.toml").write_text(experiment.replace("[noise]\nfriction_force", "[noise]\n#"), "utf-8")
     estimated = diagnose(tmp_path)
     assert estimated.verdict == "adequate"
     floor = estimated.problem.noise["friction_force"].value

@@ -19,6 +19,9 @@ from workbench.documentation.reference import GROUPS, commands_page, parameters_
 from workbench.documentation.server import documentation_server
 from workbench.documentation.site import build_site, contents, site_links
 
+# One site for all of them: they go to one test process.
+pytestmark = pytest.mark.xdist_group("documentation")
+
 pytest.importorskip("sphinx")
 pytest.importorskip("myst_nb")
 
