@@ -11,11 +11,13 @@ import hashlib
 import os
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.private import make_private, user_folder
-from sysid.experiment.toml_table import TomlTable, shown
+from sysid.experiment.readers.base import shown_path
+from sysid.experiment.toml_table import TomlTable, read_toml, shown
 
 _consented: set[str] = set()
 """Hashes consented to in this process, also where no folder can store them."""
@@ -55,12 +57,26 @@ def give_consent(files: tuple[Path, ...]) -> None:
             digest = hashlib.sha256(path.read_bytes()).hexdigest()
         except OSError as error:
             raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-        _consented.add(digest)
-        folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-        # Where it cannot be stored, the consent is for this run.
-        with suppress(OSError):
-            if folder is not None:
-                atomic_write_text(make_private(folder / "trusted") / digest, f"{path.resolve()}\n")
+        store_consent(path, digest)
+
+
+def store_consent(path: Path, digest: str) -> None:
+    """Store the consent to run a Python file whose content has this sha256."""
+    _consented.add(digest)
+    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+    # Where it cannot be stored, the consent is for this run.
+    with suppress(OSError):
+        if folder is not None:
+            atomic_write_text(make_private(folder / "trusted") / digest, f"{path.resolve()}\n")
+
+
+def has_consent(data: bytes) -> bool:
+    """Whether the user has consented to a Python file with this content."""
+    digest = hashlib.sha256(data).hexdigest()
+    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+    with suppress(OSError):
+        return digest in _consented or (folder is not None and (make_private(folder / "trusted") / digest).is_file())
+    return False
 
 
 def require_consent(path: Path, data: bytes) -> None:
@@ -69,12 +85,27 @@ def require_consent(path: Path, data: bytes) -> None:
     Raises:
         InputError: with what to do.
     """
-    digest = hashlib.sha256(data).hexdigest()
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    with suppress(OSError):
-        if digest in _consented or (folder is not None and (make_private(folder / "trusted") / digest).is_file()):
-            return
-    raise InputError(
-        f"{path}: is Python code, which this experiment runs with your rights; read it, then repeat the command with "
-        "--trust (the consent is stored for the file's present content)"
-    )
+    if not has_consent(data):
+        raise InputError(
+            f"{path}: is Python code, which this experiment runs with your rights; read it, then repeat the command "
+            "with --trust (the consent is stored for the file's present content)"
+        )
+
+
+def python_files(folder: Path) -> list[dict[str, Any]]:
+    """The Python files that the experiment in `folder` names: name, text, sha256, and whether they may run.
+
+    Raises:
+        InputError: a fault in `experiment.toml`, or a file that cannot be read.
+    """
+    file = folder / "experiment.toml"
+    found = []
+    for path in custom_files(read_toml(file, shown_path(str(file)))[2].table("model"), folder):
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        name, digest = path.relative_to(folder).as_posix(), hashlib.sha256(data).hexdigest()
+        text = data.decode("utf-8", errors="replace")
+        found.append({"name": name, "text": text, "sha256": digest, "consented": has_consent(data)})
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -58,7 +59,7 @@ def questions(proposal: ExperimentProposal) -> list[str]:
     for column in proposal.columns:
         if column.question and column.channel is not None:
             asked.append(f"column {column.number} '{column.label}': {column.question}")
-    return [*asked, *(f"no column is taken for {name}" for name in _missing(proposal))]
+    return [*asked, *(f"no column is taken for {name}" for name in missing_channels(proposal))]
 
 
 def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> str:
@@ -77,12 +78,12 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
         if name != ("mass" if proposal.rotary else "inertia"):
             unit = known.rotary_unit if proposal.rotary else known.unit
             lines.append(f'# {name} = "1 {unit}"' if unit else f'# {name} = "1"')
-    lines += ["", "[model]", f"effects = {_effects(proposal.kind)}", ""]
+    lines += ["", "[model]", f"effects = {json.dumps(usual_effects(proposal.kind))}", ""]
     remarks = opened[0].header.remarks
     lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
     lines.append("[channels]    # for all records")
     lines += [_channel_line(column, opened[0].header.numbered) for column in proposal.columns if column.channel]
-    for name, unit in _missing(proposal).items():
+    for name, unit in missing_channels(proposal).items():
         lines.append(f'# {QUESTION} which column is it? {name} = {{column = 1, unit = "{unit}"}}')
     left = [f"{column.number} '{column.label}'" for column in proposal.columns if column.channel is None]
     lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
@@ -112,7 +113,7 @@ def _channel_line(column: Proposal, numbered: bool) -> str:
     return f"{left}{column.channel} = {value}" + (f"    # {QUESTION} {column.question}" if column.question else "")
 
 
-def _missing(proposal: ExperimentProposal) -> dict[str, str]:
+def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
     """Channels that the kind of rig needs and no column is taken for, with their units."""
     rig = find_rig(proposal.kind, "--kind")
     found = {column.channel for column in proposal.columns}
@@ -124,8 +125,9 @@ def _missing(proposal: ExperimentProposal) -> dict[str, str]:
     }
 
 
-def _effects(kind: str) -> str:
-    return "[]" if kind == "actuator-tip" else '["coulomb", "viscous"]'
+def usual_effects(kind: str) -> list[str]:
+    """Effects of a first model of a kind of rig."""
+    return [] if kind == "actuator-tip" else ["coulomb", "viscous"]
 
 
 def _relative(path: Path, folder: Path) -> str:

@@ -104,6 +104,13 @@ def verified_checks(evaluator: Evaluator, outcome: Outcome, solids: bool) -> lis
     return run_checks(design, body_masses(design) if solids else None)
 
 
+def unverified(outcome: Outcome, after: Sequence[Check]) -> list[str]:
+    """Requirements that the search met, and that fail with the masses of the design's own solids."""
+    conflicting = {name for conflict in outcome.conflicts for name in conflict.names}
+    met = set(outcome.required) - conflicting
+    return [check.name for check in after if check.name in met and check.verdict in ("fails", "out_of_range")]
+
+
 def written(run: Run, outcome: Outcome, target: Path) -> None:
     """Write the parameter file with the changes, their reasons as origins; comments are kept."""
     from stagecad.parameters.atomic import atomic_write_text

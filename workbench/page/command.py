@@ -23,7 +23,7 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 )
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.")
 @click.option(
-    "--trust", is_flag=True, help="Run the Python code of experiments with effects of their own ([model] custom)."
+    "--trust", is_flag=True, help="Ask on the page for consent to the Python code of experiments ([model] custom)."
 )
 @common_options
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:

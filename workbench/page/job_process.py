@@ -18,14 +18,16 @@ Report = Callable[[str, int, int], None]
 """Called by a task with what it does, the steps done, and all steps (0: not known)."""
 
 TASKS = {
-    "solids": "machine_tasks",
-    "drawings": "machine_tasks",
-    "compare": "measurement_tasks",
-    "diagnose": "measurement_tasks",
-    "add": "measurement_tasks",
-    "undo": "measurement_tasks",
-    "suggest": "measurement_tasks",
-    "simulate": "simulation_tasks",
+    "solids": "tasks.machine",
+    "drawings": "tasks.machine",
+    "optimize": "tasks.optimisation",
+    "compare": "tasks.measurement",
+    "predict": "tasks.measurement",
+    "diagnose": "tasks.measurement",
+    "add": "tasks.measurement",
+    "undo": "tasks.measurement",
+    "suggest": "tasks.measurement",
+    "simulate": "tasks.simulation",
 }
 """Module of each task, of the function of the same name."""
 

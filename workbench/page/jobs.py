@@ -15,7 +15,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
@@ -25,11 +25,13 @@ from workbench.options import finite
 from workbench.page.job_process import serve
 
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
-LANES = ("solids", "identification", "simulation")
+LANES = ("solids", "optimisation", "identification", "simulation")
 SCHEMA = 1
 """Of the results; those of another version of the program are not shown."""
 KEPT = 60
 """Finished jobs that are kept."""
+KEPT_PASSING = 3
+"""Finished answers to a slider that are kept: the page may still be reading the last ones."""
 
 
 @dataclass
@@ -43,6 +45,7 @@ class Job:
         title: for the page.
         subject: what it is about, such as the name of an experiment.
         arguments: of the task.
+        passing: an answer to a slider, which is soon replaced and not kept.
         error: one line, when it failed.
         details: traceback of an unexpected failure.
     """
@@ -53,6 +56,7 @@ class Job:
     title: str
     subject: str
     arguments: dict[str, Any]
+    passing: bool = False
     state: State = "waiting"
     step: str = ""
     done: int = 0
@@ -65,8 +69,7 @@ class Job:
 
     def as_json(self) -> dict[str, Any]:
         """Everything but the result, which is a document of its own."""
-        names = ("number", "lane", "task", "title", "subject", "state", "step", "done", "total", "error", "details")
-        return {name: getattr(self, name) for name in (*names, "created", "began", "ended")}
+        return {one.name: getattr(self, one.name) for one in fields(self) if one.name != "arguments"}
 
 
 class JobRunner:
@@ -88,7 +91,15 @@ class JobRunner:
         self._lanes = {name: _Lane(self, name) for name in LANES}
 
     def submit(
-        self, lane: str, task: str, arguments: dict[str, Any], *, title: str, subject: str = "", replaces: bool = False
+        self,
+        lane: str,
+        task: str,
+        arguments: dict[str, Any],
+        *,
+        title: str,
+        subject: str = "",
+        replaces: bool = False,
+        passing: bool = False,
     ) -> Job:
         """A new job at the end of its lane's queue; `replaces` cancels those of the task that still wait."""
         with self._lock:
@@ -96,7 +107,7 @@ class JobRunner:
                 for other in list(self.jobs.values()):
                     if other.task == task and other.state == "waiting":
                         self._end(other, "cancelled", "replaced by a newer one")
-            job = Job(next(self._numbers), lane, task, title, subject, arguments)
+            job = Job(next(self._numbers), lane, task, title, subject, arguments, passing)
             self.jobs[job.number] = job
             self._lock.notify_all()
         self.changed(job)
@@ -183,17 +194,22 @@ class JobRunner:
 
     def _end(self, job: Job, state: State, error: str) -> None:
         job.state, job.error, job.ended = state, error, time.time()
-        kept = {"schema": SCHEMA, **job.as_json(), "arguments": job.arguments}
-        with suppress(OSError):
-            atomic_write_text(self.job_folder(job) / "job.json", json.dumps(finite(kept)))
-        self._forget()
+        if not job.passing:
+            kept = {"schema": SCHEMA, **job.as_json(), "arguments": job.arguments}
+            with suppress(OSError):
+                atomic_write_text(self.job_folder(job) / "job.json", json.dumps(finite(kept)))
+        self._forget(job)
         self.changed(job)
 
-    def _forget(self) -> None:
+    def _forget(self, ended: Job) -> None:
         import shutil
 
-        finished = [n for n, job in sorted(self.jobs.items()) if job.state in ("done", "failed", "cancelled")]
-        for number in finished[: max(len(finished) - KEPT, 0)]:
+        finished = [
+            n
+            for n, job in sorted(self.jobs.items())
+            if job.state in ("done", "failed", "cancelled") and job.passing == ended.passing
+        ]
+        for number in finished[: max(len(finished) - (KEPT_PASSING if ended.passing else KEPT), 0)]:
             shutil.rmtree(self.job_folder(self.jobs.pop(number)), ignore_errors=True)
 
     def _read(self) -> None:

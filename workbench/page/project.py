@@ -11,7 +11,6 @@ from typing import Any
 from stagecad.parameters.errors import InputError, nearest
 
 EXPERIMENT = "experiment.toml"
-RECORD_SUFFIXES = (".csv", ".txt", ".dat", ".parquet", ".pq", ".mat")
 DEPTH = 3
 """Folders below the project in which experiments are looked for."""
 SKIPPED = ("ladder", "node_modules", "sections")
@@ -59,23 +58,28 @@ class Project:
             raise InputError(f"{path!r}: lies outside the project's folder")
         return target
 
-    def experiment(self, name: str) -> Path:
+    def experiment_folder(self, name: str) -> Path:
         """Folder of an experiment by its path in the project.
 
         Raises:
-            InputError: there is none, or its code may not be run.
+            InputError: there is none.
         """
         folder = self.inside(name)
         if not (folder / EXPERIMENT).is_file():
             raise InputError(f"{name}: no experiment{nearest(name, [one['name'] for one in self.experiments()])}")
-        if _has_code(folder / EXPERIMENT):
-            if not self.trust:
-                raise InputError(
-                    f"{name}/{EXPERIMENT}: [model] custom names Python code; only 'stagecad workbench --trust' runs it"
-                )
-            from sysid.experiment.experiment import trust_experiment
+        return folder
 
-            trust_experiment(folder)
+    def experiment(self, name: str) -> Path:
+        """Folder of an experiment whose code, if it has any, may be run.
+
+        Raises:
+            InputError: there is none, or its code may not be run.
+        """
+        folder = self.experiment_folder(name)
+        if _has_code(folder / EXPERIMENT) and not self.trust:
+            raise InputError(
+                f"{name}/{EXPERIMENT}: [model] custom names Python code; only 'stagecad workbench --trust' runs it"
+            )
         return folder
 
     def experiments(self) -> list[dict[str, Any]]:

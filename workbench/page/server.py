@@ -20,11 +20,11 @@ from starlette.staticfiles import StaticFiles
 from stagecad import __version__
 from stagecad.parameters.errors import InputError
 from workbench.options import Run, finite
-from workbench.page import machine_routes, measurement_routes, simulation_routes
 from workbench.page.curves import extremes, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.machine_session import MachineSession
 from workbench.page.project import Project
+from workbench.page.routes import experiments, machine, measurement, optimisation, simulation
 from workbench.page.security import Guard, allowed_hosts
 
 HEARTBEAT = 15.0
@@ -91,7 +91,7 @@ def create_app(project: Project) -> FastAPI:
     app.state.project, app.state.events, app.state.jobs = project, events, jobs
     app.state.machine = MachineSession(project)
     app.state.design_values = lambda: _design_values(project)
-    for module in (machine_routes, measurement_routes, simulation_routes):
+    for module in (machine, optimisation, experiments, measurement, simulation):
         app.include_router(module.router)
     _add_common_routes(app)
     _add_errors(app)

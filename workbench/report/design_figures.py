@@ -55,9 +55,7 @@ def pareto_figure(evaluator: Evaluator, names: Sequence[str], path: Path) -> Non
     The front joins the designs of which no other one is better in both margins.
     """
     first, second = names[:2]
-    kept = [one for one in evaluator.archive if not one.refused and not one.violated]
-    pairs = [(one.margins.get(first), one.margins.get(second)) for one in kept]
-    margins = 100 * np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2)
+    margins = 100 * margins_of(evaluator, (first, second))
     figure, axes = new_figure(6.4, 4.6)
     axes.scatter(*margins.T, s=8, color="0.6", label="designs")
     front = pareto_front(margins)
@@ -70,6 +68,14 @@ def pareto_figure(evaluator: Evaluator, names: Sequence[str], path: Path) -> Non
     axes.set_ylabel(f"margin of '{second}', %", fontsize=8)
     axes.legend(frameon=False, fontsize=8)
     save(figure, path)
+
+
+def margins_of(evaluator: Evaluator, names: Sequence[str]) -> Array:
+    """Margins (n, 2) of two requirements in the evaluated designs that violate no rule."""
+    first, second = names
+    kept = [one for one in evaluator.archive if not one.refused and not one.violated]
+    pairs = [(one.margins.get(first), one.margins.get(second)) for one in kept]
+    return np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2)
 
 
 def pareto_front(points: Array) -> Array:

@@ -51,8 +51,8 @@ _UNITS = {
 }
 """What a column of this dimension is taken for where its name tells nothing."""
 
-_SCALES = {("drive_force", "A"): "N*m/A", ("drive_force", "V"): "N/V", ("normal_load", "Pa"): "mm^2"}
-"""Unit of the scale from a dimension to a channel of another one."""
+_SCALES = {("drive_force", "A"): "{si}/A", ("drive_force", "V"): "{si}/V", ("normal_load", "Pa"): "mm^2"}
+"""Unit of the scale from a dimension to a channel of another one, `{si}` that of the channel."""
 
 DERIVATIVE = 0.98
 """Correlation with the derivative of another column from which a column is its velocity."""
@@ -112,12 +112,12 @@ def propose(opened: RecordFile, columns: Mapping[int, np.ndarray], kind: str | N
     chosen, question = (kind, "") if kind else _kind({meaning for meaning, _, _ in guesses.values()})
     rig = find_rig(chosen, "--kind")
     found = _channels(guesses, rig)
-    proposals = [
-        _proposal(index, opened, found.get(index, (None, "")), guesses.get(index, ("", "", None))[2], rig)
-        for index in range(len(header.labels))
-    ]
     units = [unit for index, (_, _, unit) in guesses.items() if found.get(index, (None,))[0] is not None]
     rotary = any(_is_rotary(unit) for unit in units if unit) if rig.rotary is None else rig.rotary
+    proposals = [
+        _proposal(index, opened, found.get(index, (None, "")), guesses.get(index, ("", "", None))[2], rig, rotary)
+        for index in range(len(header.labels))
+    ]
     return ExperimentProposal(chosen, question, tuple(proposals), rotary)
 
 
@@ -236,7 +236,7 @@ def _channels(guesses: Mapping[int, tuple[str, str, str | None]], rig: RigKind) 
 
 
 def _proposal(
-    index: int, opened: RecordFile, found: tuple[str | None, str], unit: str | None, rig: RigKind
+    index: int, opened: RecordFile, found: tuple[str | None, str], unit: str | None, rig: RigKind, rotary: bool
 ) -> Proposal:
     header, (channel, why) = opened.header, found
     label = header.labels[index].strip()
@@ -252,6 +252,7 @@ def _proposal(
     if _fits(unit, declared.unit) or _fits(unit, declared.rotary_unit):
         return Proposal(index + 1, label, channel, written if written is None else unit, None, question)
     scale = next((s for (name, si), s in _SCALES.items() if name == channel and _fits(unit, si)), "?")
+    scale = scale.format(si=declared.si_unit(rotary))
     question = "; ".join(part for part in (question, f"what is its scale in {scale}?") if part)
     return Proposal(index + 1, label, channel, None, scale, question)
 

@@ -42,6 +42,9 @@ READERS = {
 }
 """Module by suffix: `csv`, or one of `formats`, which another process loads and runs."""
 
+SUFFIXES = (*READERS, *(f"{suffix}.gz" for suffix in TEXT_SUFFIXES))
+"""Every suffix of a record file."""
+
 
 @dataclass(frozen=True)
 class RecordFile:
@@ -75,6 +78,23 @@ class RecordFile:
         return self.path.sha256() if isinstance(self.path, MemoryTable) else file_sha256(self.path)
 
 
+def record_suffix(name: str) -> str | None:
+    """The suffix of a record file that tells its format, without `.gz`; None for another file."""
+    suffixes = [suffix.lower() for suffix in Path(name).suffixes]
+    suffix = suffixes[-1] if suffixes else ""
+    if suffix == ".gz":
+        suffix = suffixes[-2] if len(suffixes) > 1 and suffixes[-2] in TEXT_SUFFIXES else ".csv"
+    return suffix if suffix in READERS else None
+
+
+def unknown_format(name: str) -> str:
+    """What is wrong with the suffix of a file, and what is allowed."""
+    return (
+        f"'{Path(name).suffix.lower()}' is no record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
+        ".parquet, .mat, .h5, .npz, .tdms, .json"
+    )
+
+
 def open_record_file(path: Path | MemoryTable, name: str, settings: Format | None = None) -> RecordFile:
     """Open a record file by its suffix, or a table in memory.
 
@@ -85,17 +105,11 @@ def open_record_file(path: Path | MemoryTable, name: str, settings: Format | Non
     if isinstance(path, MemoryTable):
         reader = cast(Reader, MemoryReader())
         return RecordFile(path, name, settings, reader, reader.read_header(cast(Path, path), name, settings))
-    suffixes = [suffix.lower() for suffix in path.suffixes]
-    suffix = suffixes[-1] if suffixes else ""
-    if suffix == ".gz":
-        suffix = suffixes[-2] if len(suffixes) > 1 and suffixes[-2] in TEXT_SUFFIXES else ".csv"
-    if suffix not in READERS and not is_folder(path):
-        raise InputError(
-            f"{shown_path(name)}: '{suffix}' is no record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
-            ".parquet, .mat, .h5, .npz, .tdms, .json"
-        )
+    suffix = record_suffix(path.name)
+    if suffix is None and not is_folder(path):
+        raise InputError(f"{shown_path(name)}: {unknown_format(path.name)}")
     check_file(path, name, tuple(READERS))
-    module = READERS.get(suffix, "csv")
+    module = READERS.get(suffix or "", "csv")
     reader = cast(Reader, csv) if module == "csv" else IsolatedReader(module)
     header = reader.read_header(path, name, settings)
     if len(header.labels) > MOST_COLUMNS:

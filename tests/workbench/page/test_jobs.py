@@ -10,7 +10,7 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from workbench.page import job_process
-from workbench.page.jobs import Job, JobRunner
+from workbench.page.jobs import KEPT_PASSING, Job, JobRunner
 
 TASKS = """
 import os, subprocess, sys, time
@@ -77,10 +77,10 @@ def _running(job: Job) -> int:
 def _alive(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
+        # A child that ended, and was not yet waited for, still has its number.
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (ProcessLookupError, FileNotFoundError):
         return False
-    # A child that ended, and was not yet waited for, still has its number.
-    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
 
 
 def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, tmp_path: Path) -> None:
@@ -163,3 +163,12 @@ def test_every_task_exists() -> None:
 
     for task, module in job_process.TASKS.items():
         assert callable(getattr(import_module(f"workbench.page.{module}"), task)), task
+
+
+def test_answers_to_a_slider_are_not_kept(runner: JobRunner) -> None:
+    for value in range(KEPT_PASSING + 2):
+        job = _ended(runner.submit("simulation", "double", {"value": value}, title="Slider", passing=True))
+        assert runner.result(job.number)["value"] == 2 * value
+    folders = list(runner.folder.iterdir())
+    assert len(runner.jobs) == KEPT_PASSING == len(folders)
+    assert not [folder for folder in folders if (folder / "job.json").exists()]

@@ -11,6 +11,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from stagecad.parameters.load import load_design
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.rig_kinds.declaration import find_rig
 from workbench.page.project import Project
 from workbench.page.security import Guard
 from workbench.page.server import create_app
@@ -113,16 +115,30 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
     rows = "".join(f"{0.001 * k},{np.sin(0.01 * k):.6f},{np.sign(np.cos(0.01 * k)):.1f}\n" for k in range(2000))
     text = "t,speed,F\n" + rows
     answer = client.post("/api/upload/rig/run.csv", content=text.encode(), headers=headers)
-    assert [column["label"] for column in answer.json()["columns"]] == ["t", "speed", "F"]
-    assert answer.json()["columns"][0]["rows"] == 2000
-    columns = {"time": "t", "velocity": "speed", "friction_force": "F"}
-    record = {"file": "run.csv", "role": "fit", "columns": columns}
-    body = {"name": "rig", "kind": "velocity-drive", "effects": ["coulomb"], "records": [record]}
+    assert answer.json() == {"file": "run.csv", "rows": 2000}
+    proposed = client.post("/api/propose", json={"name": "rig", "files": ["run.csv"]}).json()
+    assert [one["label"] for one in proposed["columns"]] == ["t", "speed", "F"]
+    # What the columns are is guessed; their units are asked for.
+    assert [one["channel"] for one in proposed["columns"]] == ["time", "velocity", "friction_force"]
+    assert all("unit" in one["question"] for one in proposed["columns"])
+    channels: dict[str, Any] = {one["channel"]: {"column": one["column"]} for one in proposed["columns"]}
+    record = {"file": "run.csv", "role": "fit"}
+    body = {
+        "name": "rig",
+        "kind": "velocity-drive",
+        "effects": ["coulomb"],
+        "channels": channels,
+        "records": [record],
+    }
     refused = client.post("/api/experiments", json=body)
     assert refused.status_code == 422 and "unit" in refused.json()["error"]
     assert not (folder / "rig" / "experiment.toml").exists()
-    record["units"] = {"time": "s", "velocity": "m/s", "friction_force": "N"}
+    for channel, unit in (("time", "s"), ("velocity", "m/s"), ("friction_force", "N")):
+        channels[channel]["unit"] = unit
+    channels["friction_force"]["sign"] = -1
     assert client.post("/api/experiments", json=body).json() == {"name": "rig"}
+    stated = load_experiment(folder / "rig").records[0].sources["friction_force"].terms[0]
+    assert (stated.column.label, stated.factor) == ("F", -1.0)
     assert [one["name"] for one in client.get("/api/experiments").json()] == ["rig"]
     assert client.get("/api/experiment/rig/ladder").json()["effects"] == ["coulomb"]
 
@@ -132,6 +148,7 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
     [
         ("run.exe", b"x", "no record format"),
         ("run.csv", b"", "empty"),
+        ("run.h5", b"no HDF5", "run.h5"),
         (".run.csv", b"time [s]\n", "name"),
     ],
 )
@@ -143,6 +160,66 @@ def test_a_refused_file_leaves_nothing_behind(
     assert answer.status_code == 422
     assert words in answer.json()["error"]
     assert not (folder / "other").exists()
+
+
+def test_suffixes_and_kinds_of_rig_are_those_of_the_reader(client: TestClient) -> None:
+    found = client.get("/api/formats").json()
+    assert {".csv", ".csv.gz", ".lvm", ".tdms", ".npz"} <= set(found["suffixes"])
+    assert {"velocity-drive", "motor-current", "pneumatic-cylinder"} <= set(found["kinds"])
+    for kind in found["kinds"]:
+        assert find_rig(kind, "kind").name == kind
+
+
+def test_an_example_is_copied_and_never_over_another_folder(client: TestClient, folder: Path) -> None:
+    names = [one["name"] for one in client.get("/api/examples").json()]
+    assert names[:3] == ["demo", "own_effect", "own_rig"]
+    assert client.post("/api/examples/own_rig", json={}).json() == {"name": "own_rig"}
+    text = (folder / "own_rig" / "experiment.toml").read_text("utf-8")
+    assert client.post("/api/examples/own_rig", json={}).json() == {"name": "own_rig_2"}
+    assert (folder / "own_rig_2" / "experiment.toml").read_text("utf-8") == text
+    assert load_experiment(folder / "own_rig_2").effects == ("coulomb", "viscous")
+    assert "own_rig" in client.post("/api/examples/own_rug", json={}).json()["error"]
+
+
+def test_python_code_runs_after_the_consent_to_its_content(tmp_path: Path) -> None:
+    app = create_app(Project(tmp_path, Path("build"), trust=True))
+    with TestClient(app) as client:
+        assert client.post("/api/examples/own_effect", json={}).json() == {"name": "own_effect"}
+        file = tmp_path / "own_effect" / "bellows.py"
+        file.write_text(file.read_text("utf-8") + f"# {tmp_path}\n", "utf-8")
+        refused = client.get("/api/experiment/own_effect/ladder")
+        assert refused.status_code == 422 and "Python code" in refused.json()["error"]
+        shown = client.get("/api/experiment/own_effect/code").json()
+        (one,) = shown["files"]
+        assert shown["offered"] and not one["consented"] and one["text"] == file.read_text("utf-8")
+        consent = {"files": {"bellows.py": one["sha256"]}}
+        file.write_text(one["text"] + "# changed\n", "utf-8")
+        late = client.post("/api/experiment/own_effect/consent", json=consent)
+        assert late.status_code == 422 and "has changed since it was shown" in late.json()["error"]
+        file.write_text(one["text"], "utf-8")
+        assert client.post("/api/experiment/own_effect/consent", json=consent).json()["files"][0]["consented"]
+        assert client.get("/api/experiment/own_effect/ladder").status_code == 200
+
+    without = create_app(Project(tmp_path, Path("build")))
+    with TestClient(without) as client:
+        assert client.get("/api/experiment/own_effect/code").json()["offered"] is False
+        for answer in (
+            client.get("/api/experiment/own_effect/ladder"),
+            client.post("/api/experiment/own_effect/consent", json=consent),
+        ):
+            assert answer.status_code == 422 and "stagecad workbench --trust" in answer.json()["error"]
+
+
+def test_what_may_change_is_that_of_the_file(client: TestClient) -> None:
+    free = client.get("/api/machine/optimize").json()
+    assert free["stage.thickness"] == "10 mm:30 mm" and "|" in free["tip.material"]
+    for body, words in (
+        ({"free": {"stage.thickness": "10 mm"}}, "LOW:HIGH"),
+        ({"free": {"stage.thicknes": "1 mm:2 mm"}}, "did you mean"),
+        ({"free": {}}, "free"),
+    ):
+        answer = client.post("/api/machine/optimize", json=body)
+        assert answer.status_code == 422 and words in answer.json()["error"]
 
 
 @pytest.mark.slow

@@ -63,7 +63,7 @@ def command(run: Run, **given: Any) -> int:
     from stagecad.parameters.rules.registry import violations
     from workbench.commands.check import masses_of_solids
     from workbench.console.optimisation import print_outcome
-    from workbench.machine.optimisation import optimised, verified_checks, written
+    from workbench.machine.optimisation import optimised, unverified, verified_checks, written
 
     options = Options(**given)
     target, relax = options.target, options.relax
@@ -79,7 +79,7 @@ def command(run: Run, **given: Any) -> int:
     if outcome.design is not None and outcome.changes:
         after = verified_checks(evaluator, outcome, masses is not None)
     print_outcome(run, outcome, evaluator, after)
-    wrong = _unverified(outcome, after or [])
+    wrong = unverified(outcome, after or [])
     if wrong:
         run.note(f"with the masses of its own solids the design fails: {', '.join(wrong)}; repeat with --params on it")
     document = outcome_document(outcome, evaluator, after)
@@ -97,13 +97,6 @@ def command(run: Run, **given: Any) -> int:
         document["figures"] = _figures(run, outcome, evaluator)
     run.emit(document)
     return 130 if outcome.interrupted else 0
-
-
-def _unverified(outcome: Outcome, after: list[Check]) -> list[str]:
-    """Requirements that the search met, and that fail with the masses of the design's own solids."""
-    conflicting = {name for conflict in outcome.conflicts for name in conflict.names}
-    met = set(outcome.required) - conflicting
-    return [check.name for check in after if check.name in met and check.verdict in ("fails", "out_of_range")]
 
 
 def _figures(run: Run, outcome: Outcome, evaluator: Evaluator) -> list[str]:

@@ -85,7 +85,7 @@ export async function listen() {
 }
 
 function showJobs() {
-  const active = [...jobs.values()].filter((job) => !FINISHED.has(job.state));
+  const active = [...jobs.values()].filter((job) => !job.passing && !FINISHED.has(job.state));
   fill(document.getElementById('jobs'), active.map((job) => {
     const bar = h('progress', { 'aria-label': job.title });
     if (job.total > 0) { bar.max = job.total; bar.value = job.done; }

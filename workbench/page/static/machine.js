@@ -3,7 +3,7 @@ import { get, post, result } from './api.js';
 import { CheckList } from './checks.js';
 import { h, fill, quantity, say, words } from './dom.js';
 import { Drawings } from './drawings.js';
-import { ParameterList, toggle } from './parameters.js';
+import { ParameterList, sliderRange, toggle, valueText } from './parameters.js';
 import { View3d } from './view3d.js';
 
 const QUICK = 0.04;
@@ -25,13 +25,13 @@ class Machine {
 
   makeMiddle(middle) {
     this.file = h('select', { title: 'Parameter file', 'aria-label': 'parameter file', onchange: () => this.openFile() });
-    this.undo = h('button', { class: 'small', title: 'Undo (Ctrl Z)', onclick: () => this.step('undo') }, 'Undo');
-    this.redo = h('button', { class: 'small', title: 'Redo (Ctrl Shift Z)', onclick: () => this.step('redo') }, 'Redo');
+    this.undo = h('button', { class: 'small', title: 'Undo (Ctrl Z)', 'aria-label': 'Undo', onclick: () => this.step('undo') }, '↶');
+    this.redo = h('button', { class: 'small', title: 'Redo (Ctrl Shift Z)', 'aria-label': 'Redo', onclick: () => this.step('redo') }, '↷');
     this.save = h('button', { class: 'small', onclick: () => this.saveAs() }, 'Save as …');
-    this.tabs = Object.fromEntries([['solids', 'Solids'], ['drawings', 'Drawings'], ['difference', 'Difference']].map(([name, title]) =>
+    this.tabs = Object.fromEntries([['solids', 'Solids'], ['drawings', 'Drawings'], ['difference', 'Difference'], ['optimize', 'Optimize']].map(([name, title]) =>
       [name, h('button', { class: 'small', 'aria-pressed': 'false', onclick: () => this.showTab(name) }, title)]));
     this.panes = {
-      solids: h('div', { class: 'pane solids' }), drawings: h('div', { class: 'pane drawings' }), difference: h('div', { class: 'pane difference scroll' }),
+      solids: h('div', { class: 'pane solids' }), drawings: h('div', { class: 'pane drawings' }), difference: h('div', { class: 'pane difference scroll' }), optimize: h('div', { class: 'pane' }),
     };
     this.makeSolids(this.panes.solids);
     this.drawings = new Drawings(this.panes.drawings);
@@ -236,6 +236,35 @@ class Machine {
     if (name === 'solids') this.view.resize();
     if (name === 'drawings') this.drawings.shown().catch((error) => say(error.message, 'bad'));
     if (name === 'difference') this.showDifference();
+    if (name === 'optimize') this.showOptimize().catch((error) => say(error.message, 'bad'));
+  }
+
+  async showOptimize() {
+    const { Optimize } = await import('./optimize.js');
+    this.optimize ??= new Optimize(this.panes.optimize, {
+      apply: (changes) => this.applyChanges(changes), reveal: (key) => this.parameters.reveal(key), selected: () => this.parameters.selected, range: (key) => this.rangeOf(key),
+    });
+    await this.optimize.shown();
+  }
+
+  /** Several changes as one step that can be undone. */
+  applyChanges(changes) {
+    return this.inTurn(async () => {
+      this.checks.rebase();
+      try {
+        this.take(await post('/api/machine/commit', { changes: { ...this.changes, ...changes } }));
+        say(`${Object.keys(changes).length} parameters changed; Undo takes them back`, 'good');
+        this.changed();
+      } catch (error) { say(error.message, 'bad'); }
+    });
+  }
+
+  /** Range of a parameter for a search: that of its slider, or its choices. */
+  rangeOf(key) {
+    const p = this.parameters.parameters.get(key);
+    if (p.allowed.length || p.number === null) return (p.allowed.length ? p.allowed : ['true', 'false']).join('|');
+    const { low, high, step } = sliderRange(p);
+    return `${valueText(p, low, step)}:${valueText(p, high, step)}`;
   }
 
   async showDifference(other = this.other ?? '') {
@@ -260,6 +289,7 @@ class Machine {
       this.take(await post('/api/machine/open', { name: this.file.value || null }));
       this.parameters.load(await get('/api/machine/parameters'));
       this.changed();
+      if (this.optimize) await this.optimize.load();
     } catch (error) {
       this.file.value = this.state.file ?? '';
       say(error.message, 'bad');

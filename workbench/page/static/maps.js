@@ -3,8 +3,11 @@ import { h, fill, number, scaleOf, words } from './dom.js';
 import { INKS, XyPlot } from './plot.js';
 
 let plots = [];
+let redraw = () => {};
+addEventListener('themechange', () => redraw());
 
 export function drawMaps(place, maps) {
+  redraw = () => drawMaps(place, maps);
   for (const plot of plots) plot.destroy();
   plots = [];
   fill(place, maps.map((map) => {

@@ -3,8 +3,9 @@ import { cancel, get, jobs, onJob, post, result } from './api.js';
 import { h, fill, number, quantity, say, swatch, times, words } from './dom.js';
 import { importFiles, newExperimentPlace } from './import.js';
 import { drawLadder } from './ladder.js';
-import { Overlay } from './overlay.js';
 import { drawMaps } from './maps.js';
+import { Overlay } from './overlay.js';
+import { ModelSliders, predictor } from './sliders.js';
 
 const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest']);
 
@@ -15,7 +16,7 @@ class Measurement {
     this.middle = h('div', { class: 'panel' });
     this.right = h('div', { class: 'panel' });
     fill(section, this.left, this.middle, this.right);
-    this.results = new Map();
+    this.middle.classList.add('blank');
     this.makeLeft();
     this.makeMiddle();
     this.makeRight();
@@ -35,14 +36,17 @@ class Measurement {
     this.list = h('div', { class: 'experiments' });
     this.about = h('div', { class: 'about' });
     this.ladder = h('div', { class: 'card ladder' });
+    this.examples = h('select', { 'aria-label': 'copy an example into this folder', title: 'Copy an example into this folder', onchange: () => { const name = this.examples.value; this.examples.value = ''; if (name) this.copy(name); } });
     fill(this.left,
       h('div', { class: 'head' }, h('h2', {}, 'Experiments'), h('span', { class: 'space' }),
-        h('button', { class: 'small', title: 'Copy the packaged records with hidden effects into this folder', onclick: () => this.demo() }, 'Demo')),
+        this.examples),
       h('div', { class: 'scroll' }, this.list, newExperimentPlace((files) => this.take(files)), this.ladder, this.about));
   }
 
   makeMiddle() {
     this.overlay = new Overlay();
+    this.sliders = new ModelSliders((body) => predictor(path(this.name))(body), this.overlay);
+    this.overlay.onchoose = () => { if (Object.keys(this.sliders.values ?? {}).length) this.sliders.ask(); };
     this.maps = h('div', { class: 'maps' });
     this.statement = h('p', { class: 'statement' }, 'Choose an experiment, or drop record files on the page.');
     this.warnings = h('ul', { class: 'warnings warn' });
@@ -62,7 +66,9 @@ class Measurement {
   }
 
   async start_() {
-    await this.readList();
+    [this.available] = await Promise.all([get('/api/examples'), this.readList()]);
+    fill(this.examples, h('option', { value: '' }, 'Examples'), this.available.map(({ name, meaning }) => h('option', { value: name, title: meaning }, words(name))));
+    this.offer();
     const known = [...jobs.values()].filter((job) => TASKS.has(job.task));
     const last = known.at(-1)?.subject;
     const first = this.experiments.find((one) => one.name === last) ?? this.experiments[0];
@@ -73,7 +79,15 @@ class Measurement {
     this.experiments = await get('/api/experiments');
     fill(this.list, this.experiments.map(({ name, rungs }) => h('button', { class: 'experiment', dataset: { name }, 'aria-pressed': String(name === this.name), onclick: () => this.choose(name) },
       h('span', {}, name), h('span', { class: 'dim' }, rungs ? `${rungs} added` : ''))),
-    this.experiments.length ? null : h('p', { class: 'empty' }, 'No folder with an experiment.toml here yet. Try the demo, or drop record files below.'));
+    );
+    this.offer();
+  }
+
+  /** With no experiment in the folder, the examples are what there is to begin with. */
+  offer() {
+    if (this.experiments.length || !this.available) return;
+    fill(this.list, h('p', { class: 'empty' }, 'No folder with an experiment.toml here yet. Drop record files below, or begin with an example:'),
+      this.available.map(({ name, meaning }) => h('button', { class: 'offer', onclick: () => this.copy(name) }, h('b', {}, words(name)), h('span', { class: 'dim' }, meaning))));
   }
 
   shown(name) { if (name && name !== this.name && this.experiments?.some((one) => one.name === name)) this.choose(name); }
@@ -86,10 +100,15 @@ class Measurement {
     fill(this.ranking, '');
     fill(this.progress, '');
     this.found = null;
+    this.middle.classList.add('blank');
+    fill(this.statement, '');
+    this.warnings.hidden = this.report.hidden = this.json.hidden = true;
     try {
       await this.readLadder();
     } catch (error) {
       fill(this.statement, h('span', { class: 'bad' }, error.message));
+      for (const button of [this.diagnose, this.suggest, this.undo]) button.disabled = true;
+      await this.askConsent(name).catch(() => {});
       return;
     }
     const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
@@ -101,6 +120,27 @@ class Measurement {
       if (found && this.name === name && same((found.comparison ?? found).stated, this.effects)) this.show(done, found);
     }
     if (active) this.follow(active); else if (!this.found) this.start('compare');
+  }
+
+  /** The Python files of an experiment that may not run yet: their text, and the consent where the server takes one. */
+  async askConsent(name) {
+    const { offered, files } = await get(`/api/experiment/${path(name)}/code`);
+    const waiting = files.filter((file) => !file.consented);
+    if (this.name !== name || !files.length || (offered && !waiting.length)) return;
+    const agree = async () => {
+      try {
+        await post(`/api/experiment/${path(name)}/consent`, { files: Object.fromEntries(waiting.map((file) => [file.name, file.sha256])) });
+        say('');
+        this.choose(name);
+      } catch (error) { say(error.message, 'bad'); }
+    };
+    fill(this.statement, 'This experiment runs Python code, which wants your consent.');
+    fill(this.ladder, '');
+    fill(this.ranking, h('div', { class: 'card consent' },
+      h('h3', {}, 'This experiment runs Python code'),
+      h('p', {}, offered ? 'It runs with your rights. Read it before you agree; the consent holds for this content alone.' : 'This server was started without it. To be asked here: stagecad workbench --trust'),
+      waiting.map((file) => [h('h3', {}, file.name), h('pre', {}, file.text)]),
+      offered ? h('div', { class: 'actions' }, h('button', { class: 'main', onclick: agree }, `Run ${waiting.map((file) => file.name).join(', ')}`)) : null));
   }
 
   async readLadder() {
@@ -139,13 +179,14 @@ class Measurement {
     if (this.name === name) this.showProgress(null);
   }
 
-  jobChanged(job) { if (job.subject === this.name && TASKS.has(job.task) && (job.state === 'running' || job.state === 'waiting')) this.showProgress(job); }
+  jobChanged(job) { if (!job.passing && job.subject === this.name && TASKS.has(job.task) && (job.state === 'running' || job.state === 'waiting')) this.showProgress(job); }
 
   showProgress(job) {
     const busy = job !== null;
     for (const button of [this.diagnose, this.suggest]) button.disabled = busy;
     this.undo.disabled = busy || (this.rungs?.length ?? 0) < 2;
     for (const button of this.ranking.querySelectorAll('button.add')) button.disabled = busy;
+    this.sliders.busy = busy;
     if (!busy) { fill(this.progress, ''); return; }
     const bar = h('progress', { 'aria-label': job.title });
     if (job.total > 0) { bar.max = job.total; bar.value = job.done; }
@@ -159,6 +200,7 @@ class Measurement {
     if (job.task === 'suggest') { this.showSuggestion(found); return; }
     const view = found.comparison ?? found;
     this.found = found;
+    this.middle.classList.remove('blank');
     this.job = job;
     this.preview = null;
     this.overlay.show(job.number, view.overlays);
@@ -176,7 +218,7 @@ class Measurement {
     const { document } = found;
     fill(this.ranking,
       found.adequate ? h('div', { class: 'card verdict good' }, h('b', {}, 'The residual is at the noise level.')) : h('div', { class: 'card dim' }, h('p', {}, 'Diagnose looks for the effect that is missing: each effect of the library is fitted, and judged on the held-out records.')),
-      errorTable(document.before), parameterTable(document), this.records(found));
+      errorTable(document.before), this.sliders.card(document, found.sliders ?? []), this.records(found));
   }
 
   showDiagnosis(found) {
@@ -192,7 +234,7 @@ class Measurement {
       h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
         h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', {}, 'error removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
-      errorTable(document.before), parameterTable(document), this.records(found));
+      errorTable(document.before), this.sliders.card(document, []), this.records(found));
     const first = document.effect ?? document.ranking[0]?.effect;
     if (first && document.verdict !== 'adequate') this.previewOf(first);
   }
@@ -235,13 +277,11 @@ class Measurement {
     this.ranking.scrollTop = 0;
   }
 
-  async demo() {
+  async copy(example) {
     try {
-      const { name } = await post('/api/demo');
+      const { name } = await post(`/api/examples/${encodeURIComponent(example)}`);
       await this.readList();
       await this.choose(name);
-      if (this.found && this.rungs.length < 2) return;
-      this.start('compare');
     } catch (error) { say(error.message, 'bad'); }
   }
 
@@ -268,12 +308,6 @@ function errorTable(errors) {
     h('tbody', {}, rows.map(([title, channel, m]) => h('tr', { title: m.fit_percent === null ? '' : `fit ${m.fit_percent.toFixed(1)} %` }, h('td', {}, title), h('td', {}, words(channel)), h('td', { class: 'num' }, quantity(m.rms)), h('td', { class: 'num' }, times(m.over_noise)))))));
 }
 
-function parameterTable(document) {
-  return h('div', { class: 'card' }, h('h3', {}, 'Fitted values'), h('table', { class: 'fitted' },
-    h('tbody', {}, Object.entries(document.parameters).map(([key, q]) => h('tr', {}, h('td', {}, words(key).replace('.', ' · ')), h('td', { class: 'num' }, quantity(q)),
-      h('td', { class: 'num dim' }, q.at_bound ? 'at its bound' : q.std === null || q.std === undefined ? 'not determined' : `± ${quantity({ value: 1.96 * q.std, unit: q.unit }, 2)}`))))),
-  (document.not_identifiable ?? []).map((text) => h('p', { class: 'dim' }, text)));
-}
 
 export async function open(section) {
   const measurement = new Measurement(section);

@@ -14,7 +14,9 @@ export class Overlay {
       h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend),
       this.signal, this.residual);
     this.plots = [];
+    addEventListener('themechange', () => { if (this.one) this.build(); });
     this.range = null;
+    this.shifted = null;
   }
 
   /** Overlays of a job; the same record and channel as before where there is one. */
@@ -31,12 +33,14 @@ export class Overlay {
 
   choose(k, keep = false) {
     this.one = this.overlays[k];
+    this.shifted = null;
     if (!this.one) return;
     if (!keep) this.range = null;
     const chosen = this.abscissa.value;
     fill(this.abscissa, h('option', { value: '' }, 'time'), Object.keys(this.one.motion).map((name) => h('option', { value: name }, name)));
     this.abscissa.value = chosen in this.one.motion ? chosen : '';
     this.build();
+    this.onchoose?.();
   }
 
   /** Draw the prediction of a candidate beside that of the model; null: the model alone. */
@@ -45,10 +49,20 @@ export class Overlay {
     this.build();
   }
 
+  /** Draw the prediction with other values of the parameters, from a job of its own; null: the fitted model alone. */
+  async moved(job, one = null) {
+    const known = this.shifted !== null;
+    this.shifted = job === null ? null : { job, one };
+    if (known && this.shifted && !this.abscissa.value && this.plots.length) await this.load(); else await this.build();
+  }
+
+  /** Job and overlay that the curves are read from. */
+  get source() { return this.shifted ?? { job: this.job, one: this.one }; }
+
   get lines() {
     const inks = INKS();
-    const models = this.other ? [['model', inks[3]], [this.other, inks[0]]] : [['model', inks[0]]];
-    return models.map(([name, ink]) => ({ name, ink, label: name === 'model' ? 'model' : `with ${words(name)}` }));
+    const models = this.shifted ? [['model', inks[3]], ['moved', inks[0]]] : this.other ? [['model', inks[3]], [this.other, inks[0]]] : [['model', inks[0]]];
+    return models.map(([name, ink]) => ({ name, ink, label: name === 'model' ? 'model' : name === 'moved' ? 'changed' : `with ${words(name)}` }));
   }
 
   async build() {
@@ -67,10 +81,10 @@ export class Overlay {
     fill(this.signal, ''); fill(this.residual, '');
   }
 
-  row(name) { return this.one.series.indexOf(name); }
+  row(name) { return this.source.one.series.indexOf(name); }
 
   async overTime(lines, turn) {
-    const { one, job } = this;
+    const { one, job } = this.source;
     const whole = [one.from, one.to];
     const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => {} };
     const measured = { label: 'measured', ink: 'measured', width: 2.4 };
@@ -98,17 +112,17 @@ export class Overlay {
     const [start, stop] = this.range ?? [null, null];
     const lines = this.lines;
     const rows = [['measured', ...lines.map(({ name }) => name)], lines.map(({ name }) => `residual:${name}`)];
-    const { plots } = this;
+    const { plots, source } = this;
     try {
       await Promise.all(plots.map(async (plot, k) => {
-        const data = await curves(this.job, this.one.curves, rows[k].map((name) => this.row(name)), { start, stop, columns: plot.columns }, aborter.signal);
+        const data = await curves(source.job, source.one.curves, rows[k].map((name) => this.row(name)), { start, stop, columns: plot.columns }, aborter.signal);
         if (plots === this.plots) plot.set([data[0], ...data.slice(1).map((y) => scaled(y, this.scales[k]))], this.range);
       }));
     } catch (error) { if (error.name !== 'AbortError') throw error; }
   }
 
   async overMotion(lines, turn) {
-    const { one, job } = this;
+    const { one, job } = this.source;
     const motion = this.abscissa.value;
     const names = [`motion:${motion}`, 'measured', ...lines.flatMap(({ name }) => [name, `residual:${name}`])];
     const [start, stop] = this.range ?? [null, null];

@@ -31,10 +31,10 @@ export function isDense(values) {
 /** A tick with the decimals that it needs beside its neighbours. */
 const tick = (value, step) => (value === 0 ? '0' : Math.abs(value) >= 1e5 || step < 1e-5 ? number(value, 3) : value.toFixed(decimals(step)).replace('-', '−'));
 
-function axis(label, size, factor = 1) {
+function axis(label, size, factor = 1, upright = false) {
   return {
     ...(label ? { label, labelSize: rem() * 1.5 } : {}), size, stroke: () => colour('dim'), font: font(), labelFont: font(), gap: 4,
-    grid: { stroke: () => colour('grid'), width: 1 }, ticks: { stroke: () => colour('grid'), width: 1, size: 4 },
+    grid: { stroke: () => colour('grid'), width: 1 }, ...(upright ? { space: rem() * 1.9 } : {}), ticks: { stroke: () => colour('grid'), width: 1, size: 4 },
     values: (_, splits) => splits.map((v) => (v === null ? '' : tick(v * factor, Math.abs(splits[1] - splits[0]) * factor))),
   };
 }
@@ -66,7 +66,7 @@ export class LinePlot {
       width, height, legend: { show: false }, pxAlign: 0,
       padding: [rem() * 0.6, rem() * 0.9, 0, 0],
       scales: { x: { time: false }, y: { range: (_, low, high) => (yRange ? yRange(low, high) : padded(low, high)) } },
-      axes: [axis(x, rem() * 1.9, xFactor), axis(y, rem() * 4.2, yFactor)],
+      axes: [axis(x, rem() * 1.9, xFactor), axis(y, rem() * 4.2, yFactor, true)],
       series: [{}, ...series.map((s) => ({
         label: s.label, stroke: () => (s.ink.startsWith('#') ? s.ink : colour(s.ink)), width: s.width ?? 1.3, dash: s.dash, points: { show: false }, spanGaps: false, show: s.show ?? true,
       }))],
@@ -148,8 +148,8 @@ export function scaled(values, factor = 1) {
 
 /** One quantity over another on a canvas: sets of points or lines. */
 export class XyPlot {
-  constructor(place, { x, y, xFactor = 1, yFactor = 1, equal = false }) {
-    Object.assign(this, { place, x, y, xFactor, yFactor, equal, sets: [], marks: [] });
+  constructor(place, { x, y, xFactor = 1, yFactor = 1, equal = false, tick: text = tick }) {
+    Object.assign(this, { place, x, y, xFactor, yFactor, equal, text, sets: [], marks: [] });
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'xy';
     place.append(this.canvas);
@@ -236,7 +236,7 @@ export class XyPlot {
     for (const v of xs.values) {
       const at = Math.round(px(v / this.xFactor)) + 0.5;
       c.beginPath(); c.moveTo(at, frame.top); c.lineTo(at, frame.bottom); c.stroke();
-      c.fillText(tick(v, xs.step), at, frame.bottom + 5);
+      c.fillText(this.text(v, xs.step), at, frame.bottom + 5);
     }
     c.fillText(this.x, (frame.left + frame.right) / 2, frame.bottom + rem() * 1.6);
     c.textAlign = 'right';
@@ -244,7 +244,7 @@ export class XyPlot {
     for (const v of ys.values) {
       const at = Math.round(py(v / this.yFactor)) + 0.5;
       c.beginPath(); c.moveTo(frame.left, at); c.lineTo(frame.right, at); c.stroke();
-      c.fillText(tick(v, ys.step), frame.left - 6, at);
+      c.fillText(this.text(v, ys.step), frame.left - 6, at);
     }
     c.save();
     c.translate(rem() * 0.9, (frame.top + frame.bottom) / 2);
@@ -268,7 +268,7 @@ export class XyPlot {
 }
 
 function ticks(low, high, count) {
-  const raw = (high - low) / Math.max(count, 3.4);
+  const raw = (high - low) / Math.max(count, 4.2);
   const decade = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((k) => k * decade).find((s) => s >= raw) ?? raw;
   const values = [];

@@ -26,6 +26,7 @@ class Simulation {
     this.middle = h('div', { class: 'panel' });
     this.right = h('div', { class: 'panel' });
     fill(section, this.left, this.middle, this.right);
+    addEventListener('themechange', () => { if (this.found && this.name !== 'tip') this.draw(this.job, this.found); });
   }
 
   async start() {
@@ -53,7 +54,7 @@ class Simulation {
 
   slider(p, onchange, live = false) {
     const range = p.range ?? sliderRange({ ...p, kind: 'number', low: p.low ?? 0, high: null });
-    const field = h('input', { type: 'text', value: p.text, 'aria-label': p.key, spellcheck: 'false' });
+    const field = h('input', { type: 'text', value: p.text, title: p.text, 'aria-label': p.key, spellcheck: 'false' });
     const slider = h('input', { type: 'range', 'aria-label': `${p.key}, slider` });
     Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: p.number });
     slider.addEventListener('input', () => { field.value = valueText(p, slider.valueAsNumber, range.step); if (live) onchange(field.value, slider.valueAsNumber); });

@@ -9,8 +9,8 @@ from pydantic import Field
 
 from stagecad.parameters.errors import InputError, nearest
 from workbench.options import finite
-from workbench.page.machine_routes import Body, Text
 from workbench.page.machine_session import parameter_json
+from workbench.page.routes.machine import Body, Text
 
 router = APIRouter(prefix="/api/simulation")
 

@@ -52,73 +52,74 @@ class SolidsBody(Body):
 router = APIRouter(prefix="/api/machine")
 
 
-def _session(request: Request) -> MachineSession:
+def session_of(request: Request) -> MachineSession:
+    """The design that the page shows."""
     return request.app.state.machine
 
 
 @router.get("")
 def state(request: Request) -> dict[str, Any]:
     """File, changes, and the steps that can be undone."""
-    return _session(request).as_json()
+    return session_of(request).as_json()
 
 
 @router.get("/parameters")
 def parameters(request: Request) -> list[dict[str, Any]]:
     """Every parameter of the saved file, with bounds and origin."""
-    return finite(_session(request).parameters())
+    return finite(session_of(request).parameters())
 
 
 @router.post("/preview")
 def preview(request: Request, body: ChangesBody) -> dict[str, Any]:
     """Checks that a change concerns, as many as the limit of time allows, and all violated rules."""
-    return finite(_session(request).preview(_changes(body), body.limit, body.since))
+    return finite(session_of(request).preview(_changes(body), body.limit, body.since))
 
 
 @router.post("/commit")
 def commit(request: Request, body: ChangesBody) -> dict[str, Any]:
     """Make changes the present ones, as a step that can be undone."""
-    _session(request).commit(_changes(body))
-    return _session(request).as_json()
+    session_of(request).commit(_changes(body))
+    return session_of(request).as_json()
 
 
 @router.post("/undo")
 def undo(request: Request) -> dict[str, Any]:
     """Go back one step."""
-    _session(request).step(-1)
-    return _session(request).as_json()
+    session_of(request).step(-1)
+    return session_of(request).as_json()
 
 
 @router.post("/redo")
 def redo(request: Request) -> dict[str, Any]:
     """Repeat the step that was undone last."""
-    _session(request).step(+1)
-    return _session(request).as_json()
+    session_of(request).step(+1)
+    return session_of(request).as_json()
 
 
 @router.post("/open")
 def open_file(request: Request, body: NameBody) -> dict[str, Any]:
     """Open a parameter file of the project, or the packaged design."""
-    _session(request).open(body.name)
-    return _session(request).as_json()
+    session_of(request).open(body.name)
+    return session_of(request).as_json()
 
 
 @router.post("/save")
 def save(request: Request, body: NameBody) -> dict[str, Any]:
     """Write a new parameter file."""
-    _session(request).save(body.name or "")
-    return _session(request).as_json()
+    session_of(request).save(body.name or "")
+    return session_of(request).as_json()
 
 
 @router.get("/differences")
 def differences(request: Request, other: str | None = None) -> list[dict[str, Any]]:
     """Keys that differ from the saved file, or from another one."""
-    return finite(_session(request).differences(other))
+    return finite(session_of(request).differences(other))
 
 
 @router.get("/checks")
 def checks(request: Request) -> list[dict[str, Any]]:
     """Every check of the present design: the document of `stagecad check --json` without proposals evaluated."""
-    session = _session(request)
+    session = session_of(request)
     session.checks.update(session.design(), FULL)
     return finite([check.as_json() for check in session.checks.all_known().values()])
 
@@ -126,7 +127,7 @@ def checks(request: Request) -> list[dict[str, Any]]:
 @router.get("/checks/{position}")
 def check(request: Request, position: int) -> dict[str, Any]:
     """One check as last evaluated."""
-    known = _session(request).checks.all_known()
+    known = session_of(request).checks.all_known()
     if position not in known:
         raise InputError(f"check {position}: there is none")
     return finite(known[position].as_json())
@@ -135,7 +136,7 @@ def check(request: Request, position: int) -> dict[str, Any]:
 @router.post("/solids")
 def solids(request: Request, body: SolidsBody) -> dict[str, Any]:
     """Start the job that makes the parts of the present design; its result has a key for each mesh."""
-    session, jobs = _session(request), request.app.state.jobs
+    session, jobs = session_of(request), request.app.state.jobs
     source = session.source({} if body.saved else None)
     job = jobs.submit("solids", "solids", source, title="Solids", replaces=True)
     return job.as_json()
@@ -144,7 +145,7 @@ def solids(request: Request, body: SolidsBody) -> dict[str, Any]:
 @router.post("/masses/{number}")
 def masses(request: Request, number: int) -> dict[str, Any]:
     """Take the masses of the solids of a finished job for the checks, if they are of the present design."""
-    session, jobs = _session(request), request.app.state.jobs
+    session, jobs = session_of(request), request.app.state.jobs
     result, design = jobs.result(number), session.design()
     taken = result.get("digest") == design.digest
     if taken:
@@ -158,7 +159,7 @@ def sheets(request: Request) -> dict[str, list[str]]:
     """Names of the sheets by subject."""
     from drawings.artefacts.names import sheet_names
 
-    return {subject: list(names) for subject, names in sheet_names(_session(request).design()).items()}
+    return {subject: list(names) for subject, names in sheet_names(session_of(request).design()).items()}
 
 
 @router.post("/drawings/{subject}")
@@ -166,7 +167,7 @@ def drawings(request: Request, subject: str) -> dict[str, Any]:
     """Start the job that draws the sheets of a subject."""
     from drawings.artefacts.names import chosen_sheets
 
-    session, jobs = _session(request), request.app.state.jobs
+    session, jobs = session_of(request), request.app.state.jobs
     chosen_sheets((subject,), session.design())
     arguments = {**session.source(), "subject": subject}
     return jobs.submit("solids", "drawings", arguments, title="Drawing", subject=subject, replaces=True).as_json()

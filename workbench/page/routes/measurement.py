@@ -1,0 +1,115 @@
+"""Routes of the measurement view: the jobs of the identification, the ladder, and the report."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import FileResponse
+from pydantic import Field
+
+from stagecad.parameters.errors import InputError
+from workbench.options import finite
+from workbench.page.routes.experiments import project_of
+from workbench.page.routes.machine import Body, Text
+from workbench.page.security import REPORT_POLICY
+
+router = APIRouter(prefix="/api/experiment")
+
+
+class DiagnoseBody(Body):
+    """Options of a diagnosis."""
+
+    all_effects: bool = False
+
+
+class AddBody(Body):
+    """Effects to add, and to remove first."""
+
+    effects: Annotated[list[Text], Field(max_length=20)] = []
+    drop: Annotated[list[Text], Field(max_length=20)] = []
+
+
+class PredictBody(Body):
+    """Values of parameters of the fitted model, SI; those left out keep their fitted value."""
+
+    values: dict[Text, float] = Field(max_length=200)
+    record: Text
+    channel: Text
+
+
+@router.get("/{name:path}/ladder")
+def ladder(request: Request, name: str) -> dict[str, Any]:
+    """The rungs of an experiment, and whether its model was edited by hand since."""
+    from sysid.experiment.experiment import load_experiment
+    from sysid.ladder import current_ladder
+
+    experiment = load_experiment(project_of(request).experiment(name), request.app.state.design_values())
+    rungs, edited = current_ladder(experiment)
+    return finite({"rungs": rungs, "edited": edited, "effects": list(experiment.effects), "text": experiment.text})
+
+
+@router.post("/{name:path}/compare")
+def compare(request: Request, name: str) -> dict[str, Any]:
+    """Start `stagecad compare`."""
+    return _submit(request, name, "compare", "Compare")
+
+
+@router.post("/{name:path}/predict")
+def predict(request: Request, name: str, body: PredictBody) -> dict[str, Any]:
+    """Start a prediction of the fitted model with other values of its parameters; a waiting one is replaced."""
+    return _submit(request, name, "predict", "Predict", passing=True, **body.model_dump())
+
+
+@router.post("/{name:path}/diagnose")
+def diagnose(request: Request, name: str, body: DiagnoseBody) -> dict[str, Any]:
+    """Start `stagecad diagnose`."""
+    return _submit(request, name, "diagnose", "Diagnose", all_effects=body.all_effects)
+
+
+@router.post("/{name:path}/add")
+def add(request: Request, name: str, body: AddBody) -> dict[str, Any]:
+    """Start `stagecad add`."""
+    if not body.effects and not body.drop:
+        raise InputError("name at least one effect to add")
+    words = ", ".join([*body.effects, *(f"without {one}" for one in body.drop)])
+    return _submit(request, name, "add", f"Add {words}", effects=body.effects, drop=body.drop)
+
+
+@router.post("/{name:path}/undo")
+def undo(request: Request, name: str) -> dict[str, Any]:
+    """Start `stagecad add --undo`, and fit the model that then stands."""
+    return _submit(request, name, "undo", "Undo")
+
+
+@router.post("/{name:path}/suggest")
+def suggest(request: Request, name: str) -> dict[str, Any]:
+    """Start `stagecad suggest`."""
+    return _submit(request, name, "suggest", "Next measurement")
+
+
+@router.get("/{name:path}/report")
+def report(request: Request, name: str) -> FileResponse:
+    """The report of an experiment: one page with its pictures inside, without scripts."""
+    project = project_of(request)
+    folder = project.experiment(name).resolve()
+    path = project.results / folder.name / "report.html"
+    if not path.is_file():
+        raise InputError(f"{name}: no report yet; compare or diagnose first")
+    return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+
+
+def _submit(
+    request: Request, name: str, task: str, title: str, passing: bool = False, **arguments: Any
+) -> dict[str, Any]:
+    project = project_of(request)
+    folder = project.experiment(name)
+    given = {
+        "experiment": str(folder),
+        "params": None if project.params is None else str(project.params.resolve()),
+        "out": str(project.results),
+        **arguments,
+    }
+    jobs = request.app.state.jobs
+    job = jobs.submit("identification", task, given, title=title, subject=name, replaces=passing, passing=passing)
+    return job.as_json()

@@ -1,0 +1,42 @@
+"""Routes of the optimisation of the design: what is free, and the job that searches."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Request
+from pydantic import Field
+
+from stagecad.parameters.errors import InputError
+from workbench.page.routes.machine import Body, Text, session_of
+
+router = APIRouter(prefix="/api/machine/optimize")
+
+
+class OptimizeBody(Body):
+    """As the options of `stagecad optimize`; `free` holds the ranges and choices by key, all that may change."""
+
+    free: dict[Text, Text] = Field(min_length=1, max_length=100)
+    keep: Annotated[list[Text], Field(max_length=300)] = []
+    budget: int = Field(default=600, ge=20, le=100_000)
+
+
+@router.get("")
+def free(request: Request) -> dict[str, str]:
+    """Ranges `LOW:HIGH` and choices `A|B` of the parameters that the present file marks as free."""
+    return {e.key: e.free.replace("..", ":") for e in session_of(request).design().entries if e.free}
+
+
+@router.post("")
+def optimize(request: Request, body: OptimizeBody) -> dict[str, Any]:
+    """Start `stagecad optimize` on the present design."""
+    from designcalc.optimisation.space import free_parameters
+
+    session, jobs = session_of(request), request.app.state.jobs
+    for key, text in body.free.items():
+        if "=" in key or not text.strip():
+            raise InputError(f"{key}: a range LOW:HIGH is wanted, or choices A|B")
+    freed = [f"{key}={text}" for key, text in body.free.items()]
+    free_parameters(session.design(), freed)
+    arguments = {**session.source(), "freed": freed, "keep": body.keep, "budget": body.budget}
+    return jobs.submit("optimisation", "optimize", arguments, title="Optimize", replaces=True).as_json()

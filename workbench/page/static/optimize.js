@@ -1,0 +1,140 @@
+h('tr', {}, h('td', {}, row.check, row.keeping.length ? h('span', { class: 'dim' }, ` with ${row.keeping.join('; ')}`) : null), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed)))// The nearest design without violated rules and failed checks: what may change, the search, its result.
+import { cancel, get, jobs, onJob, post, result } from './api.js';
+import { h, fill, quantity, say, words } from './dom.js';
+import { INKS, XyPlot } from './plot.js';
+
+export class Optimize {
+  /**
+   * @param {HTMLElement} place
+   * @param {{apply: (changes: object) => void, reveal: (key: string) => void, selected: () => string|undefined, range: (key: string) => string}} machine
+   */
+  constructor(place, machine) {
+    this.machine = machine;
+    this.free = new Map();
+    this.list = h('div', { class: 'free-list' });
+    this.keep = h('input', { type: 'text', 'aria-label': 'required checks', placeholder: 'all checks', spellcheck: 'false', title: 'Names of the required checks, with commas; * stands for any text' });
+    this.budget = h('input', { type: 'text', value: '600', 'aria-label': 'designs of the search', inputmode: 'numeric' });
+    this.start = h('button', { class: 'main', onclick: () => this.run() }, 'Optimize');
+    this.progress = h('div', { class: 'search', hidden: true });
+    this.result = h('div', { class: 'optimum' });
+    this.plots = [];
+    place.append(h('div', { class: 'optimize' },
+      h('div', { class: 'free scroll' },
+        h('div', { class: 'card' }, h('h3', {}, 'May change'), h('p', { class: 'dim' }, 'Range LOW:HIGH, or choices A|B. Those of the parameter file are listed first.'), this.list,
+          h('button', { class: 'small', onclick: () => this.addSelected(), title: 'The parameter selected in the list on the left' }, 'Add the selected parameter')),
+        h('div', { class: 'card' }, h('h3', {}, 'Required'), h('label', { class: 'field' }, h('span', {}, 'checks'), this.keep), h('label', { class: 'field' }, h('span', {}, 'designs'), this.budget), h('div', { class: 'actions' }, this.start))),
+      h('div', { class: 'scroll outcome' }, this.progress, this.result)));
+    onJob((job) => { if (job.task === 'optimize') this.showProgress(job); });
+    this.showEmpty();
+  }
+
+  showEmpty() {
+    fill(this.result, h('p', { class: 'empty' }, 'Finds the design nearest to the present one that violates no rule and passes every required check. Where there is none, it names the requirements that contradict each other, and how far each must be relaxed.'));
+  }
+
+  async shown() {
+    if (this.asked) return;
+    this.asked = true;
+    await this.load();
+    const last = [...jobs.values()].filter((job) => job.task === 'optimize').at(-1);
+    if (last && last.state !== 'failed' && last.state !== 'cancelled') this.follow(last);
+  }
+
+  /** Parameters that the file marks as free; called again when another file is opened. */
+  async load() {
+    const found = await get('/api/machine/optimize');
+    this.free = new Map(Object.entries(found).map(([key, text]) => [key, { text, on: true }]));
+    this.draw();
+  }
+
+  draw() {
+    fill(this.list, this.free.size ? [...this.free].map(([key, one]) => {
+      const box = h('input', { type: 'checkbox', checked: one.on, 'aria-label': `${key} may change`, onchange: () => { one.on = box.checked; } });
+      const range = h('input', { type: 'text', value: one.text, 'aria-label': `range of ${key}`, spellcheck: 'false', onchange: () => { one.text = range.value; one.on = box.checked = true; } });
+      return h('div', { class: 'free-row' }, box, h('button', { class: 'chip', title: 'Show the parameter', onclick: () => this.machine.reveal(key) }, key), range);
+    }) : h('p', { class: 'dim' }, 'The file marks none (free = "8 mm..20 mm"): select a parameter on the left and add it.'));
+  }
+
+  addSelected() {
+    const key = this.machine.selected();
+    if (!key) { say('select a parameter on the left first', 'bad'); return; }
+    this.free.set(key, { text: this.free.get(key)?.text ?? this.machine.range(key), on: true });
+    this.draw();
+    this.list.lastChild?.scrollIntoView({ block: 'nearest' });
+  }
+
+  async run() {
+    const free = Object.fromEntries([...this.free].filter(([, one]) => one.on).map(([key, one]) => [key, one.text]));
+    const keep = this.keep.value.split(',').map((text) => text.trim()).filter(Boolean);
+    try {
+      if (!Object.keys(free).length) throw new Error('let at least one parameter change');
+      say('');
+      this.follow(await post('/api/machine/optimize', { free, keep, budget: Number(this.budget.value) }));
+    } catch (error) { say(error.message, 'bad'); }
+  }
+
+  async follow(job) {
+    this.showProgress(jobs.get(job.number) ?? job);
+    try {
+      this.show(await result(job));
+    } catch (error) {
+      if (error.name === 'Cancelled') say('Optimize: cancelled'); else say(error.message, 'bad');
+    }
+    this.showProgress(jobs.get(job.number) ?? job);
+  }
+
+  showProgress(job) {
+    const busy = job.state === 'running' || job.state === 'waiting';
+    this.start.disabled = busy;
+    this.progress.hidden = !busy;
+    if (busy) fill(this.progress, h('b', {}, 'Optimize'), h('span', { class: 'dim step' }, job.step || 'waiting'), h('progress', { 'aria-label': 'Optimize' }), h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+  }
+
+  show(found) {
+    const { document } = found;
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+    const alone = (document.conflicts ?? []).filter((names) => names.length === 1).map(([name]) => name);
+    const sets = (document.conflicts ?? []).filter((names) => names.length > 1);
+    const margins = (document.margins ?? []).filter((row) => row.after && (row.after.verdict !== row.before.verdict || percent(row.after.margin) !== percent(row.before.margin)));
+    const count = Object.keys(found.changes).length;
+    fill(this.result,
+      h('div', { class: `card verdict ${document.feasible ? 'good' : 'unexplained'}` },
+        h('b', {}, document.feasible ? (count ? 'A design that meets all requirements' : 'The present design meets all requirements') : 'No design within the ranges meets all requirements'),
+        h('p', { class: 'dim' }, `${found.required} requirements, ${document.evaluations} designs evaluated`),
+        found.unverified.length ? h('p', { class: 'warn' }, `With the masses of its own solids these fail: ${found.unverified.join(', ')}`) : null),
+      count ? h('div', { class: 'card' },
+        h('div', { class: 'line' }, h('h3', {}, document.feasible ? 'Changes' : 'Changes that meet all but the contradicting requirements'), h('span', { class: 'space' }),
+          h('button', { class: 'main', onclick: () => this.machine.apply(found.changes) }, 'Apply')),
+        h('table', {}, h('thead', {}, h('tr', {}, ['parameter', 'from', 'to'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
+          h('tbody', {}, document.changes.map((row) => [h('tr', {}, h('td', {}, h('button', { class: 'chip', onclick: () => this.machine.reveal(row.key) }, row.key)), h('td', { class: 'num' }, row.from), h('td', { class: 'num now' }, row.to)), h('tr', { class: 'why' }, h('td', { class: 'dim', colSpan: 3 }, row.reason))])))) : null,
+      alone.length ? h('div', { class: 'card' }, h('h3', {}, 'Out of reach whatever changes'), h('ul', {}, alone.map((name) => h('li', {}, name)))) : null,
+      sets.length ? h('div', { class: 'card' }, h('h3', {}, 'Contradicting requirements'), h('ul', {}, sets.map((names) => h('li', {}, names.join(' · '))))) : null,
+      found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'margins of the designs evaluated, and their front; both requirements hold in the upper right'), h('div', { class: 'plot' }))),
+      document.relax?.length ? h('div', { class: 'card' }, h('h3', {}, 'What to relax'), h('table', {},
+        h('thead', {}, h('tr', {}, ['requirement', 'limit', 'reached'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
+        h('tbody', {}, document.relax.map((row) => h('tr', {}, h('td', {}, row.check), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed)), h('td', { class: 'dim' }, row.keeping.join('; ') || 'by itself')))))) : null,
+      margins.length ? h('div', { class: 'card' }, h('h3', {}, 'Margins that change'), h('table', {},
+        h('thead', {}, h('tr', {}, ['check', 'before', 'after'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
+        h('tbody', {}, margins.map((row) => h('tr', {}, h('td', {}, row.check), h('td', { class: 'num' }, percent(row.before.margin)), h('td', { class: `num ${row.after.verdict === 'passes' ? 'good' : 'bad'}` }, percent(row.after.margin))))))) : null);
+    this.drawFronts(found.fronts);
+  }
+
+  drawFronts(fronts) {
+    const places = this.result.querySelectorAll('.front .plot');
+    fronts.forEach(({ names, points, front }, k) => {
+      const inks = INKS();
+      const [x, y] = points.map((values) => values.map(squeezed));
+      const plot = new XyPlot(places[k], { x: `margin of ${words(names[0])}`, y: 'margin', tick: (v) => percent(stretched(v)) });
+      plot.set([{ x, y, ink: 'measured', points: true, width: 3 },
+        { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], width: 1.6 }, { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], points: true, width: 5 }]);
+      places[k].title = names.join(' over ');
+      this.plots.push(plot);
+    });
+  }
+}
+
+/** Margins are shown linearly up to 10 %, logarithmically beyond. */
+const squeezed = (v) => Math.sign(v) * Math.log10(1 + Math.abs(v) / 0.1);
+const stretched = (v) => Math.sign(v) * 0.1 * (10 ** Math.abs(v) - 1);
+const percent = (v) => (v === null || v === undefined ? '–' : `${v > 0 ? '+' : v < 0 ? '−' : ''}${Math.abs(100 * v) >= 1e4 ? Math.abs(100 * v).toExponential(0).replace('e+', 'e') : Number(Math.abs(100 * v).toPrecision(2))} %`);
