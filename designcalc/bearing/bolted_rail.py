@@ -12,6 +12,7 @@ that is bedded over its whole width.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -154,6 +155,7 @@ def total_stiffness(rail: Rail, spacing_ratio: ArrayLike, flange_ratio: ArrayLik
     return count / (bending + 1 / (lever * (1 + rail.joint_ratio) * bolt_joint))
 
 
+@lru_cache(maxsize=256)
 def best_spacing_ratio(rail: Rail, flange_ratio: float) -> float:
     """Spacing ratio M in (1, 100) with the largest total stiffness; ``K`` has a single peak there.
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.fft import irfft, next_fast_len, rfft
 
 from stagecad.parameters.errors import InputError
 
@@ -99,18 +100,27 @@ def averaged_profile(profile: ArrayLike, step: float, pad_length: float) -> Arra
         InputError: the pad is longer than the profile, or shorter than two steps.
     """
     heights = np.asarray(profile, float)
-    count = int(np.floor(pad_length / step + 1e-9)) + 1
-    if count < 3 or count > heights.size:
-        raise InputError(
-            f"sliding bearing: a pad of {pad_length:g} m covers {count} of {heights.size} heights; 3 or more are needed"
-        )
-    place = np.linspace(-1, 1, count + 2)[1:-1]
-    weight = 1 - place**2
+    weight = pad_weights(heights.size, step, pad_length)
     # By Fourier transform: direct summation takes ten times as long for a way at a quarter of its correlation length.
-    size = 1 << (heights.size - 1).bit_length()
+    size = int(next_fast_len(heights.size, real=True))
     middle = heights.mean()
-    spectrum = np.fft.rfft(heights - middle, size) * np.fft.rfft(weight / weight.sum(), size)
-    return np.fft.irfft(spectrum, size)[count - 1 : heights.size] + middle
+    spectrum = rfft(heights - middle, size) * rfft(weight, size)
+    return np.asarray(irfft(spectrum, size), float)[weight.size - 1 : heights.size] + middle
+
+
+def pad_weights(size: int, step: float, pad_length: float) -> Array:
+    """Shares of a pad's load on the heights under it, a parabola; `size`: number of heights of the profile.
+
+    Raises:
+        InputError: the pad is longer than the profile, or shorter than two steps.
+    """
+    count = int(np.floor(pad_length / step + 1e-9)) + 1
+    if count < 3 or count > size:
+        raise InputError(
+            f"sliding bearing: a pad of {pad_length:g} m covers {count} of {size} heights; 3 or more are needed"
+        )
+    weight = 1 - np.linspace(-1, 1, count + 2)[1:-1] ** 2
+    return weight / weight.sum()
 
 
 def averaged_roughness(roughness: ArrayLike, correlation_length: ArrayLike, radius: ArrayLike, pads: int = 1) -> Array:

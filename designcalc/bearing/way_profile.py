@@ -7,8 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.fft import irfft, rfft, rfftfreq
 
-from designcalc.bearing.sliding import averaged_profile
+from designcalc.bearing.sliding import averaged_profile, pad_weights
 from stagecad.parameters.errors import InputError
 
 Array = NDArray[np.float64]
@@ -90,13 +91,51 @@ def synthetic_profiles(
 @lru_cache(maxsize=8)
 def _random_lines(count: int, n: int, seed: int) -> Array:
     """Random lines of unit rms, with correlation ``exp(-x^2/l^2)`` at four points a correlation length."""
-    wave_number = 2 * np.pi * np.fft.rfftfreq(n, 0.25)
+    wave_number = 2 * np.pi * rfftfreq(n, 0.25)
     # A line with correlation exp(-x^2/l^2) is white noise through a filter exp(-k^2 l^2/8).
     gain = np.exp(-(wave_number**2) / 8)
-    white = np.fft.rfft(np.random.default_rng(seed).standard_normal((count, n)), axis=-1)
-    rough = np.fft.irfft(white * gain, n, axis=-1)
+    size = 1 << (count * n - 1).bit_length()
+    white = rfft(_white_noise(size, seed)[: count * n].reshape(count, n), axis=-1)
+    rough = np.asarray(irfft(white * gain, n, axis=-1), float)
     expected = np.sqrt(np.mean(np.concatenate([gain, gain[1 : (n + 1) // 2]]) ** 2))
     return rough / expected
+
+
+def carried_waves(
+    surface: Surface, starts: Array, phases: Array, step: float, size: int, contact_length: float
+) -> float:
+    """Rms of `carried_height` over the waves of a surface alone, in closed form, m.
+
+    Every pad averages a sine to a sine, and so does the mean of the pads: ``|Z| sin(k x + arg Z)``, whose mean and mean
+    square over equally spaced places are geometric series.
+
+    Args:
+        surface: its waves.
+        starts: where the profile of each pad begins, in steps, shape (pads,).
+        phases: of the waves under each pad, rad, shape (pads,).
+        step: spacing of the heights, m.
+        size: number of heights of each profile.
+        contact_length: of a pad along the travel, m, at least two steps.
+    """
+    weight = pad_weights(size, step, contact_length)
+    turn = 2 * np.pi * step / surface.wavelength
+    pads = np.mean(np.exp(1j * (turn * np.asarray(starts, float) + phases)))
+    whole = surface.waviness * pads * np.sum(weight * np.exp(-1j * turn * np.arange(weight.size)))
+    whole = whole * np.exp(1j * turn * (weight.size - 1))
+    places = size - weight.size + 1
+
+    def mean(angle: float) -> complex:
+        step_on = np.exp(1j * angle)
+        return complex((1 - step_on**places) / (1 - step_on) / places) if step_on != 1 else 1.0 + 0.0j
+
+    square = 0.5 * abs(whole) ** 2 - 0.5 * (whole**2 * mean(2 * turn)).real
+    return float(np.sqrt(max(square - (whole * mean(turn)).imag ** 2, 0.0)))
+
+
+@lru_cache(maxsize=2)
+def _white_noise(size: int, seed: int) -> Array:
+    """Random numbers of unit variance; longer ones begin alike."""
+    return np.random.default_rng(seed).standard_normal(size)
 
 
 def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> Array:
@@ -111,4 +150,5 @@ def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> A
         contact_length: of a pad along the travel, m, at least two steps.
     """
     rows = np.atleast_2d(np.asarray(profiles, float))
-    return np.mean([averaged_profile(row, step, contact_length) for row in rows], axis=0)
+    # Both means are linear: that of the pads is taken first, since it takes less time.
+    return averaged_profile(np.mean(rows, axis=0), step, contact_length)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from designcalc.bearing.porous_air import stiffness_of_gap
 from designcalc.bearing.sliding import averaged_roughness
@@ -110,16 +111,22 @@ def air_height(r: DesignInputs) -> Check:
     )
 
 
-def earnshaw(r: DesignInputs) -> Check:
-    """Stage magnets repelled by base magnets: the three stiffnesses add up to zero, so one direction is unstable."""
-    side, moment = r("candidates.magnetic_levitation.pitch"), r("candidates.magnetic_levitation.moment")
-    height = r("candidates.magnetic_levitation.flying_height")
-    reach = r("stage.travel")
+@lru_cache(maxsize=64)
+def _over_base(side: float, moment: float, height: float, reach: float) -> NDArray[np.float64]:
+    """Stiffness matrix of a magnet over a square of magnets on the base, of opposite moment, N/m."""
     base = np.arange(-reach, reach + side / 2, side)
     total = np.zeros((3, 3))
     for x in base:
         for y in base:
             total += dipole_hessian((0, 0, moment), (0, 0, -moment), (side / 5 - x, -y, height))
+    return total
+
+
+def earnshaw(r: DesignInputs) -> Check:
+    """Stage magnets repelled by base magnets: the three stiffnesses add up to zero, so one direction is unstable."""
+    side, moment = r("candidates.magnetic_levitation.pitch"), r("candidates.magnetic_levitation.moment")
+    height = r("candidates.magnetic_levitation.flying_height")
+    total = _over_base(side, moment, height, r("stage.travel"))
     values = np.linalg.eigvalsh(total)
     largest = float(np.abs(values).max())
     return Check(

@@ -9,7 +9,7 @@ import numpy as np
 from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.errors.dynamic_budget import DynamicBudget
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.position_loop import INTERFEROMETER, PROBE, dynamic_budgets, position_loop, suspension
+from designcalc.machine.position_loop import INTERFEROMETER, PROBE, dynamic_budget, position_loop, suspension
 from stagecad.parameters.design import Design
 
 _SOURCE = "Schmidt, Schitter, Rankers (2020), section 8.2: densities through the closed loop, added as powers"
@@ -32,7 +32,7 @@ def limit_key(found: DynamicBudget) -> str:
 
 
 def total(r: DesignInputs, position: int) -> Check:
-    found = dynamic_budgets(r)[position]
+    found = dynamic_budget(r, position)
     lowest = 1 / r("loop.observation")
     rows = found.largest_first(lowest)
     whole = found.rms(found.total, lowest)

@@ -78,7 +78,10 @@ def film_contact(
     a = np.maximum((force * film_scale) ** 0.25, np.cbrt(force * hertz_scale))
     for _ in range(30):
         film, hertz = force * film_scale / a**4, force * hertz_scale / a**3
-        a = a * np.exp((film + hertz - 1) / (4 * film + 3 * hertz))
+        step = (film + hertz - 1) / (4 * film + 3 * hertz)
+        a = a * np.exp(step)
+        if np.all(np.abs(step) <= 1e-15):
+            break
     if not np.all(thickness <= a):
         raise InputError(
             f"sliding bearing: film thickness: {thickness:g} m is more than the radius {float(np.min(a)):.3g} m of the "

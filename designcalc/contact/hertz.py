@@ -100,6 +100,8 @@ def ellipse_ratio(curvature_ratio: ArrayLike) -> Array:
     """
     ratio = np.asarray(curvature_ratio, float)
     _require(np.all((ratio >= 1e-200) & (ratio <= 1)), "curvature ratio", "must lie in 1e-200 to 1")
+    if np.all(ratio == 1.0):
+        return np.ones(ratio.shape)
     target = np.log(ratio)
     low = np.full(ratio.shape, -345.0)  # exp(-345)^2 is still a normal number
     high = np.zeros(ratio.shape)

@@ -76,14 +76,25 @@ def point_shear_peak(contact: PointContact, poisson: ArrayLike) -> ShearPeak:
 
     Source: Johnson (1985), section 4.2(c) and table 4.1.
     """
-    k = contact.semi_axis_minor / contact.semi_axis_major
+    k, nu = np.broadcast_arrays(contact.semi_axis_minor / contact.semi_axis_major, np.asarray(poisson, float))
+    if k.shape:
+        pairs = [_peak_shear(*pair) for pair in zip(k.ravel().tolist(), nu.ravel().tolist(), strict=True)]
+        shear, depth = np.array(pairs).reshape(*k.shape, 2).transpose(-1, *range(k.ndim))
+    else:
+        shear, depth = _peak_shear(float(k), float(nu))
+    return ShearPeak(shear=shear * contact.peak_pressure, depth=depth * contact.semi_axis_minor)
+
+
+@lru_cache(maxsize=256)
+def _peak_shear(k: float, nu: float) -> tuple[float, float]:
+    """Peak of ``(sigma_y - sigma_z)/2`` over the peak pressure, and its depth over the minor semi-axis."""
 
     def shear(depth: Array) -> Array:
-        _, sigma_y, sigma_z = axis_stresses(depth, k, poisson)
+        _, sigma_y, sigma_z = axis_stresses(depth, k, nu)
         return 0.5 * (sigma_y - sigma_z)
 
-    best = _golden_maximum(shear, np.full(k.shape, 0.02), np.full(k.shape, 2.0))
-    return ShearPeak(shear=shear(best) * contact.peak_pressure, depth=best * contact.semi_axis_minor)
+    best = _golden_maximum(shear, np.array(0.02), np.array(2.0))
+    return float(shear(best)), float(best)
 
 
 def line_shear_peak(contact: LineContact) -> ShearPeak:

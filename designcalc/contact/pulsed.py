@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from stagecad.parameters.errors import InputError
 
@@ -62,10 +63,7 @@ def peak_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> flo
         return float(_WEIGHTS @ force) * 0.5 * contact / np.pi
 
     static = float(mean / rate) ** (2 / 3) + mean / stiffness
-    low, high = static, static + rise
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if average(middle) < mean else (low, middle)
-        if high - low <= 1e-14 * high:
-            break
+    high = static + rise
+    if rise > 0 and average(static) < mean < average(high):
+        high = brentq(lambda depth: average(depth) / mean - 1, static, high, xtol=1e-14 * static, rtol=1e-14)
     return float(pressed_force(np.asarray(high), rate, stiffness))

@@ -8,7 +8,7 @@ bends by itself where the holder presses on it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,14 +83,13 @@ class ClampFinger:
         all at a sharp corner; this interpolation is compared with finite elements only.
         """
         r, t = self.relief_radius, self.neck
-        bending = quad(lambda x: 12 / (self.plane_modulus * self._thickness(x) ** 3), -r, r)[0]
+        bending = _notch_flexibility(t, r, self.pocket_radius, self.plane_modulus)
         ends = 2 * 16.67 / (np.pi * self.plane_modulus * t**2) * t / (t + r)
         return 1 / (bending + ends)
 
     def _thickness(self, x: Array | float) -> Array:
         """Of the neck at a distance from its middle, between the relief hole and the pocket, m."""
-        r, R = self.relief_radius, self.pocket_radius
-        return np.asarray(self.neck + r - np.sqrt(r**2 - np.square(x)) + R - np.sqrt(R**2 - np.square(x)))
+        return _notch_thickness(x, self.neck, self.relief_radius, self.pocket_radius)
 
     @property
     def plane_modulus(self) -> float:
@@ -174,3 +173,14 @@ class ClampFinger:
     def press_force(self, screw_force: float, gap: float) -> float:
         """Force on the holder once the screw has closed a gap, m, N: ``(closure F - gap)/give``; 0 if it does not."""
         return max(self.closure * screw_force - gap, 0.0) / self.give
+
+
+def _notch_thickness(x: Array | float, neck: float, r: float, R: float) -> Array:
+    """Of the material between two circles of radii r and R, `neck` apart, at a distance x from its middle, m."""
+    return np.asarray(neck + r - np.sqrt(r**2 - np.square(x)) + R - np.sqrt(R**2 - np.square(x)))
+
+
+@lru_cache(maxsize=256)
+def _notch_flexibility(neck: float, r: float, R: float, modulus: float) -> float:
+    """Integral of ``12 dx/(E' t(x)^3)`` over the diameter of the smaller circle, 1/N."""
+    return float(quad(lambda x: 12 / (modulus * _notch_thickness(x, neck, r, R) ** 3), -r, r)[0])

@@ -155,9 +155,28 @@ def _spectrum(half_width: float, functions: int) -> tuple[Array, Array, Array]:
     """Mouth functions in Fourier modes of a unit pitch: k (n,), and R of even and odd functions (functions, n)."""
     k = 2 * np.pi * np.arange(1, _MODES + 1)
     omega = k * half_width
-    orders = np.arange(2 * functions)
-    table = jv(orders[:, None] + _EDGE, omega[None, :]) / omega**_EDGE
+    table = _bessel_table(2 * functions, omega) / omega**_EDGE
     return k.astype(float), table[0::2], table[1::2]
+
+
+def _bessel_table(count: int, x: Array) -> Array:
+    """``J_(n + edge)(x)`` for n = 0 .. count - 1, shape (count, x.size); `x` rises.
+
+    ``J_(v+1) = 2 v/x J_v - J_(v-1)`` is stable upwards as long as the order is below x; smaller arguments take the
+    function of every order.
+
+    Source: DLMF 10.6.1 and section 3.6.
+    """
+    table = np.empty((count, x.size))
+    few = int(np.searchsorted(x, count + _EDGE))
+    table[:, :few] = jv(np.arange(count)[:, None] + _EDGE, x[None, :few])
+    large = x[few:]
+    for n in range(count):
+        if n < 2:
+            table[n, few:] = jv(n + _EDGE, large)
+        else:
+            table[n, few:] = 2 * (n - 1 + _EDGE) / large * table[n - 1, few:] - table[n - 2, few:]
+    return table
 
 
 @lru_cache(maxsize=16)
@@ -165,7 +184,7 @@ def _slot_spectrum(functions: int) -> tuple[Array, Array]:
     """The same in the sine modes of a groove; its arguments m pi/2 do not depend on the groove."""
     m = np.arange(1, 2 * _MODES + 1)
     omega = m * np.pi / 2
-    table = jv(np.arange(2 * functions)[:, None] + _EDGE, omega[None, :]) / omega**_EDGE
+    table = _bessel_table(2 * functions, omega) / omega**_EDGE
     return table[0::2][:, 0::2], table[1::2][:, 1::2]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from designcalc.drive.clamp import ClampFinger
 from designcalc.drive.height_adjustment import ClampShift, clamp_shift
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.screws import screw_preload
 from stagecad.parameters.errors import InputError
 
@@ -27,6 +27,7 @@ def press_angle(r: DesignInputs) -> float:
     return math.acos(slot / radius) + PRESSED / 2
 
 
+@remembered
 def clamp_finger(r: DesignInputs) -> ClampFinger:
     """One of the two fingers at pocket 1."""
     slot, half, lug = r("base.clamp_slot_1"), r("base.clamp_slot_width") / 2, r("base.clamp_lug")
@@ -90,6 +91,7 @@ def clamp_gap(r: DesignInputs, tolerance: float = 0.0) -> float:
     return play / 2 * (1 + math.cos(press_angle(r)))
 
 
+@remembered
 def grip(r: DesignInputs, tolerance: float = 0.0) -> Grip:
     """The clamp at its torque, with a play larger than nominal by `tolerance`, m."""
     finger, force, gap = clamp_finger(r), screw_preload(r, "clamp_long"), clamp_gap(r, tolerance)

@@ -64,10 +64,12 @@ class DesignInputs:
 
     def __call__(self, key: str) -> float:
         """SI value of a parameter."""
-        entry = self.design.entry(key)
-        value = self.design.si(key)
-        self.inputs[key] = Input(value, _SI.get(entry.unit, entry.unit), entry.origin)
-        return value
+        found = self.memory.get(key)
+        if found is None:
+            entry = self.design.entry(key)
+            found = self.memory[key] = Input(self.design.si(key), _SI.get(entry.unit, entry.unit), entry.origin)
+        self.inputs[key] = found
+        return found.value
 
     def material(self, part: str, quantity: str) -> float:
         """SI value of a property of the material that a part is made of."""

@@ -24,6 +24,7 @@ def pad_positions(r: DesignInputs) -> Array:
     return np.array(r.design.derived.pad_places) * 1e-3
 
 
+@remembered
 def film(r: DesignInputs, load: float, crown_radius: float | None = None) -> FilmContact:
     """One crowned pad on the way under `load`, N, the PTFE film between them; by default with the design's crown."""
     modulus = confined_modulus(r("materials.ptfe.youngs_modulus"), r("materials.ptfe.poisson_ratio"))

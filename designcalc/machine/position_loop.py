@@ -32,7 +32,7 @@ from designcalc.errors.dynamic_budget import (
 from designcalc.errors.sensors import air_index_error, count_size
 from designcalc.errors.thermal import THIRD_OCTAVES
 from designcalc.machine.body import moving_body
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import load, moved_mass
 from designcalc.machine.pads import pads_stiffness
 from designcalc.machine.stage_plate import give_at, give_at_tip
@@ -101,7 +101,13 @@ def payload_place(r: DesignInputs) -> tuple[float, float, float]:
 
 def dynamic_budgets(r: DesignInputs) -> list[DynamicBudget]:
     """Budgets along the travel with either sensor, and normal to it."""
-    return [_along(r, PROBE), _along(r, INTERFEROMETER), _normal(r)]
+    return [dynamic_budget(r, position) for position in range(3)]
+
+
+@remembered
+def dynamic_budget(r: DesignInputs, position: int) -> DynamicBudget:
+    """One of `dynamic_budgets`."""
+    return _normal(r) if position == 2 else _along(r, (PROBE, INTERFEROMETER)[position])
 
 
 def _grid(held: list[tuple[float, float]]) -> Array:
@@ -112,7 +118,8 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
     held, loop = suspension(r), position_loop(r, sensor)
     pitch, pitch_damping = _pitch_mode(r)
     f = _grid([(held.resonance, held.damping), (pitch, pitch_damping)])
-    sensitivity, noise = loop.sensitivity(f), loop.noise_response(f)
+    sensitivity = loop.sensitivity(f)
+    noise = sensitivity - 1
     floor = floor_density(f, r("environment.floor_velocity"), BANDS)
     relative = base_response(f, held.resonance, held.damping) * sensitivity
     command = held.gain * loop.plant(f) * sensitivity

@@ -61,7 +61,7 @@ def pressure(r: DesignInputs) -> Check:
         substituted=f"F = {show(heaviest, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
         f"{show(float(contact.radius), 'm')}",
         proposal="a flatter crown, or a lighter pad load",
-        changes=change("pads.crown_radius", crown_for(r, heaviest, allowed), "m", up=True),
+        changes=change("pads.crown_radius", crown_for(r, heaviest, allowed), "m", up=True) if r.advise else (),
     )
 
 
@@ -96,7 +96,7 @@ def pv(r: DesignInputs) -> Check:
     contact = film(r, heaviest)
     mean = heaviest / (np.pi * float(contact.radius) ** 2)
     speed, allowed = r("requirements.speed"), r("bearing.allowable_pv")
-    crown = crown_for_mean(r, heaviest, allowed / speed)
+    crown = crown_for_mean(r, heaviest, allowed / speed) if r.advise else r("pads.crown_radius")
     sag = r("pads.length") ** 2 / (8 * crown)
     return Check(
         "PTFE pressure times speed",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
+from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
 from designcalc.checks.check import Check, CheckFunction, at_most, change, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import film, heaviest_pad, pad_positions
@@ -90,9 +90,7 @@ def ridden(r: DesignInputs) -> Check:
     """The stage carried over profiles of roughness and waves, its bow left to the straightness."""
     side, places = spot(r), pad_positions(r)
     surface = lapped_surface(r)
-    rough, waves = (
-        _carried_rms(r, one, side, places) for one in (surface.without_waves(), surface.without_roughness())
-    )
+    rough, waves = _carried_rms(r, surface, side, places)
     both = float(np.hypot(rough, waves))
     limit = r("requirements.smoothness")
     may = surface.waviness * np.sqrt(max(limit**2 - rough**2, 0.0)) / waves if waves > 0 else np.inf
@@ -112,18 +110,19 @@ def ridden(r: DesignInputs) -> Check:
     )
 
 
-def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
-    """Rms height of the stage over its travel, m; pads in one line follow the same track one after another.
+def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> tuple[float, float]:
+    """Rms heights of the stage over its travel by roughness and by waves, m.
 
-    The phase of the waves of the two ways is unknown: the worse of in phase and in antiphase is taken.
+    Pads in one line follow the same track one after another. The phase of the waves of the two ways is unknown: the
+    worse of in phase and in antiphase is taken.
     """
     travel, spacing = r("stage.travel"), r("pads.spacing_along")
     tracks, track_of = np.unique(places[:, 1], return_inverse=True)
-    found = []
-    for phase in (0.0, np.pi):
-        profiles, step = synthetic_profiles(surface, travel + spacing, side, len(tracks), phase)
-        count = int((travel + side) / step)
-        starts = np.rint((places[:, 0] - places[:, 0].min()) / step).astype(int)
-        heights = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]
-        found.append(float(np.std(carried_height(heights, step, side))))
-    return max(found)
+    profiles, step = synthetic_profiles(surface.without_waves(), travel + spacing, side, len(tracks))
+    count = int((travel + side) / step)
+    starts = np.rint((places[:, 0] - places[:, 0].min()) / step).astype(int)
+    heights = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]
+    waves = [
+        carried_waves(surface, starts, np.where(track_of > 0, phase, 0.0), step, count, side) for phase in (0.0, np.pi)
+    ]
+    return float(np.std(carried_height(heights, step, side))), max(waves)

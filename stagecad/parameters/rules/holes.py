@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -143,17 +144,24 @@ def _gap(a: Hole, b: Hole) -> float:
 def holes_apart(d: Design) -> Iterator[str]:
     """Holes of the base do not come too close to each other: pockets clear of screws, and bores of each other."""
     wall = d.making.least_wall
-    reported: set[tuple[str, str]] = set()
-    for a, b in combinations(base_holes(d), 2):
+    for a, b, gap in _close_pairs(tuple(base_holes(d)), wall):
+        how = f"leave {length(gap)} between them" if gap > 0 else "meet"
+        keys = tuple(dict.fromkeys((*a.keys, *b.keys)))
+        yield f"{a.name} and {b.name} {how}; {length(wall)} is needed: {given(d, *keys)}"
+
+
+@lru_cache(maxsize=32)
+def _close_pairs(holes: tuple[Hole, ...], wall: float) -> tuple[tuple[Hole, Hole, float], ...]:
+    """Pairs of holes with less than a wall between them, mm, the first pair of each two names; with their gap."""
+    found: dict[tuple[str, str], tuple[Hole, Hole, float]] = {}
+    for a, b in combinations(holes, 2):
         stepped = not a.upright and not b.upright and a.start[1:] == b.start[1:] and a.name == b.name
-        if (a.own and a.own == b.own) or stepped or (a.name, b.name) in reported:
+        if (a.own and a.own == b.own) or stepped or (a.name, b.name) in found:
             continue
         gap = _gap(a, b)
         if gap < wall - ROUNDING:
-            reported.add((a.name, b.name))
-            how = f"leave {length(gap)} between them" if gap > 0 else "meet"
-            keys = tuple(dict.fromkeys((*a.keys, *b.keys)))
-            yield f"{a.name} and {b.name} {how}; {length(wall)} is needed: {given(d, *keys)}"
+            found[a.name, b.name] = (a, b, gap)
+    return tuple(found.values())
 
 
 @rule

@@ -67,6 +67,28 @@ def test_modes_and_compliance_agree():
     np.testing.assert_allclose(summed, plate.compliance(places), rtol=5e-3, atol=2e-10)
 
 
+def test_what_is_kept_of_an_outline_gives_the_same_modes_and_deflections():
+    """Modes from those of the free plate against those of all degrees of freedom; forces on assembled matrices."""
+    from scipy.sparse.linalg import splu
+
+    plate = Plate(0.231, 0.272, 0.011, 68.9e9, 0.33, 2900.0)
+    feet = [((x, y), 0.3, 0.04) for x in (-0.04, 0.04) for y in (-0.05, 0.05)]
+    one = SupportedPlate(plate, PADS, feet)
+    places = [(0.0, 0.0), (0.03, -0.1)]
+    direct = one.modes(30, places)
+    for _ in range(2):
+        again = one.modes(30, places)
+    assert one._outline._asked == 3
+    np.testing.assert_allclose(again.frequency, direct.frequency, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(again.shapes), np.abs(direct.shapes), atol=1e-8)
+    forces = np.zeros((one._outline.size, 2))
+    for number, place in enumerate(places):
+        columns, values = one._outline.row(place)
+        forces[columns, number] = values
+    solved = one._at(places, splu(one._stiffness).solve(forces))
+    np.testing.assert_allclose(one.compliance(places), solved, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     "call, words",
     [

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
+from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
 from stagecad.parameters.errors import InputError
 
 ROUGH = Surface(roughness=20e-9, correlation_length=20e-6, waviness=0.0, wavelength=10e-3)
@@ -39,6 +39,16 @@ def test_waves_longer_than_the_contact_pass_and_opposed_ones_cancel():
     assert np.std(carried_height(in_step, step, SIDE)) == pytest.approx(5e-9 / np.sqrt(2) * transfer, rel=2e-3)
     opposed, _ = synthetic_profiles(waves, 0.3, SIDE, 2, phase=np.pi)
     assert np.std(carried_height(opposed, step, SIDE)) < 1e-12
+
+
+def test_waves_in_closed_form_are_those_of_the_profiles():
+    waves = Surface(roughness=0.0, correlation_length=20e-6, waviness=5e-9, wavelength=7e-3)
+    profiles, step = synthetic_profiles(waves, 0.3, SIDE, 2, phase=0.7)
+    starts, size = np.array([0, 811, 405]), 50_000
+    rows = [profiles[track, start : start + size] for track, start in zip((0, 1, 1), starts)]
+    phases = np.array([0.0, 0.7, 0.7])
+    found = carried_waves(waves, starts, phases, step, size, SIDE)
+    assert found == pytest.approx(np.std(carried_height(rows, step, SIDE)), rel=1e-9)
 
 
 @pytest.mark.parametrize(

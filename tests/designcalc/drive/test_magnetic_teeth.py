@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, lil_matrix
 from scipy.sparse.linalg import spsolve
+from scipy.special import jv
 
 from designcalc.drive.magnetic_teeth import (
     MU_0,
+    _bessel_table,
     flat_field,
     ratio_map,
     teeth_field,
@@ -141,3 +143,9 @@ def test_map_has_the_shape_the_thesis_missed():
 def test_outside_the_range_is_said(arguments, words):
     with pytest.raises(InputError, match=words):
         teeth_field(*arguments)
+
+
+def test_bessel_functions_by_recurrence():
+    x = np.geomspace(0.05, 5e3, 400)
+    direct = jv(np.arange(28)[:, None] + 7 / 6, x)
+    np.testing.assert_allclose(_bessel_table(28, x), direct, rtol=1e-9, atol=1e-14)
