@@ -26,6 +26,8 @@ _DEPENDENT = 1e-6
 _KEPT_MODES, _RESIDUAL_ORDERS = 2.5, 4
 """Modes of the free plate in the basis for the modes of a supported one, per mode wanted; and orders of the residual
 vectors of its springs and masses: frequencies agree with those of all degrees of freedom to 1e-10."""
+_EXTREME = 1e3
+"""Largest stiffness or mass at a point, over that of the plate in such a mode, for which this basis serves."""
 
 
 @dataclass(frozen=True)
@@ -160,12 +162,15 @@ class SupportedPlate:
             count: of the modes; those of a free plate include its three rigid-body modes.
             places: at which the shapes are wanted, m, shape (n, 2).
         """
-        basis = self._outline.modal_basis()
-        if basis is None:
+        free, shapes = self._outline.free_modes
+        kept = min(max(round(_KEPT_MODES * count), 60), free.size)
+        # A spring or mass far beyond those of the plate's own modes leaves no digits for the others.
+        extreme = _EXTREME * self.plate.length * self.plate.width
+        stiff = any(k > extreme * free[kept - 1] * self.plate.rigidity for _, k in self._springs)
+        if stiff or any(m > extreme * self._area_density for _, m, _ in self._masses):
             frequency, vectors = self._eigenvectors(count)
             return Modes(frequency, self._at(places, vectors))
-        free, shapes = basis
-        frequency, parts = self._from_free_modes(count, free, shapes)
+        frequency, parts = self._from_free_modes(count, kept, free, shapes)
         rows = [(self._outline.row(place), 1.0) for place in _places(places)]
         return Modes(frequency, _projected(rows, shapes) @ parts)
 
@@ -218,16 +223,15 @@ class SupportedPlate:
         order = np.argsort(values)
         return np.sqrt(np.maximum(values[order], 0.0)) / (2 * np.pi), vectors[:, order]
 
-    def _from_free_modes(self, count: int, free: Array, shapes: Array) -> tuple[Array, Array]:
+    def _from_free_modes(self, count: int, kept: int, free: Array, shapes: Array) -> tuple[Array, Array]:
         """As `_eigenvectors`, the vectors by their parts in the modes of the free plate of unit rigidity and density.
 
         The lowest of these, and residual vectors in the others: a mode of eigenvalue ``v`` is moved by springs and
         masses at points by ``sum_j phi_j (phi_j . f)/(v_j - v)``, whose part of high ``v_j`` is a power series in ``v``
         about the middle of the range, with one vector for each power.
         """
-        from scipy.linalg import eigh, qr
+        from scipy.linalg import eigh
 
-        kept = min(round(_KEPT_MODES * count), free.size)
         springs = _projected(self._spring_rows, shapes)
         masses = _projected(self._mass_rows, shapes)
         tail = np.vstack([springs, masses])[:, kept:].T / (free[kept:, None] - 0.5 * free[count])
@@ -237,7 +241,7 @@ class SupportedPlate:
         whole = np.hstack(orders)
         residual = np.zeros((free.size - kept, 0))
         if whole.size:
-            residual = np.asarray(qr(whole / np.linalg.norm(whole, axis=0), mode="economic")[0])
+            residual = np.asarray(np.linalg.qr(whole / np.linalg.norm(whole, axis=0))[0])
 
         def reduced(rows: Array) -> Array:
             return np.hstack([rows[:, :kept], rows[:, kept:] @ residual])

@@ -39,7 +39,7 @@ _KEPT = 1024
 """Deflections under unit forces that are kept for one outline."""
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def outline(length: float, width: float, poisson: float, along: int, across: int) -> Outline:
     """The elements of a plate about the origin, kept for the outlines used last."""
     return Outline(length, width, poisson, along, across)
@@ -64,7 +64,6 @@ class Outline:
         self.numbers = (3 * corners[:, :, None] + np.arange(3)).reshape(-1, 12)
         self.stiffness, self.mass = self._assembled()
         self._held: dict[tuple[Place, Slope], Array] = {}
-        self._asked = 0
 
     def _assembled(self) -> tuple[csc_array, csc_array]:
         from scipy.sparse import coo_array
@@ -150,17 +149,12 @@ class Outline:
         moved = np.array([values @ bare[columns] for columns, values in rows])
         return bare - np.linalg.solve(inverse + seen, moved) @ held
 
-    def modal_basis(self) -> tuple[Array, Array] | None:
+    @cached_property
+    def free_modes(self) -> tuple[Array, Array]:
         """All eigenvalues of the free plate, rising, shape (size,), and vectors of unit mass, shape (size, size).
 
-        Computed when asked for the third time, since one plate's own modes take less: None until then.
+        By the four classes of vectors that are even or odd about each axis.
         """
-        self._asked += 1
-        return self._modal if self._asked > 2 else None
-
-    @cached_property
-    def _modal(self) -> tuple[Array, Array]:
-        """By the four classes of vectors that are even or odd about each axis."""
         from scipy.linalg import eigh
 
         values, vectors = [], []

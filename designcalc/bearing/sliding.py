@@ -102,9 +102,9 @@ def averaged_profile(profile: ArrayLike, step: float, pad_length: float) -> Arra
     heights = np.asarray(profile, float)
     weight = pad_weights(heights.size, step, pad_length)
     # By Fourier transform: direct summation takes ten times as long for a way at a quarter of its correlation length.
-    size = int(next_fast_len(heights.size, real=True))
+    size: int = next_fast_len(heights.size, real=True)  # type: ignore[assignment]
     middle = heights.mean()
-    spectrum = rfft(heights - middle, size) * rfft(weight, size)
+    spectrum = np.asarray(rfft(heights - middle, size)) * np.asarray(rfft(weight, size))
     return np.asarray(irfft(spectrum, size), float)[weight.size - 1 : heights.size] + middle
 
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from stagecad.parameters.errors import InputError
 
@@ -65,5 +65,7 @@ def peak_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> flo
     static = float(mean / rate) ** (2 / 3) + mean / stiffness
     high = static + rise
     if rise > 0 and average(static) < mean < average(high):
-        high = brentq(lambda depth: average(depth) / mean - 1, static, high, xtol=1e-14 * static, rtol=1e-14)
+        high = root_scalar(
+            lambda depth: average(depth) / mean - 1, bracket=(static, high), xtol=1e-14 * static, rtol=1e-14
+        ).root
     return float(pressed_force(np.asarray(high), rate, stiffness))

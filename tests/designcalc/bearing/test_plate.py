@@ -75,12 +75,10 @@ def test_what_is_kept_of_an_outline_gives_the_same_modes_and_deflections():
     feet = [((x, y), 0.3, 0.04) for x in (-0.04, 0.04) for y in (-0.05, 0.05)]
     one = SupportedPlate(plate, PADS, feet)
     places = [(0.0, 0.0), (0.03, -0.1)]
-    direct = one.modes(30, places)
-    for _ in range(2):
-        again = one.modes(30, places)
-    assert one._outline._asked == 3
-    np.testing.assert_allclose(again.frequency, direct.frequency, rtol=1e-9)
-    np.testing.assert_allclose(np.abs(again.shapes), np.abs(direct.shapes), atol=1e-8)
+    found = one.modes(30, places)
+    frequency, vectors = one._eigenvectors(30)
+    np.testing.assert_allclose(found.frequency, frequency, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(found.shapes), np.abs(one._at(places, vectors)), atol=1e-8)
     forces = np.zeros((one._outline.size, 2))
     for number, place in enumerate(places):
         columns, values = one._outline.row(place)
