@@ -18,6 +18,7 @@ _MODULES = {
     "Model": "workbench.api.statement",
     "Record": "workbench.api.statement",
     "Rig": "workbench.api.statement",
+    "RigKind": "workbench.api.statement",
     "Experiment": "workbench.api.experiment",
     "Comparison": "workbench.api.comparison",
     "compare": "workbench.api.comparison",

@@ -43,6 +43,7 @@ from workbench.api.simulation import (
 from workbench.api.statement import Model as Model
 from workbench.api.statement import Record as Record
 from workbench.api.statement import Rig as Rig
+from workbench.api.statement import RigKind as RigKind
 from workbench.api.suggestion import Suggestion as Suggestion
 from workbench.api.suggestion import suggest as suggest
 
@@ -63,6 +64,7 @@ __all__ = [
     "Parts",
     "Record",
     "Rig",
+    "RigKind",
     "Scan",
     "SimulatedRecords",
     "Simulation",

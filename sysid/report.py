@@ -25,6 +25,7 @@ from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
 from sysid.prediction.simulation_error import SimulationErrors, SimulationMisfit, simulation_errors
 from sysid.validation.information_criteria import information_criteria
+from sysid.validation.residual_correlation import residual_correlation
 
 SCHEMA = 1
 LEAST_P = 0.001
@@ -287,6 +288,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         **simulation_json(problem, comparison.simulation),
         "parameters": parameters_json(problem, base.fitted, found),
         "information": information_criteria(base.fitted).to_json(),
+        "correlation_of_residual": residual_correlation_json(problem, base.fitted),
         **identifiability_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
         "dead": [public_key(k) for k in base.fitted.fit.inactive],
@@ -294,6 +296,27 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "notes": [*problem.notes, *([comparison.simulation.note] if comparison.simulation.note else [])],
         "seconds": comparison.seconds,
     }
+
+
+def residual_correlation_json(problem: Problem, fitted: FittedModel) -> dict[str, Any]:
+    """By channel, on the records of the fit: whether the residual is white noise, its autocorrelation at the first lag,
+    and the inputs that it follows, with the largest correlation and its lag."""
+    out: dict[str, Any] = {}
+    for channel in dict.fromkeys(name for record in problem.fit_records for name in record.measured):
+        found = residual_correlation(problem, fitted.model, channel)
+        follows = {}
+        for name in found.correlated_inputs:
+            k = int(np.argmax(np.abs(found.cross[name])))
+            lag = as_json(float(found.cross_lags[k]), "s")
+            follows[name] = {"correlation": float(found.cross[name][k]), "lag": lag}
+        out[channel] = {
+            "white": found.is_white,
+            "p_value": p_value_json(found.p_value),
+            "autocorrelation": float(found.autocorrelation[1]),
+            "step": as_json(found.step, "s"),
+            "follows": follows,
+        }
+    return out
 
 
 def suggestion_json(found: Suggestion, files: Sequence[str | None]) -> list[dict[str, Any]]:

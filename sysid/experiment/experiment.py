@@ -16,7 +16,7 @@ from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rig_kinds.balance import balance_of
-from sysid.experiment.rig_kinds.declaration import find_rig
+from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
 from sysid.experiment.rigs import CHANNELS, RigKind, find_base
 from sysid.experiment.settings import Setting, check_effects, read_settings
 from sysid.experiment.toml_table import TomlTable, quantity, read_toml, shown
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from sysid.experiment.history import Revision
 
 SCHEMA = 1
+OWN_KIND = "own"
+"""Name of a kind of rig that the experiment declares itself, under `[rig.kind]`."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,10 @@ def read_experiment(
             raise InputError(f"{name}: '{key}' is missing; write {example}")
     rig_table = top.table("rig")
     rig_table.allow(("kind", "known", "input_hold"))
-    kind = find_rig(rig_table.text("kind"), rig_table.where("kind"), file.parent)
+    if isinstance(rig_table.data.get("kind"), dict):
+        kind = declared_rig(rig_table.table("kind"), OWN_KIND)
+    else:
+        kind = find_rig(rig_table.text("kind"), rig_table.where("kind"), file.parent)
     hold: Any = rig_table.choice("input_hold", ("zero", "linear"), "zero")
     records, axes = read_record_specs(top, kind, file, in_memory)
     known_table = rig_table.table("known")

@@ -14,6 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -253,12 +254,21 @@ def _write_rung(
         **{key: value for key, value in document.items() if key not in ("schema", "rung", "effects", "model")},
         "model": dict(model),
         "records": dict(record_hashes),
+        **_own_rig(experiment.folder, text_after),
         "experiment_sha256": _sha(text_after),
         "experiment_before": text_before,
     }
     whole = json_data(whole)
     atomic_write_text(path, json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     return Revision(number, path, whole["model"], whole)
+
+
+def _own_rig(folder: Path, text: str) -> dict[str, Any]:
+    """Hash of the declaration file of the experiment's own kind of rig, if it has one."""
+    kind = tomllib.loads(text).get("rig", {}).get("kind")
+    if not isinstance(kind, str) or not kind.endswith(".toml"):
+        return {}
+    return {"rig": {kind: hashlib.sha256((folder / kind).read_bytes()).hexdigest()}}
 
 
 def _pending_path(folder: Path) -> Path:

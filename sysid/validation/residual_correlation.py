@@ -32,6 +32,10 @@ QUANTILE = 2.5758
 """Two-sided 99 % point of the normal distribution."""
 
 LAGS = 25
+LEVEL = 0.01
+"""Level of the test for white noise."""
+MOST_OUTSIDE = 0.05
+"""Share of the lags at which independent series may exceed their 99 % bound."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,20 @@ class ResidualCorrelation:
     cross: Mapping[str, np.ndarray]
     cross_bound: Mapping[str, float]
     p_value: float
+
+    @property
+    def is_white(self) -> bool:
+        """Whether the residual passes as white noise, at 1 % (Ljung and Box)."""
+        return self.p_value > LEVEL
+
+    @property
+    def correlated_inputs(self) -> tuple[str, ...]:
+        """Inputs whose correlation with the residual exceeds its bound at more lags than chance explains."""
+        return tuple(
+            name
+            for name, r in self.cross.items()
+            if int(np.sum(np.abs(r) > self.cross_bound[name])) > MOST_OUTSIDE * r.size
+        )
 
     @property
     def lags(self) -> np.ndarray:

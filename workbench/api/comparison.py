@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from sysid.compare import Comparison as Found
 from sysid.compare import compare as compare_problem
-from sysid.estimation.fit import FittedModel
-from sysid.prediction.problem import Problem
 from sysid.report import comparison_json
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import FittedResult, document, error_frame
@@ -26,17 +24,7 @@ Kind = Literal["overlay", "residual", "maps", "loops"]
 class Comparison(FittedResult):
     """The stated model, fitted: errors over the noise, residuals, and on what the residual depends."""
 
-    def __init__(self, experiment: Experiment, found: Found) -> None:
-        self.experiment = experiment
-        self.found = found
-
-    @property
-    def problem(self) -> Problem:
-        return self.found.problem
-
-    @property
-    def fitted(self) -> FittedModel:
-        return self.found.base.fitted
+    found: Found
 
     @property
     def errors(self) -> pd.DataFrame:
@@ -55,10 +43,6 @@ class Comparison(FittedResult):
     @cached_property
     def _document(self) -> dict[str, Any]:
         return document(comparison_json(self.found))
-
-    def to_json(self) -> dict[str, Any]:
-        """The document of `stagecad compare --json`."""
-        return self._document
 
     def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Figure:
         """A figure.

@@ -22,7 +22,7 @@ class Correlation(Result):
     @property
     def is_white(self) -> bool:
         """Whether the residual passes as white noise, at 1 % (Ljung and Box)."""
-        return self.found.p_value > 0.01
+        return self.found.is_white
 
     def to_dataframe(self) -> pd.DataFrame:
         """Correlations with their 99 % bounds; index `of` (`residual`, or the name of an input) and `lag`, s."""
@@ -48,11 +48,7 @@ class Correlation(Result):
         return correlation_figure(self.found)
 
     def __repr__(self) -> str:
-        outside = [
-            name
-            for name, r in self.found.cross.items()
-            if (abs(r) > self.found.cross_bound[name]).sum() > 0.05 * r.size
-        ]
+        outside = self.found.correlated_inputs
         p = "p < 0.001" if self.found.p_value < 0.001 else f"p = {self.found.p_value:.2g}"
         inputs = f", correlated with {', '.join(outside)}" if outside else ""
         white = "white" if self.is_white else "not white"

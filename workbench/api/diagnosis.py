@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Literal
 from sysid.diagnose import Diagnosis as Found
 from sysid.diagnose import diagnose as diagnose_problem
 from sysid.estimation.fit import FittedModel
-from sysid.prediction.problem import Problem
 from sysid.report import diagnosis_json
 from workbench.api.comparison import where_frame
 from workbench.api.experiment import Experiment, as_experiment
@@ -30,9 +29,7 @@ Progress = Callable[[str, int, int], None]
 class Diagnosis(FittedResult):
     """Which effect is missing, and how certain that is. Its fitted model has the effect named, where there is one."""
 
-    def __init__(self, experiment: Experiment, found: Found) -> None:
-        self.experiment = experiment
-        self.found = found
+    found: Found
 
     @property
     def verdict(self) -> str:
@@ -53,10 +50,6 @@ class Diagnosis(FittedResult):
     def reason(self) -> str:
         """Of the verdict, in words."""
         return self.found.reason
-
-    @property
-    def problem(self) -> Problem:
-        return self.found.problem
 
     @property
     def fitted(self) -> FittedModel:
@@ -112,10 +105,6 @@ class Diagnosis(FittedResult):
     @cached_property
     def _document(self) -> dict[str, Any]:
         return document(diagnosis_json(self.found))
-
-    def to_json(self) -> dict[str, Any]:
-        """The document of `stagecad diagnose --json`."""
-        return self._document
 
     def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Figure:
         """A figure.

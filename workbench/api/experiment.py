@@ -15,7 +15,7 @@ from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.known import DesignValues
 from sysid.experiment.model_table import model_of
 from workbench.api.result import Result
-from workbench.api.statement import Model, Record, Rig
+from workbench.api.statement import Model, Record, Rig, RigKind
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -126,7 +126,8 @@ class Experiment(Result):
         import tomllib
 
         table = tomllib.loads(self.stated.text)["rig"]
-        return Rig(table["kind"], table.get("known", {}), self.stated.rig.input_hold)
+        kind = RigKind.from_table(table["kind"]) if isinstance(table["kind"], dict) else table["kind"]
+        return Rig(kind, table.get("known", {}), self.stated.rig.input_hold)
 
     @property
     def model(self) -> Model:

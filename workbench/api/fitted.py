@@ -38,15 +38,28 @@ class FittedResult(Result):
 
     experiment: Experiment
 
-    @property
+    def __init__(self, experiment: Experiment, found: Any) -> None:
+        self.experiment = experiment
+        self.found = found
+
+    @cached_property
     @abstractmethod
-    def fitted(self) -> FittedModel:
-        """The fitted model."""
+    def _document(self) -> dict[str, Any]:
+        """The document of the command."""
+
+    def to_json(self) -> dict[str, Any]:
+        """The document that the command prints with `--json`."""
+        return self._document
 
     @property
-    @abstractmethod
+    def fitted(self) -> FittedModel:
+        """The fitted model."""
+        return self.found.base.fitted
+
+    @property
     def problem(self) -> Problem:
         """The prepared records."""
+        return self.found.problem
 
     @cached_property
     def overlay(self) -> pd.DataFrame:

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
-from sysid.estimation.fit import FittedModel
 from sysid.ladder import Addition as Found
 from sysid.ladder import add_effects, addition_json, current_ladder
-from sysid.prediction.problem import Problem
 from workbench.api.experiment import Experiment, as_experiment, design_source
 from workbench.api.fitted import FittedResult, document, error_frame, parameter_frame
 from workbench.api.result import Result
@@ -28,17 +26,7 @@ class Addition(FittedResult):
     `experiment` has the new model; its fitted values are the starts of the next fit.
     """
 
-    def __init__(self, experiment: Experiment, found: Found) -> None:
-        self.experiment = experiment
-        self.found = found
-
-    @property
-    def problem(self) -> Problem:
-        return self.found.problem
-
-    @property
-    def fitted(self) -> FittedModel:
-        return self.found.base.fitted
+    found: Found
 
     @property
     def errors(self) -> pd.DataFrame:
@@ -55,10 +43,6 @@ class Addition(FittedResult):
     @cached_property
     def _document(self) -> dict[str, Any]:
         return document(addition_json(self.found))
-
-    def to_json(self) -> dict[str, Any]:
-        """The document of `stagecad add --json`."""
-        return self._document
 
     def plot(self, record: str | None = None, channel: str | None = None) -> Figure:
         """Measurement, prediction of the new model, and residual.

@@ -16,12 +16,64 @@ Setting = str | float | Mapping[str, Any]
 """A start (`"1.2 N"`, `"1.2 +- 0.1 N"`, `0.8`), or a table with `start`, `low`, `high`, `fixed`."""
 
 
+Declared = str | Mapping[str, Any]
+"""A unit, or a table with `unit`, `rotary_unit` and `default`."""
+
+
+@dataclass(frozen=True)
+class RigKind:
+    """A kind of rig of the user's own: the channels of a built-in kind, made by formulas of what is recorded.
+
+    Args:
+        base: `velocity-drive`, `spring-pull`, `force-drive`, `actuator-tip` or `friction-drive`.
+        channels: recorded, besides those of the base: unit by name, or a table with `unit`, `rotary_unit`, `default`.
+        balance: formula by channel of the base, of `channel.NAME`, `known.NAME`, `rate.NAME` and `rate2.NAME`.
+        known: keys of what may be known of the rig: unit by name, or a table as of a channel.
+        constants: formula by known quantity of the base.
+        axis: `linear` or `rotary`, where the units of the channels do not tell.
+        meaning: in one line.
+
+    >>> coil = RigKind("force-drive", {"current": "A"}, {"drive_force": "known.k * channel.current"}, {"k": "N/A"})
+    >>> Rig(coil, {"k": "8 N/A", "mass": "1 kg"})
+    Rig(RigKind('force-drive', channels=['current'], balance=['drive_force']), k='8 N/A', mass='1 kg')
+    """
+
+    base: str
+    channels: Mapping[str, Declared] = field(default_factory=dict)
+    balance: Mapping[str, str] = field(default_factory=dict)
+    known: Mapping[str, Declared] = field(default_factory=dict)
+    constants: Mapping[str, str] = field(default_factory=dict)
+    axis: Literal["linear", "rotary"] | None = None
+    meaning: str = ""
+
+    def __repr__(self) -> str:
+        return f"RigKind({self.base!r}, channels={list(self.channels)}, balance={list(self.balance)})"
+
+    def table(self) -> dict[str, Any]:
+        """The content of its declaration file, or the table `[rig.kind]` of an `experiment.toml`."""
+        axis = {} if self.axis is None else {"axis": self.axis}
+        maps = {"channels": self.channels, "known": self.known, "balance": self.balance, "set": self.constants}
+        tables = {
+            name: {key: dict(one) if isinstance(one, Mapping) else one for key, one in given.items()}
+            for name, given in maps.items()
+            if given
+        }
+        return {"meaning": self.meaning, "base": self.base, **axis, **tables}
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> RigKind:
+        """The kind of a table as of `table()`."""
+        named = {key: value for key, value in table.items() if key != "set"}
+        return cls(**named, constants=table.get("set", {}))
+
+
 @dataclass(frozen=True)
 class Rig:
     """A rig: its kind, and what is known of it.
 
     Args:
-        kind: `velocity-drive`, `spring-pull`, `force-drive`, `actuator-tip` or `friction-drive`.
+        kind: a name (`velocity-drive`, `spring-pull`, `force-drive`, `actuator-tip`, `friction-drive`, or one of the
+            declared kinds such as `motor-current`), or a `RigKind` of the user's own.
         known: quantities as text with a unit, perhaps with a deviation; what is not here is fitted.
         input_hold: course of the logged input between rows: held (`zero`) or `linear`.
 
@@ -29,7 +81,7 @@ class Rig:
     Rig('force-drive', mass='1.79 +- 0.01 kg')
     """
 
-    kind: str
+    kind: str | RigKind
     known: Mapping[str, str] = field(default_factory=dict)
     input_hold: Literal["zero", "linear"] = "zero"
 
@@ -40,7 +92,8 @@ class Rig:
 
     def table(self) -> dict[str, Any]:
         """The table `[rig]` of an `experiment.toml`."""
-        return {"kind": self.kind, "input_hold": self.input_hold, "known": dict(self.known)}
+        kind = self.kind if isinstance(self.kind, str) else self.kind.table()
+        return {"kind": kind, "input_hold": self.input_hold, "known": dict(self.known)}
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from workbench.identification.statements import (
     unphysical_statements,
 )
 from workbench.identification.tables import (
+    correlation_table,
     dependence_table,
     detectable_table,
     error_table,
@@ -55,6 +56,9 @@ def print_comparison(run: Run, comparison: Comparison, document: Mapping[str, An
     run.console.print(rich_table(parameter_table(document["parameters"])))
     for line in document["not_identifiable"]:
         run.echo(line)
+    correlation = correlation_table(document)
+    run.console.print(rich_table(correlation))
+    run.echo(correlation.note)
     if not is_adequate(comparison):
         run.console.print(rich_table(dependence_table(document["where"][:MOST_COORDINATES])))
     print_warnings(run, comparison)

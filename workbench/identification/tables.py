@@ -145,6 +145,26 @@ def simulation_table(document: Row) -> Table:
     return make_table("Error of simulation (rms)", columns, [] if prediction else rows, note)
 
 
+def correlation_table(document: Row) -> Table:
+    """Whiteness of the residual by channel, the inputs that it follows, and the information criteria of the model."""
+    columns = [("channel", TEXT), ("residual", TEXT), ("p", NUMBER), ("autocorrelation", NUMBER), ("follows", REMARK)]
+    rows = []
+    for channel, one in document["correlation_of_residual"].items():
+        follows = (
+            f"{name.replace('_', ' ')} ({row['correlation']:+.2f} at {quantity_text(row['lag']['value'], 's')})"
+            for name, row in one["follows"].items()
+        )
+        white, step = "white" if one["white"] else "not white", quantity_text(one["step"]["value"], "s")
+        first = f"{one['autocorrelation']:+.2f} at {step}"
+        rows.append([channel.replace("_", " "), white, p_value_text(one["p_value"]), first, ", ".join(follows)])
+    criteria = document["information"]
+    note = (
+        f"AIC {criteria['aic']:.1f}, BIC {criteria['bic']:.1f} with {criteria['parameters']} parameters on "
+        f"{criteria['samples']} samples of the fit."
+    )
+    return make_table("Correlation of the residual (records of the fit)", columns, rows, note)
+
+
 def parameter_table(parameters: Mapping[str, Row], title: str = "Parameters") -> Table:
     """Fitted values with their 95 % intervals, and a remark where the records do not determine them."""
     rows = [

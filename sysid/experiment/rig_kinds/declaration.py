@@ -71,9 +71,13 @@ def read_rig(path: Path, shown_name: str) -> RigKind:
     Raises:
         InputError: a fault in the file, with its key.
     """
-    top = read_toml(path, shown_name)[2]
+    return declared_rig(read_toml(path, shown_name)[2], path.stem)
+
+
+def declared_rig(top: TomlTable, name: str) -> RigKind:
+    """The kind of rig called `name` that a table declares. Raises as `read_rig`."""
     top.allow(("meaning", "base", "axis", "channels", "known", "balance", "set"))
-    top.text("meaning")
+    top.text("meaning", "")
     base = RIGS[top.choice("base", tuple(RIGS))]
     defaults: dict[str, str] = {}
     own = {key: _channel(top.table("channels"), key, defaults) for key in top.table("channels").data}
@@ -83,7 +87,7 @@ def read_rig(path: Path, shown_name: str) -> RigKind:
     known = {key: _known(top.table("known"), key, defaults) for key in top.table("known").data}
     balance = _formulas(top.table("balance"), base.channels, own, known, base)
     if not balance:
-        raise InputError(f"{top.file}: [balance] is missing; a channel of {base.name} by a formula is wanted")
+        raise InputError(f"{top.where('balance')}: is missing; a channel of {base.name} by a formula is wanted")
     constants = _formulas(top.table("set"), base.known, {}, known, base)
     optional = {key.partition(".")[2] for key in defaults if key.startswith("channel.")}
     required = _required(balance, base, optional)
@@ -91,7 +95,7 @@ def read_rig(path: Path, shown_name: str) -> RigKind:
     taken = _flat(required) | _flat(measured) | balance.keys() | set(ALWAYS_ALLOWED)
     axis = top.choice("axis", ("linear", "rotary"), "") if "axis" in top.data else ""
     return RigKind(
-        name=path.stem,
+        name=name,
         inputs=required,
         optional_inputs=tuple(name for name in (*own, *base.channels) if name not in taken),
         measured=measured,

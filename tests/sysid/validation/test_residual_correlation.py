@@ -70,3 +70,16 @@ def test_a_missing_delay_shows_at_its_lag_and_independent_inputs_stay_in_their_b
     largest = int(np.argmax(np.abs(found.cross["u"])))
     assert found.cross_lags[largest] == pytest.approx(0.04)
     assert np.sum(np.abs(found.cross["u"]) > found.cross_bound["u"]) <= 2
+
+
+def test_the_inputs_that_the_residual_follows_are_named() -> None:
+    random = np.random.default_rng(8)
+    cause, other = random.normal(size=(2, 4000))
+    residual = random.normal(size=4000)
+    # A dynamic response to one input over several samples.
+    for lag, gain in enumerate((0.5, 0.4, 0.3, 0.2), start=1):
+        residual[lag:] += gain * cause[:-lag]
+    found = correlations("force", 1e-3, [residual], {"cause": [cause], "other": [other]})
+    assert found.correlated_inputs == ("cause",) and not found.is_white
+    assert found.cross_lags[np.argmax(np.abs(found.cross["cause"]))] == pytest.approx(1e-3)
+    assert correlations("force", 1e-3, [random.normal(size=4000)], {"other": [other]}).correlated_inputs == ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,7 @@ import pytest
 import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
 from workbench.dispatch import run_line
+from workbench.identification.tables import correlation_table
 
 from .conftest import NOISE, slide_log
 
@@ -107,3 +109,15 @@ def test_tables_and_pages_of_every_result(comparison, diagnosis, addition) -> No
         assert repr(result).startswith("<") and len(repr(result)) < 200 and "\n" not in repr(result)
         assert "<table" in result._repr_html_()
         json.dumps(result.to_json(), allow_nan=False)
+
+
+def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition) -> None:
+    before = comparison.to_json()["correlation_of_residual"]["friction_force"]
+    assert not before["white"] and before["autocorrelation"] > 0.2
+    assert before["step"] == {"value": pytest.approx(0.005), "unit": "s"}
+    lines = {row[0]: row[1:] for row in correlation_table(comparison.to_json()).rows}
+    assert lines["friction force"][0] == "not white"
+    assert re.search(r"AIC -?\d+\.\d, BIC -?\d+\.\d with 3 parameters", correlation_table(comparison.to_json()).note)
+    after = stagecad.compare(addition.experiment).to_json()
+    assert abs(after["correlation_of_residual"]["friction_force"]["autocorrelation"]) < 0.5 * before["autocorrelation"]
+    assert after["information"]["bic"] < comparison.to_json()["information"]["bic"] - 1000.0

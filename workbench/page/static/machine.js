@@ -253,7 +253,7 @@ class Machine {
       this.checks.rebase();
       try {
         this.take(await post('/api/machine/commit', { changes: { ...this.changes, ...changes } }));
-        say(`${Object.keys(changes).length} parameters changed; Undo takes them back`, 'good');
+        say(`changed: ${Object.keys(changes).join(', ')}; Undo takes them back`, 'good');
         this.changed();
       } catch (error) { say(error.message, 'bad'); }
     });

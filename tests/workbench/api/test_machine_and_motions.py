@@ -1,0 +1,69 @@
+"""Drawings, suggested motions and simulations from Python."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stagecad
+from stagecad import Diagnosis, Experiment, InputError
+
+
+def test_the_experiments_of_the_thesis() -> None:
+    found = stagecad.simulate("presliding", models=["lugre"])
+    assert isinstance(found, stagecad.Simulation)
+    table = found.tables["presliding_lugre"]
+    peak = found.to_dataframe().loc[("lugre", "position_max"), "value"]
+    assert table["position [m]"].max() == pytest.approx(peak, rel=1e-3)
+    assert found.to_json()["presliding"]["lugre"]["position_max"]["unit"] == "m"
+    assert "presliding" in repr(found) and found.plot().axes
+    with pytest.raises(InputError, match="did you mean 'lugre'"):
+        stagecad.simulate("presliding", models=["lugrr"])
+    with pytest.raises(InputError, match="neither an experiment of the thesis nor a folder"):
+        stagecad.simulate("presliging")
+
+
+def test_the_model_of_an_experiment_on_its_own_motion_and_on_another(slide: Experiment) -> None:
+    own = stagecad.simulate(slide, seed=None)
+    assert isinstance(own, stagecad.SimulatedRecords) and set(own.records) == {"one", "two"}
+    t = np.arange(400) * 0.005
+    motion = {"time [s]": t, "position [m]": 0.01 * np.sin(3.0 * t), "velocity [m/s]": 0.03 * np.cos(3.0 * t)}
+    other = stagecad.simulate(slide, motion=motion, seed=3)
+    (record,) = other.records.values()
+    force = record["friction_force [N]"].to_numpy()
+    # Coulomb and viscous friction have the sign of the velocity.
+    moving = np.abs(motion["velocity [m/s]"]) > 0.01
+    assert np.all(np.sign(force[moving]) == np.sign(motion["velocity [m/s]"][moving]))
+    again = next(iter(stagecad.simulate(slide, motion=motion, seed=3).records.values()))
+    np.testing.assert_array_equal(again, record)
+    json.dumps(other.to_json(), allow_nan=False)
+    with pytest.raises(InputError, match="nothing"):
+        other.plot("nothing")
+
+
+@pytest.mark.slow
+def test_suggested_motions_can_be_written_and_measured(slide: Experiment, diagnosis: Diagnosis, tmp_path: Path) -> None:
+    steps: list[Any] = []
+    found = stagecad.suggest(slide, progress=lambda *step: steps.append(step))
+    table = found.to_dataframe()
+    assert list(table.index) == list(found.motions) and steps
+    assert table["deviations_squared_per_second"].is_monotonic_decreasing
+    written = found.write(tmp_path)
+    files = [row["file"] for row in written.to_json()]
+    assert [Path(file).is_file() for file in files] == [True] * len(files)
+    assert found.competing[0] == diagnosis.effect or diagnosis.effect in found.competing
+
+
+@pytest.mark.slow
+def test_drawings_are_written_and_shown(tmp_path: Path) -> None:
+    found = stagecad.drawings(names=["tip"], out=tmp_path)
+    assert list(found.sheets) == ["tip"]
+    assert sorted(Path(file).suffix for file in found.sheets["tip"]) == [".dxf", ".pdf", ".png", ".svg"]
+    assert all(Path(file).stat().st_size > 1000 for file in found.sheets["tip"])
+    assert found.to_dataframe().loc["tip", "paper"] == "A3" and found.plot().axes
+    with pytest.raises(InputError, match="did you mean 'tip'"):
+        stagecad.drawings(names=["tipp"], out=tmp_path)
