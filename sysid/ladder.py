@@ -10,7 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from sim.effects.catalogue import find
+from sim.effects.catalogue import find, rounding_effects
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
@@ -144,7 +144,7 @@ def add_effects(
 def _quantised(problem: Problem, fitted: FittedModel) -> list[str]:
     """Quantisation effects of the problem, which add to the noise floor only and are not part of the fitted model."""
     present = {e.name for e in fitted.model.effects}
-    return [n for n in problem.experiment.effects if n.partition("@")[0] == "sensor_quantisation" and n not in present]
+    return [n for n in rounding_effects(problem.experiment.effects, problem.custom) if n not in present]
 
 
 def _without_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, FittedModel]:
@@ -156,7 +156,7 @@ def _without_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[P
         raise InputError(f"{experiment.path}: model.effects has no '{name}' to drop{nearest(name, names)}")
     if any(e.name in dropped and e.friction_state is not None for e in fitted.model.effects):
         raise InputError(f"{experiment.path}: '{name}' is the friction state model; add another one in its place")
-    if public_name(name) == "sensor_quantisation":
+    if any(find(n, problem.custom).rounds for n in dropped):
         other = build_problem(experiment, problem.records, [n for n in experiment.effects if n not in dropped])
         return other, fit_stated_model(other).fitted
     return problem, fit_model(without_effect(fitted.model, dropped[0]), problem.fit_records, iterations=40)
@@ -171,7 +171,7 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
         ":" not in name and "@" not in name and public_name(name) in {public_name(p) for p in present if "@" not in p}
     ):
         raise InputError(f"{experiment.path}: model.effects has '{name}' already")
-    if public_name(name) == "sensor_quantisation":
+    if effect.rounds:
         return _with_quantisation(problem, name)
     candidates = candidate_effects(problem, present, all_effects=True)
     options = [c for c in candidates if c.name == name]
@@ -200,7 +200,7 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
         )
     found.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     best = found[0]
-    mode = detect_structural_mode(problem, fitted) if public_name(name) == "flexible_mode" else None
+    mode = detect_structural_mode(problem, fitted) if effect.is_mode else None
     if mode is not None:
         with_mode = with_structural_mode(problem, fitted, mode)[1]
         if not prefers_balance_fit(best.fitted, with_mode):

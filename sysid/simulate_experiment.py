@@ -9,7 +9,7 @@ with the stated or estimated standard deviation of each measured channel, rounde
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
+from sim.effects.catalogue import rounding_effects
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
 from sysid.estimation.identifiability import public_key
@@ -34,7 +35,8 @@ from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem, load_problem
-from sysid.prediction.simulation import Start, simulated_channels
+from sysid.prediction.rig_model import Start
+from sysid.prediction.simulation import simulated_channels
 from sysid.report import parameter_unit
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
@@ -122,13 +124,13 @@ class SimulatedExperiment:
             unit = rig.declaration.known[name].rotary_unit if rig.rotary else rig.declaration.known[name].unit
             deviation = f" +- {given.std:.4g}" if given.std else ""
             known[name] = f"{given.value:.12g}{deviation} {unit}"
-        names = [*(e.name for e in self.model.effects), *_quantisation(experiment.effects)]
+        names = [*(e.name for e in self.model.effects), *rounding_effects(experiment.effects, problem.custom)]
         model: dict[str, Any] = {"effects": list(dict.fromkeys(names))}
         if self.custom:
             model["custom"] = list(self.custom)
         settings = {key: self._setting(key) for key in self.model.values if not key.startswith("rig.")}
         model["parameters"] = settings
-        rounded = {name.partition("@")[2] for name in _quantisation(experiment.effects)}
+        rounded = {name.partition("@")[2] for name in rounding_effects(experiment.effects, problem.custom)}
         noise = {
             name: self._quantity(_added(found) if rounded & {"", name} else found.value, found.unit)
             for name, found in self.noise.items()
@@ -241,17 +243,12 @@ def _added(noise: Noise) -> float:
     return noise.value if noise.without_quantisation is None else noise.without_quantisation
 
 
-def _quantisation(names: Sequence[str]) -> list[str]:
-    return [name for name in names if split_channel(name)[0] == "sensor_quantisation"]
-
-
 def _quantisation_step(model: Model, channel: str, noise: Noise | None) -> float | None:
     """Step of a channel, in its unit: as found in the records, or as given in the model."""
     if noise is None or noise.without_quantisation is not None:
         return None if noise is None else noise.quantisation_step
     for effect in model.effects:
-        base, own = split_channel(effect.name)
-        if base == "sensor_quantisation" and own in (None, channel):
+        if effect.rounds and split_channel(effect.name)[1] in (None, channel):
             return noise.quantisation_step or model.values[f"{effect.name}.step"]
     return None
 
@@ -272,7 +269,7 @@ def _noise(problem: Problem) -> tuple[dict[str, Noise], tuple[str, ...]]:
     rig, stated = problem.experiment.rig.declaration, problem.experiment.noise
     # That of the rows as logged: long records are prepared as means over many rows.
     noise, _ = noise_by_channel(problem.experiment, problem.records)
-    noise = with_quantisation(noise, _quantisation(problem.experiment.effects))
+    noise = with_quantisation(noise, rounding_effects(problem.experiment.effects, problem.custom))
     added = {n: found for n, found in noise.items() if n in rig.measured_channels or n in stated}
     return added, tuple(name for name in noise if name not in added)
 

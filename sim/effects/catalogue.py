@@ -9,23 +9,29 @@ import functools
 import importlib
 import pkgutil
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import sim.effects
 from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
 
-ORDER = (
+PUBLIC = (
     *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
     *("direction_asymmetry", "position_dependent_friction", "load_dependent_friction"),
     *("temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring"),
     *("magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay"),
     *("piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity"),
-    *("sensor_drift", "sensor_quantisation", "dahl", "lugre", "lugre_undamped", "lugre_causal"),
-    *("lugre_causal_as_run", "maxwell_slip", "elasto_plastic", "rate_and_state"),
+    *("sensor_drift", "sensor_quantisation"),
 )
-"""Public effect names in the order in which they are listed."""
+"""Names of the effects that a diagnosis tries."""
+
+ORDER = (
+    *PUBLIC,
+    *("dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run", "maxwell_slip", "elasto_plastic"),
+    "rate_and_state",
+)
+"""Effect names in the order in which they are listed."""
 
 CHANNELS = (
     *("friction_force", "position", "position_y", "velocity", "spring_force", "drive_force"),
@@ -86,6 +92,16 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
         raise InputError(f"effect '{name}': '{base}' acts on {effect.acts_on}, not in the contact of tip and stage")
     # Under the requested name, so that its parameters are found by that name too.
     return effect if effect.name == name else replace(effect, name=name)
+
+
+def find_where(holds: Callable[[Effect], bool]) -> Effect:
+    """The first built-in effect for which a condition holds, such as the one that rounds a channel."""
+    return next(effect for effect in _built_in().values() if holds(effect))
+
+
+def rounding_effects(names: Sequence[str], custom: Sequence[Effect] = ()) -> list[str]:
+    """Those among the `names` of effects that round a channel."""
+    return [name for name in names if find(name, custom).rounds]
 
 
 def laws_of(name: str, custom: Sequence[Effect] = ()) -> tuple[Effect, ...]:

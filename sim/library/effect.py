@@ -159,6 +159,9 @@ class Effect:
         acts_on: place of action.
         needs: what the records must have for the effect to be observable.
         between_rows: a law for the course of a command between its rows.
+        rounds: a sensor effect that rounds a channel: it adds to its noise, and changes no prediction.
+        added_to_output: a sensor effect that adds to the output of the sensor, after its other effects.
+        piezo: index of the one piezo that it acts on; every one where left out.
         refinement: tried only once another law of its name is in the model, or by name.
         variants: other laws under the same name (`stribeck:free_exponent`).
     """
@@ -184,6 +187,9 @@ class Effect:
     acts_on: Literal["friction", "axis", "drive", "piezo", "sensor", "memory", "structure"] = "axis"
     needs: tuple[Literal["load", "temperature", "rotary", "imposed_motion"], ...] = ()
     between_rows: bool = False
+    rounds: bool = False
+    added_to_output: bool = False
+    piezo: int | None = None
     refinement: bool = False
     variants: tuple[Effect, ...] = ()
 
@@ -197,6 +203,16 @@ class Effect:
         if self.dissipation or self.acts_on not in ("friction", "axis", "memory"):
             return self.dissipation
         return "Changes the friction level alone: whether energy is returned depends on the state model."
+
+    @property
+    def is_mode(self) -> bool:
+        """Whether it is a structural mode: a part of the moving mass, or of a motion, follows through a resonance."""
+        return self.acts_on == "structure" and self.signal is not None
+
+    @property
+    def has_presliding(self) -> bool:
+        """Whether it is a friction state model whose presliding displacement a record resolves."""
+        return self.friction_state is not None and not self.friction_state.rigid
 
     def parameter(self, name: str) -> Parameter:
         """The parameter called `name`.

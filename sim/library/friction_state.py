@@ -49,6 +49,9 @@ class FrictionStateModel:
         table: stretch, weight, damping and friction limit of each element, (elements, 4), for a model made by
             `parallel_elements`; a function of `p`.
         sliding: friction in steady sliding, N, `sliding(level, speed, p)`; the level itself where left out.
+        rigid: its `stretch` is below what a record resolves, so that friction at rest balances any force up to the
+            level.
+        free_shares: the shares of its elements in the level are parameters.
     """
 
     name: str
@@ -62,6 +65,8 @@ class FrictionStateModel:
     springs: Callable[[Any], Elements] | None = None
     table: Callable[[Any], np.ndarray] | None = None
     sliding: Callable[[np.ndarray, np.ndarray, Any], np.ndarray] | None = None
+    rigid: bool = False
+    free_shares: bool = False
 
 
 def parallel_elements(

@@ -161,8 +161,7 @@ class ModelSearch:
             option: the effect to add; any where left out.
         """
         given, found = self.base.fitted.model, []
-        selected = [public_name(name) for name in self.base.laws]
-        for name in dict.fromkeys([*shaped_effects(given), *selected]):
+        for name in shaped_effects(given):
             below = self.without(name)
             if below is None:
                 continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.effects.catalogue import find
+from sim.effects.catalogue import find_where, rounding_effects
 from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import CLEAR_MARGIN, NOISE_FACTOR
 from sysid.diagnosis.decision import Decision
@@ -33,10 +33,11 @@ def quantised_channel(reference: Reference) -> Decision | None:
     """
     problem, base = reference.problem, reference.base
     coarse = [c for c, n in problem.noise.items() if n.quantisation_step is not None and n.without_quantisation is None]
-    if not coarse or any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
+    if not coarse or rounding_effects(problem.experiment.effects, problem.custom):
         return None
     every = len(problem.noise) == len(coarse)
-    added = ["sensor_quantisation"] if every else [f"sensor_quantisation@{c}" for c in coarse]
+    rounding = find_where(lambda effect: effect.rounds)
+    added = [rounding.name] if every else [f"{rounding.name}@{c}" for c in coarse]
     model = base.fitted.model
     validated = misfit(model, problem.validate_records)
     before = worst_over_noise(misfit(model, problem.fit_records), validated)
@@ -45,7 +46,7 @@ def quantised_channel(reference: Reference) -> Decision | None:
     with_steps = Reference.of(other, refit)
     candidate = Candidate(
         problem=other,
-        added=(find("sensor_quantisation"),),
+        added=(rounding,),
         fitted=refit.fitted,
         held_out=with_steps.held_out,
         gain=Gain(0.0, np.inf, np.inf, 0.0),
@@ -55,11 +56,7 @@ def quantised_channel(reference: Reference) -> Decision | None:
     added_variance = _added_variance(problem, other)
     hidden = before <= NOISE_FACTOR and added_variance >= NOISE_FACTOR**2
     share = min(1.0, EVEN * added_variance / max(before**2 - 1.0, 1e-9))
-    # With another noise the filter of a force balance has another width: the values are compared at the same one.
-    compared = misfit(
-        model.at({k: v for k, v in refit.fitted.model.values.items() if k in model.values}), problem.validate_records
-    )
-    risen = any(compared[c].rms > MOST_RISE * m.rms for c, m in validated.items())
+    risen = any(candidate.after_validate[c].rms > MOST_RISE * m.rms for c, m in validated.items())
     # With too small a noise the filter of a force balance is too narrow, and events are placed wrongly.
     fallen = all(candidate.after_validate[c].rms <= CLEAR_FALL * m.rms for c, m in validated.items())
     resolved = fallen and worst_over_noise(candidate.after_fit, candidate.after_validate) <= NOISE_FACTOR

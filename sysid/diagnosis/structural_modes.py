@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.effects.catalogue import find
+from sim.effects.catalogue import find_where
 from sim.library.effect import Effect
 from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import LEAST_GAIN
@@ -35,7 +35,7 @@ from sysid.experiment.unknowns import Prior
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
-from sysid.prediction.model import Model, PreparedRecord, public_name, with_effect
+from sysid.prediction.model import Model, PreparedRecord, with_effect
 from sysid.prediction.problem import Problem
 from sysid.signals.gaussian_filter import BAND
 from sysid.signals.masks import dilated, longer_than
@@ -142,7 +142,7 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
         problem: the records.
         fitted: model of the records without a mode.
     """
-    if any(public_name(e.name) == MODE for e in fitted.model.effects):
+    if any(e.is_mode for e in fitted.model.effects):
         return None
     fits = _whitened_records(problem, fitted.model, problem.fit_records)
     held_out = _whitened_records(problem, fitted.model, problem.validate_records)
@@ -173,7 +173,7 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
 
 def with_structural_mode(problem: Problem, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
     """The mode, and the fit of the model with it; the detected values are the priors of the fit."""
-    effect = find(MODE, problem.custom)
+    effect = find_where(lambda e: e.is_mode)
     start = {f"{effect.name}.{name}": value for name, value in found.values.items()}
     model = with_effect(fitted.model, effect, problem.scales, start)
     known = {f"{effect.name}.{name}": Prior(found.values[name], std) for name, std in found.stds.items()}
@@ -193,7 +193,7 @@ def structural_mode_candidate(
             where it names the mode, the modal values above the band are more accurate than those of the balance.
     """
     problem, base = reference.problem, reference.base
-    if otherwise.best is not None and otherwise.best.public_name != MODE:
+    if otherwise.best is not None and not otherwise.best.effect.is_mode:
         return None
     mode = detect_structural_mode(problem, base.fitted)
     if mode is None:
@@ -219,9 +219,6 @@ def structural_mode_candidate(
     )
 
 
-MODE = "flexible_mode"
-"""Effect of a structural mode."""
-
 LARGEST_INCREASE = 1.1
 """Largest ratio of the error of the force balance with a mode to that without: it need not contain the mode."""
 
@@ -231,7 +228,8 @@ SAME_MODE = 0.1
 
 def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
     """Whether the fit of a mode to the force balance alone is preferred to that with the detected values."""
-    frequencies = [fitted.model.values[f"{MODE}.frequency"] for fitted in (other, rings)]
+    models = other.model, rings.model
+    frequencies = [m.values[f"{e.name}.frequency"] for m in models for e in m.effects if e.is_mode]
     same = abs(frequencies[0] / frequencies[1] - 1.0) < SAME_MODE
     return fits_clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 
@@ -304,7 +302,7 @@ def _noise_spectrum(problem: Problem, balance: ForceBalanceRecord, mass: float, 
     """Noise power spectrum (k,) of force minus mass times acceleration, N^2, up to a common factor."""
     turn = 2.0 * np.pi * f
     motion = (mass * turn**2) ** 2
-    of_spring = balance.kind == "spring-pull"
+    of_spring = balance.force_channel != "drive_force"
     if "position" in problem.noise:
         moved = _power(problem.noise["position"], f, balance.step)
     elif "velocity" in problem.noise:

@@ -98,9 +98,7 @@ def synchronised_starts(
         count: largest number of models returned.
     """
     synchronised = [replace(record, nudging_gain=NUDGING_GAIN) for record in _along_one_axis(records)]
-    presliding = starts and any(
-        e.friction_state is not None and e.friction_state.name != "coulomb" for e in starts[0].effects
-    )
+    presliding = starts and any(e.has_presliding for e in starts[0].effects)
     if not synchronised or not starts or presliding:
         return []
     fits = [fit_model(start, synchronised, weights, steps) for start in starts]

@@ -210,7 +210,7 @@ def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool
         predicted = predict(record, model.effects, model.values)
         scored = scored_channels(record)
         imposed = isinstance(record, ForceBalanceRecord) and record.stick_fraction is None
-        presliding = imposed and any(e.friction_state and e.friction_state.name != "coulomb" for e in model.effects)
+        presliding = imposed and any(e.has_presliding for e in model.effects)
         timing = PRESLIDING_TIMING if presliding else 1.0
         std.append({c: sample_std(record, predicted, c, channel_noise(model, record, c), timing) for c in scored})
         every = 1

@@ -203,11 +203,8 @@ def core_variant_fits(
     """
     if root_mean_huber(fitted.fit.residual) <= SUFFICIENT:
         return []
-    free = next(
-        (v for v in core.variants if v.friction_state is not None and v.friction_state.name == "free_maxwell_slip"),
-        None,
-    )
-    if free is None or core.friction_state is None or core.friction_state.name != "maxwell_slip":
+    free = next((v for v in core.variants if v.friction_state is not None and v.friction_state.free_shares), None)
+    if free is None or core.friction_state is None or core.friction_state.springs is None:
         return []
     starts = [
         with_effect(fitted.model, free, scales, _equivalent_elements(fitted.model, core, free, span)) for span in SPANS

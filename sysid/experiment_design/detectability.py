@@ -150,7 +150,7 @@ def _by_shape(
     limit: _DetectionLimit, fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> MinimumDetectableEffect | None:
     sizes = [p for p in effect.parameters if p.role == "shape" and p.scan is not None and not p.fixed]
-    if not sizes or effect.name.partition(":")[0] == "flexible_mode":
+    if not sizes or effect.is_mode:
         # The response of a mode without a mass ratio vanishes for high frequencies: there is no smallest size.
         return None
     key = f"{effect.name}.{sizes[0].name}"

@@ -155,7 +155,7 @@ def rank_motions(
 def competing_models(found: Diagnosis) -> list[Candidate]:
     """The best candidate, those equivalent to it, and others of similar error; empty if no effect is missing."""
     best = found.best
-    if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
+    if best is None or found.verdict != "missing-effect" or any(e.rounds for e in best.added):
         # Quantisation is detected in the values of a channel and does not require a particular motion.
         return []
     rivals = [t for t in found.trials if t is not best and t.implausible is None]
@@ -223,7 +223,7 @@ def _near_reversals(record: ForceBalanceRecord, reach: int) -> np.ndarray:
     direction = record.axis.direction if record.direction is None else record.direction
     turns = np.concatenate([[False], direction[1:] != direction[:-1]])
     turning = dilated(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
-    if record.kind != "velocity-drive":
+    if record.acceleration is not None:
         # At rest friction equals the drive force for any friction law.
         turning |= dilated(record.axis.contact_age > 0.0, reach)
     return turning

@@ -12,17 +12,29 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from sim.library.effect import Effect
+from sysid.experiment.experiment import Rig
+from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import TERMS, Values, values_of
+from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.prediction.sensors import sensed
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
+
+if TYPE_CHECKING:
+    from sysid.prediction.model import Scales
+
+
+VOLTAGES = ("voltage_1", "voltage_2", "voltage_3")
+TIP_CHANNELS = ("tip_x", "tip_y", "tip_z")
+LENGTHS = {"piezo_spacing": "46 mm", "tip_height": "20 mm"}
+"""Known quantities that relate the voltages to the motion of a tip, each with an example."""
 
 
 class DrivenPiezos(Protocol):
@@ -53,45 +65,72 @@ class TipRecord:
         """Number of samples."""
         return self.time.size
 
+    @property
+    def settled_from(self) -> int:
+        """First row after the first reversal of every voltage."""
+        return max((_first_reversal(drive) for drive in self.drives), default=0)
 
-def tip_record(record: Record, known: Mapping[str, float], noise: Mapping[str, Noise]) -> TipRecord:
-    """A record of the rig kind `actuator-tip`, with the design's or the user's `piezo_spacing` and `tip_height`, m."""
-    time, step, channels, hole = uniform(record)
-    drives, missing = [], hole.copy()
-    for name in ("voltage_1", "voltage_2", "voltage_3"):
+    def scales(self) -> dict[str, float]:
+        """Scales of the record, by their names in `Scales`."""
+        return {
+            "time": float(self.time[-1]),
+            "sample": self.step,
+            "input": max(float(np.ptp(u)) for u in self.drives),
+            "channel": max(float(np.ptp(y)) for y in self.measured.values()),
+        }
+
+
+def _first_reversal(drive: np.ndarray) -> int:
+    """First row at which a signal (n,) changes its direction; its size where it does not."""
+    changes = np.flatnonzero(np.diff(drive))
+    signs = np.sign(np.diff(drive)[changes])
+    turns = np.flatnonzero(signs[1:] != signs[:-1])
+    return int(changes[turns[0] + 1]) if turns.size else (0 if changes.size == 0 else drive.size)
+
+
+def piezo_voltages(
+    channels: Mapping[str, np.ndarray], known: Mapping[str, Known]
+) -> tuple[list[np.ndarray], np.ndarray | bool]:
+    """Voltage of each piezo from its bias, V, (n,), with gaps bridged, and the mask (n,) of the gaps."""
+    drives, missing = [], False
+    for name in VOLTAGES:
         if name in channels:
             voltage, gap = filled(channels[name])
-            missing |= gap
-            drives.append(voltage - known.get("bias_voltage", 0.0))
-    measured, valid, floor = {}, {}, {}
-    for name in ("tip_x", "tip_y", "tip_z"):
+            missing = missing | gap
+            drives.append(voltage - (known["bias_voltage"].value if "bias_voltage" in known else 0.0))
+    return drives, missing
+
+
+def tip_record(record: Record, known: Mapping[str, Known], noise: Mapping[str, Noise]) -> TipRecord:
+    """A record of an actuator tip, with the design's or the user's `piezo_spacing` and `tip_height`, m."""
+    time, step, channels, hole = uniform(record)
+    drives, missing = piezo_voltages(channels, known)
+    measured, valid = {}, {}
+    for name in TIP_CHANNELS:
         if name in channels:
             measured[name], gap = filled(channels[name])
-            valid[name] = ~(gap | missing)
+            valid[name] = ~(gap | hole | missing)
             valid[name][0] = False
-            floor[name] = noise[name].value
     return TipRecord(
         name=record.name,
         role=record.role,
-        kind="actuator-tip",
+        kind=ActuatorTip.name,
         step=step,
         time=time,
         drives=drives,
         measured=measured,
         valid=valid,
-        noise=floor,
-        piezo_spacing=known["piezo_spacing"],
-        tip_height=known["tip_height"],
+        noise={name: noise[name].value for name in measured},
+        piezo_spacing=known["piezo_spacing"].value,
+        tip_height=known["tip_height"].value,
     )
 
 
-def piezo_stretch(record: DrivenPiezos, effects: Sequence[Effect], values: Values, index: int) -> np.ndarray:
+def piezo_stretch(record: DrivenPiezos, effects: Effects, values: Values, index: int) -> np.ndarray:
     """Stretch (n,) of one piezo over its gain, V, after every effect on drive and piezo."""
     signal, key = record.drives[index], ("stretch", index)
     for effect in effects:
-        if effect.acts_on not in ("drive", "piezo") or effect.signal is None:
-            continue
-        if effect.name == "gain_mismatch" and index != 1:
+        if effect.acts_on not in ("drive", "piezo") or effect.signal is None or effect.piezo not in (None, index):
             continue
         p = values_of(effect, values)
         key = (*key, effect.name, p)
@@ -99,8 +138,10 @@ def piezo_stretch(record: DrivenPiezos, effects: Sequence[Effect], values: Value
     return signal
 
 
-def predict_tip(record: TipRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
-    """Predicted tip channels (n,), m."""
+def predict_tip(
+    record: TipRecord, effects: Effects, values: Values, at: Mapping[str, np.ndarray] | None = None
+) -> Channels:
+    """Predicted tip channels, m, (n,), or at the samples `at` of each channel, (k,)."""
     stretches = [piezo_stretch(record, effects, values, k) for k in range(len(record.drives))]
     gain, lever = values["rig.gain"], record.tip_height / record.piezo_spacing
     first, second = stretches[0], stretches[1]
@@ -112,10 +153,47 @@ def predict_tip(record: TipRecord, effects: Sequence[Effect], values: Values) ->
         out["tip_z"] = -record.tip_height * gain * (third - 0.5 * (first + second)) / depth
     out = {name: signal for name, signal in out.items() if name in record.measured}
     for effect in effects:
-        if effect.acts_on == "structure" and effect.signal is not None:
+        if effect.is_mode and effect.signal is not None:
             p: Any = values_of(effect, values)
             part = getattr(p, "mass_ratio", 1.0)
             out = {n: u + part * (effect.signal(u, record.step, p) - u) for n, u in out.items()}
     for name in out:
         out[name] = out[name] + values[f"rig.offset_{name}"]
-    return sensed(effects, values, out, record.step)
+    out = sensed(effects, values, out, record.step)
+    return out if at is None else {channel: out[channel][index] for channel, index in at.items()}
+
+
+class ActuatorTip(RigModel):
+    """Voltages in, tip motion out."""
+
+    name = "actuator-tip"
+    predict = staticmethod(predict_tip)
+    required = LENGTHS
+
+    def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
+        fits = [r for r in records if r.role == "fit"]
+        rows = {c: np.concatenate([r.channels[c] for r in fits]) for c in fits[0].channels}
+        spread = max(float(np.nanstd(rows[c])) for c in VOLTAGES if c in rows)
+        size = max(float(np.nanstd(rows[c])) for c in TIP_CHANNELS if c in rows)
+        found, gain = RigParameters(rig.known), size / max(spread, 1e-300)
+        found.put_free("gain", gain, (0.0, np.inf), gain)
+        for channel in TIP_CHANNELS:
+            if channel in rows:
+                found.put_free(f"offset_{channel}", float(np.nanmean(rows[channel])), (-np.inf, np.inf), size)
+        return found
+
+    def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[TipRecord]:
+        return [tip_record(record, rig.known, noise) for record in records]
+
+    def shows(self, effect: Effect, records: Sequence[Any], channels: set[str]) -> bool:
+        return effect.acts_on in ("drive", "piezo", "sensor") or effect.is_mode
+
+    def sensor_places(self, channels: Sequence[str]) -> tuple[str | None, ...]:
+        return (None, *channels)
+
+    def without_motion(self, scales: Scales) -> str:
+        return "the voltages never change; their effect on the tip is not identifiable" if scales.input == 0.0 else ""
+
+    def simulate(self, rig: Rig, record: Record, effects: Effects, values: Values, start: Start | None) -> Channels:
+        logged = {name: 0.0 for name in TIP_CHANNELS if f"rig.offset_{name}" in values}
+        return self.predict_along(rig, record, logged, effects, values)

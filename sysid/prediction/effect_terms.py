@@ -98,7 +98,7 @@ def axis_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
         if effect.force is not None:
             p = values_of(effect, values)
             total = total + TERMS.get(balance, ("force", effect.name, p), partial(effect.force, balance.axis, p))
-        if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
+        if effect.is_mode and effect.signal is not None and balance.acceleration is not None:
             # The mass of a mode exerts its force also while friction holds the body: an external force.
             p = values_of(effect, values)
             own = balance.axis.acceleration

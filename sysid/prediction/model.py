@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from sim.library.effect import Effect, Parameter
 from sysid.experiment.unknowns import Unknown
-from sysid.prediction.actuator_tip import TipRecord, predict_tip
+from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.effect_terms import split_channel
-from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.friction import CONTACT
-from sysid.prediction.friction_drive.record import FrictionDriveRecord, predict_friction_drive, sliding_speed
+from sysid.prediction.rig_models import RIG_MODELS
 
 PreparedRecord = ForceBalanceRecord | TipRecord
 
@@ -27,11 +26,7 @@ def predict(
     at: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
     """Predicted channels of a prepared record of any rig, (n,), or at the samples `at` of each channel, (k,)."""
-    if isinstance(record, TipRecord | FrictionDriveRecord):
-        whole = predict_tip if isinstance(record, TipRecord) else predict_friction_drive
-        predicted = whole(record, effects, values)  # pyright: ignore[reportArgumentType]
-        return predicted if at is None else {channel: predicted[channel][index] for channel, index in at.items()}
-    return predict_balance(record, effects, values, at)
+    return RIG_MODELS[record.kind].predict(record, effects, values, at)
 
 
 @dataclass(frozen=True)
@@ -63,57 +58,25 @@ class Scales:
         return 1.0 if name == "one" else float(getattr(self, name))
 
 
-_SCALES = ("force", "position", "velocity", "time", "sample", "travelled", "load", "temperature", "input", "channel")
-
-
-LEAST_FORCE = 1e-2
-"""Median of a force over its standard deviation below which the log is at rest for most of its rows."""
-
 LEAST_REST = 10.0
 """Samples of the shortest stick phase that sets the scale of time at rest."""
 
+_DEFAULT = {"temperature_mean": 0.0, "sliding": 0.0, "rest": 0.0}
+"""Scales of records without such a quantity; all others are one."""
+
 
 def scales_of(records: Sequence[PreparedRecord]) -> Scales:
-    """Scales of a set of records: the largest over them."""
+    """Scales of a set of records: the largest over them, but the least sampling time, and the means of the last."""
+    found = [record.scales() for record in records]
 
-    def largest(of: list[float]) -> float:
-        return max(of) if of else 1.0
+    def over(name: str) -> float:
+        sizes, default = [one[name] for one in found if name in one], _DEFAULT.get(name, 1.0)
+        if not sizes or name.endswith("_mean"):
+            return sizes[-1] if sizes else default
+        return min(sizes) if name == "sample" else max(sizes)
 
-    found: dict[str, list[float]] = {name: [] for name in _SCALES}
-    load_mean, temperature_mean, sliding, rest = 1.0, 0.0, 0.0, 0.0
-    for record in records:
-        if isinstance(record, TipRecord):
-            found["time"].append(float(record.time[-1]))
-            found["sample"].append(record.step)
-            found["input"].append(max(float(np.ptp(u)) for u in record.drives))
-            found["channel"].append(max(float(np.ptp(y)) for y in record.measured.values()))
-            continue
-        axis = record.axis
-        y = record.measured[record.force_channel]
-        if isinstance(record, FrictionDriveRecord):
-            found["force"].append(record.force_scale)
-            sliding = max(sliding, sliding_speed(record))
-            found["input"].append(max(float(np.ptp(u)) for u in record.drives))
-        else:
-            force = record.force
-            y = force if record.is_free else y
-            # The force of rigid friction has two values: its median is one of them, and the middle lies between.
-            middle = 0.0 if record.is_free else float(np.mean(np.quantile(force, [0.05, 0.95])))
-            typical, spread = float(np.median(np.abs(force - middle))), float(np.std(force))
-            found["force"].append(typical if typical > LEAST_FORCE * spread else spread)
-        found["channel"].append(float(np.max(np.abs(y))))
-        found["position"].append(float(np.ptp(axis.position)))
-        found["velocity"].append(float(np.max(np.abs(axis.velocity))))
-        found["time"].append(float(axis.time[-1]))
-        found["sample"].append(record.step)
-        found["travelled"].append(float(axis.travelled[-1]))
-        rest = max(rest, float(np.max(axis.contact_age)))
-        found["load"].append(float(np.ptp(axis.load)))
-        found["temperature"].append(float(np.ptp(axis.temperature)))
-        load_mean, temperature_mean = float(np.mean(axis.load)), float(np.mean(axis.temperature))
-    sizes = {name: min(values) if name == "sample" else largest(values) for name, values in found.items()}
-    rest = rest if rest > LEAST_REST * sizes["sample"] else 0.01 * sizes["time"]
-    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean, sliding=sliding, rest=rest)
+    scales = Scales(**{part.name: over(part.name) for part in fields(Scales)})
+    return scales if scales.rest > LEAST_REST * scales.sample else replace(scales, rest=0.01 * scales.time)
 
 
 def _scales_for(effect: Effect, scales: Scales) -> Scales:
@@ -292,7 +255,7 @@ def with_effect(
             start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{core.name}.force"], **(start or {})}
         effects.insert(0, effect)
     else:
-        drifts = [k for k, e in enumerate(effects) if public_name(e.name) == "sensor_drift"]
+        drifts = [k for k, e in enumerate(effects) if e.added_to_output]
         before = drifts[0] if drifts and effect.acts_on == "sensor" and not as_listed else len(effects)
         effects.insert(before, effect)
     for parameter in effect.parameters:

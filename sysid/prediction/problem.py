@@ -7,33 +7,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from sim.effects.catalogue import find
+from sim.effects.catalogue import find, rounding_effects
 from sim.effects.custom import load_all_custom
 from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
-from sysid.experiment.unknowns import Prior, Unknown
+from sysid.experiment.unknowns import Prior
 from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
-from sysid.prediction.actuator_tip import TipRecord, tip_record
-from sysid.prediction.force_balance.imposed_motion import velocity_drive
-from sysid.prediction.force_balance.prepare import driven_mass
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.friction_drive.record import friction_drive_record
 from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
-from sysid.prediction.rig_parameters import rig_parameters
+from sysid.prediction.rig_model import RigModel
+from sysid.prediction.rig_models import RIG_MODELS
 from sysid.prediction.settling import without_start
-
-FORMS = {
-    "velocity-drive": "output",
-    "actuator-tip": "output",
-    "friction-drive": "output",
-    "spring-pull": "force_balance",
-    "force-drive": "force_balance",
-}
-"""The form in which the residual is taken on each kind of rig."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +55,14 @@ class Problem:
         return self.experiment.rig.kind
 
     @property
+    def rig(self) -> RigModel:
+        """What differs between the kinds of rig."""
+        return RIG_MODELS[self.kind]
+
+    @property
     def form(self) -> str:
         """Form of the residual."""
-        return FORMS[self.kind]
+        return self.rig.form
 
 
 def load_problem(path: str | Path, design: DesignValues | None = None) -> Problem:
@@ -83,10 +76,6 @@ def load_problem(path: str | Path, design: DesignValues | None = None) -> Proble
 
 def problem_of(experiment: Experiment) -> Problem:
     """The problem of an experiment whose records are read now. Raises as `load_problem`."""
-    if experiment.rig.kind not in FORMS:
-        raise InputError(
-            f"{experiment.path}: rig.kind = '{experiment.rig.kind}' cannot be compared yet; allowed: {', '.join(FORMS)}"
-        )
     return build_problem(experiment, load_records(experiment))
 
 
@@ -98,18 +87,23 @@ def build_problem(
 ) -> Problem:
     """The problem of an experiment already read; `effects` replace those of the model where given, and `custom` the
     user's own ones, which are loaded otherwise."""
-    _need_tip(experiment)
+    rig = RIG_MODELS[experiment.rig.kind]
+    for name, like in rig.required.items():
+        if name not in experiment.rig.known:
+            raise InputError(
+                f"{experiment.path}: rig.known.{name} is missing; a rig of kind '{rig.name}' needs it, like "
+                f'{name} = "{like}", or "design"'
+            )
     names = tuple(experiment.effects if effects is None else effects)
     custom = tuple(load_all_custom(experiment.custom, require_consent) if custom is None else custom)
     noise, notes = noise_by_channel(experiment, records)
-    quantised = [n for n in names if n.partition("@")[0] == "sensor_quantisation"]
-    if quantised:
-        noise = with_quantisation(noise, quantised)
+    noise = with_quantisation(noise, rounding_effects(names, custom))
     logged, k = records, decimation_factor(records)
     hold, records = averaged(experiment, records)
+    setup = replace(experiment.rig, input_hold=hold)
     noise = noise_of_means(noise, k) if k > 1 else noise
-    rig, rig_unknowns = rig_parameters(experiment, records, noise)
-    prepared = _prepare(experiment, records, noise, rig, hold)
+    own = rig.parameters(setup, records, noise)
+    prepared = [without_start(p) for p in rig.prepare(setup, records, noise, own.values)]
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
             raise InputError(
@@ -118,12 +112,12 @@ def build_problem(
     fits = tuple(p for p in prepared if p.role == "fit")
     held_out = tuple(p for p in prepared if p.role != "fit")
     scales = scales_of(fits)
-    _need_motion(records, fits, scales)
-    model = Model((), rig, tuple(rig_unknowns))
+    if fault := rig.without_motion(scales):
+        raise InputError(f"{', '.join(record.file for record in records if record.role == 'fit')}: {fault}")
+    model = Model((), own.values, tuple(own.unknowns))
     for name in names:
         model = with_effect(model, find(name, custom), scales, as_listed=True)
-    model = _with_stretch(model, fits)
-    model = _with_settings(model, experiment)
+    model = _with_settings(rig.with_nuisances(model, fits), experiment)
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     stiffness = experiment.rig.known.get("pull_stiffness")
@@ -153,74 +147,6 @@ def _displacement_by_spring(record: PreparedRecord) -> bool:
         and record.stick_phases is not None
         and record.stick_phases.compliance > 0.0
     )
-
-
-def _need_tip(experiment: Experiment) -> None:
-    """A rig with a tip needs its two lengths, which relate the voltages to the motion."""
-    if experiment.rig.kind not in ("actuator-tip", "friction-drive"):
-        return
-    for name, like in (("piezo_spacing", "46 mm"), ("tip_height", "20 mm")):
-        if name not in experiment.rig.known:
-            raise InputError(
-                f"{experiment.path}: rig.known.{name} is missing; a rig of kind '{experiment.rig.kind}' needs it, like "
-                f'{name} = "{like}", or "design"'
-            )
-
-
-def _need_motion(records: Sequence[Record], fits: Sequence[PreparedRecord], scales: Scales) -> None:
-    """Something must have moved, or been driven, in the records of the fit."""
-    files = ", ".join(record.file for record in records if record.role == "fit")
-    if all(isinstance(fit, TipRecord) for fit in fits):
-        if scales.input == 0.0:
-            raise InputError(f"{files}: the voltages never change; their effect on the tip is not identifiable")
-    elif scales.position == 0.0 or scales.velocity == 0.0:
-        raise InputError(f"{files}: nothing moves; give a record of motion")
-
-
-def _prepare(
-    experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise], rig: Mapping[str, float], hold: str
-) -> list[PreparedRecord]:
-    kind = experiment.rig.kind
-    prepared: list[PreparedRecord] = []
-    width = None
-    longest_step = max(record.step for record in records)
-    for record in records:
-        if kind == "velocity-drive":
-            prepared.append(velocity_drive(record, noise))
-        elif kind == "friction-drive":
-            prepared.append(friction_drive_record(record, {k: v.value for k, v in experiment.rig.known.items()}, noise))
-        elif kind == "actuator-tip":
-            known = {name: k.value for name, k in experiment.rig.known.items()}
-            prepared.append(tip_record(record, known, noise))
-        else:
-            balance = driven_mass(
-                record,
-                kind,
-                noise,
-                rig["rig.mass"],
-                rig.get("rig.pull_stiffness"),
-                hold,
-                width,
-                longest_step,
-            )
-            width = balance.full_filter.width if balance.full_filter is not None else None
-            prepared.append(balance)
-    return [without_start(record) for record in prepared]
-
-
-def _with_stretch(model: Model, records: Sequence[PreparedRecord]) -> Model:
-    """The model with the stretch of the Coulomb bristle free on a driven mass, below the position's noise: it sets how
-    fast the friction reverses, which affects the force balance though it does not show in the position."""
-    key = "coulomb.stretch"
-    noises = [r.position_noise for r in records if isinstance(r, ForceBalanceRecord) and r.reversals is not None]
-    if key not in model.values or not noises:
-        return model
-    least = find("coulomb").parameter("stretch").low
-    highest = max(*noises, 10.0 * least)
-    start = max(0.05 * highest, least)
-    values = {**model.values, key: start}
-    unknown = Unknown(key, start, max(1e-4 * highest, least), highest, start)
-    return Model(model.effects, values, (*model.unknowns, unknown))
 
 
 def _with_settings(model: Model, experiment: Experiment) -> Model:

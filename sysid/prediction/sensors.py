@@ -16,11 +16,9 @@ def sensed(
 ) -> dict[str, np.ndarray]:
     """The channels as their sensors report them; an effect without a channel in its name acts on every one."""
     for effect in effects:
-        if effect.acts_on != "sensor" or effect.signal is None:
+        if effect.acts_on != "sensor" or effect.signal is None or effect.rounds:
             continue
-        base, wanted = split_channel(effect.name)
-        if base == "sensor_quantisation":
-            continue
+        wanted = split_channel(effect.name)[1]
         p = values_of(effect, values)
         for channel in channels:
             if channel == "drive_force" or (wanted is not None and wanted != channel):
@@ -31,10 +29,10 @@ def sensed(
 
 def delays_motion(balance: ForceBalanceRecord, effect: Effect) -> bool:
     """Whether an effect delays the logged motion against the logged force: a lag of the drive or the motion sensor."""
-    if effect.inverse is None or balance.kind == "velocity-drive":
+    if effect.inverse is None or balance.acceleration is None:
         return False
     channel = split_channel(effect.name)[1]
-    if balance.kind == "force-drive":
+    if balance.force_channel == "drive_force":
         return channel is None
     every = channel is None and "position" in balance.measured
     return effect.acts_on == "sensor" and (every or channel in ("position", "velocity"))
@@ -70,7 +68,7 @@ def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], value
     model, which part of the mass does not follow, and through the inverse of its delays, as the force is. A balance
     scored in the position delays the pull instead."""
     noise, of_force = balance.noise[balance.force_channel], balance.force_channel != "position"
-    modes = [effect for effect in effects if effect.acts_on == "structure" and effect.signal is not None]
+    modes = [effect for effect in effects if effect.is_mode]
     delays = any(delays_motion(balance, effect) for effect in effects)
     if balance.full_filter is None or not of_force or not (delays or modes):
         return noise
@@ -94,8 +92,7 @@ def sensor_input(
         late: invert lags and delays too; else only the nonlinearity.
     """
     for effect in reversed(effects):
-        base, own = split_channel(effect.name)
-        if effect.acts_on != "sensor" or own not in (None, channel) or base == "sensor_quantisation":
+        if effect.acts_on != "sensor" or split_channel(effect.name)[1] not in (None, channel) or effect.rounds:
             continue
         p = values_of(effect, values)
         if effect.inverse is not None:

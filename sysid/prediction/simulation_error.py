@@ -24,11 +24,13 @@ from sysid.experiment.record import Record
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, values_of
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.friction_drive.record import FrictionDriveRecord
+from sysid.prediction.force_balance.simulate import simulate_driven_mass
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem, averaged
+from sysid.prediction.rig_model import Start
+from sysid.prediction.rig_models import RIG_MODELS
 from sysid.prediction.sensors import sensor_input
-from sysid.prediction.simulation import Start, simulate_driven_mass, uniform_inputs
+from sysid.prediction.simulation import uniform_inputs
 
 HORIZONS = {"0.1 s": 0.1, "1 s": 1.0}
 """Lengths of the simulations from measured states, s."""
@@ -140,11 +142,11 @@ def _runs(
     rig: Rig, record: Record, prepared: PreparedRecord, model: Model, starts: int, horizons: Mapping[str, float]
 ) -> tuple[int, Run, dict[str, list[Run]]]:
     """First row of the free run of a record, the run, and its simulations over each horizon."""
-    if isinstance(prepared, ForceBalanceRecord) and prepared.stick_fraction is not None:
+    if isinstance(prepared, ForceBalanceRecord) and prepared.acceleration is not None:
         return _driven_mass_runs(rig, record, prepared, model, starts, horizons)
     predicted = predict(prepared, model.effects, model.values)
     whole = {c: (np.where(prepared.valid[c], y, np.nan), predicted[c]) for c, y in prepared.measured.items()}
-    if not isinstance(prepared, FrictionDriveRecord):
+    if not RIG_MODELS[rig.kind].restarts:
         return 0, whole, {name: [whole] for name in horizons}
 
     def restarted(first: int, stop: int) -> Run:

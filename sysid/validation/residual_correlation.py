@@ -23,7 +23,6 @@ import numpy as np
 from scipy.signal import correlate
 from scipy.special import gammaincc
 
-from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem, averaged
@@ -176,7 +175,7 @@ def _spacing(record: PreparedRecord) -> float:
 def _inputs(problem: Problem, record: PreparedRecord) -> dict[str, np.ndarray]:
     """Logged inputs of the rig at the samples of a prepared record, (n,)."""
     logged = next(r for r in averaged(problem.experiment, problem.records)[1] if r.name == record.name)
-    own = record.time if isinstance(record, TipRecord) else record.axis.time
+    own = record.time
     out = {}
     for name in problem.experiment.rig.declaration.input_channels:
         if name in logged.channels:

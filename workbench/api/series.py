@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem, averaged
 from sysid.report import channel_unit
@@ -26,7 +25,7 @@ def prepared_records(problem: Problem) -> list[PreparedRecord]:
 def time_of(problem: Problem, record: PreparedRecord) -> np.ndarray:
     """Time (n,) of a prepared record as logged, s."""
     logged = next(r for r in averaged(problem.experiment, problem.records)[1] if r.name == record.name)
-    own = record.time if isinstance(record, TipRecord) else record.axis.time
+    own = record.time
     return logged.time[0] + own
 
 

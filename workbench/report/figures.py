@@ -18,7 +18,6 @@ import numpy as np
 from stagecad.parameters.atomic import atomic_path
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.estimation.identifiability import public_key
-from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from workbench.identification.tables import revision_text
@@ -72,7 +71,7 @@ def curve_of(record: PreparedRecord, channel: str, unit: str, models: Mapping[st
         return np.where(valid, values, np.nan)
 
     predicted = {label: scored(predict(record, m.effects, m.values)[channel]) for label, m in models.items()}
-    time, motion = record.time if isinstance(record, TipRecord) else record.axis.time, {}
+    time, motion = record.time, {}
     if isinstance(record, ForceBalanceRecord) and channel == record.force_channel:
         length = "rad" if unit.startswith("N*m") else "m"
         motion = {"velocity": (record.axis.velocity, f"{length}/s"), "position": (record.axis.position, length)}

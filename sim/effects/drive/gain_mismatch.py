@@ -18,6 +18,7 @@ EFFECT = Effect(
     shows="each channel contains a part of the other's motion",
     source="piezo stacks are sold with 10-20 % tolerance of stroke (catalogues)",
     acts_on="piezo",
+    piezo=1,
     coordinates=("input",),
     parameters=(
         Parameter(

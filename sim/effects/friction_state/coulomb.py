@@ -92,4 +92,6 @@ def scale(p: Any) -> float:
     return max(p.force, 1e-9)
 
 
-core = FrictionStateModel("coulomb", law, slopes, along, scale, state="force of the bristle, N", stored=stored)
+core = FrictionStateModel(
+    *("coulomb", law, slopes, along, scale), state="force of the bristle, N", stored=stored, rigid=True
+)

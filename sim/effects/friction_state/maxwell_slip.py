@@ -18,6 +18,7 @@ yield ideally; in a simulation they yield smoothly (`sim/numerics/elasto_plastic
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,7 @@ FREE_MAXWELL_SLIP = Effect(
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    friction_state=parallel_elements("free_maxwell_slip", _free_elements),
+    friction_state=replace(parallel_elements("free_maxwell_slip", _free_elements), free_shares=True),
     acts_on="friction",
 )
 

@@ -25,6 +25,7 @@ _WARM_UP = Effect(
     shows="the residual changes with time alone, independently of the motion",
     source="ISO 9283 and JCGM 200:2012, 4.21 instrumental drift",
     acts_on="sensor",
+    added_to_output=True,
     coordinates=("time",),
     parameters=(
         Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "final shift of the zero", "either sign"),

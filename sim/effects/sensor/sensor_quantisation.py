@@ -20,6 +20,7 @@ EFFECT = Effect(
     shows="the measured values lie on a grid, and are constant while the axis moves by less than one step",
     source="Widrow and Kollar, Quantization Noise (2008), ch. 4",
     acts_on="sensor",
+    rounds=True,
     coordinates=("position",),
     parameters=(
         Parameter(

@@ -1,22 +1,25 @@
-"""Force-balance records from records of the rig kind `velocity-drive`: the motion is imposed, the friction measured."""
+"""The rig kind `velocity-drive`: the motion is imposed, the friction is measured."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from sim.library.effect import Axis
+from sim.library.effect import Axis, Effect
+from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.noise.quantisation import find_quantisation_step
+from sysid.prediction.effect_terms import Values
 from sysid.prediction.force_balance.measured_motion import (
     direction_from_velocity,
     motion_filter_width,
     position_noise,
     velocity_agreement,
 )
+from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import (
     REST_SIGMAS,
     ForceBalanceRecord,
@@ -24,6 +27,7 @@ from sysid.prediction.force_balance.record import (
     make_axis,
     optional_channel,
 )
+from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
@@ -53,7 +57,7 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRe
     prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
-        kind="velocity-drive",
+        kind=VelocityDrive.name,
         step=step,
         axis=make_axis(time, position, np.zeros(time.size), np.zeros(time.size), load, temperature, 0.0),
         measured={"friction_force": force},
@@ -143,3 +147,25 @@ def _certain_sign(velocity: np.ndarray) -> np.ndarray:
     quantisation_step = find_quantisation_step([velocity]) or 0.0
     sure = max(SIGN_SIGMAS * noise, SIGN_STEPS * quantisation_step, 1e-9 * float(np.max(np.abs(velocity))))
     return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)
+
+
+class VelocityDrive(RigModel):
+    """Imposed motion in, friction force out."""
+
+    name = "velocity-drive"
+    predict = staticmethod(predict_balance)
+
+    def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
+        return RigParameters(rig.known)
+
+    def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:
+        return [velocity_drive(record, noise) for record in records]
+
+    def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
+        # A measured force is too smooth for the course of a signal between the rows to matter.
+        if effect.between_rows or effect.acts_on in ("drive", "piezo"):
+            return False
+        return effect.acts_on != "structure" or effect.memory is not None
+
+    def simulate(self, rig: Rig, record: Record, effects: Effects, values: Values, start: Start | None) -> Channels:
+        return self.predict_along(rig, record, {"friction_force": 0.0}, effects, values)

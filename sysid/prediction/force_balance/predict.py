@@ -76,7 +76,7 @@ def unfiltered_force(balance: ForceBalanceRecord, effects: Sequence[Effect], val
 
 def _needs_neighbours(effect: Effect) -> bool:
     """Whether an effect works on the filtered channels, so that a sample of them depends on others."""
-    return effect.acts_on in ("drive", "sensor") and split_channel(effect.name)[0] != "sensor_quantisation"
+    return effect.acts_on in ("drive", "sensor") and not effect.rounds
 
 
 def _has_stretch(balance: ForceBalanceRecord) -> bool:
@@ -111,11 +111,11 @@ def _friction(
     core = next((e for e in effects if e.friction_state is not None), None)
     if core is None:
         return forces, None
-    if core.friction_state.name != "coulomb" or balance.stick_fraction is None:
+    if core.has_presliding or balance.stick_fraction is None:
         p = values_of(core, values)
         usual = _usual(core, level)
         unseen = unobservable_part(balance, core, usual, p)
-        if core.friction_state.name == "coulomb":
+        if core.friction_state.rigid:
             p = p._replace(stretch=balance.stretch)
         gap = lost_motion(effects, values) if balance.acceleration is None else 0.0
         if gap > 0.0 and core.friction_state.springs is not None:
@@ -123,11 +123,7 @@ def _friction(
             axis = axis._replace(position=body)
         inertia = 0.0 if balance.acceleration is None else values.get("rig.mass", 0.0) * balance.acceleration
         held = friction_from_initial_state(balance, core, axis, level, p, forces + inertia)
-        if (
-            core.friction_state.name == "coulomb"
-            and balance.velocity_sign is not None
-            and axis.position is balance.axis.position
-        ):
+        if core.friction_state.rigid and balance.velocity_sign is not None and axis.position is balance.axis.position:
             # Position differences have the sign of a mean over the step, the given velocity that at its end.
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * level, held)
         if unseen > LEAST_UNOBSERVABLE:
@@ -146,7 +142,7 @@ def _friction(
 
 def _usual(core: Effect, level: np.ndarray) -> float:
     """Usual friction level of a core with bristles, N; zero for one without."""
-    return 0.0 if core.friction_state is not None and core.friction_state.name == "coulomb" else median_level(level)
+    return median_level(level) if core.has_presliding else 0.0
 
 
 LEAST_UNOBSERVABLE = 0.02
@@ -168,8 +164,7 @@ def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
     from the balance to s_F: the part s_F / hypot(s_F, k s_x) of the difference remains.
     """
-    assert core.friction_state is not None
-    if balance.stick_fraction is None or core.friction_state.name == "coulomb":
+    if balance.stick_fraction is None or not core.has_presliding:
         return 0.0
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
@@ -206,7 +201,7 @@ def _event_resolved(
     motion = shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
     friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)
-    if core.friction_state.name != "coulomb":
+    if core.has_presliding:
         bristles = bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS)
         substeps = substeps_of(bristles, scale)
         if substeps:
@@ -235,7 +230,7 @@ def _stick_displacement(
     if core is None:
         # Without a friction model nothing is predicted, and the residual is zero.
         moved = stick_phases.displacement
-    elif core.friction_state is not None and core.friction_state.name != "coulomb":
+    elif core.has_presliding:
         moved = presliding_displacement(
             stick_phases, stick_phases.force - terms.forces, terms.level, core.friction_state, values_of(core, values)
         )
@@ -245,9 +240,8 @@ def _stick_displacement(
             stick_phases.force
         )
     for effect in effects:
-        base, channel = split_channel(effect.name)
         seen_by = "spring_force" if stick_phases.compliance else "position"
-        if effect.acts_on != "sensor" or channel not in (None, seen_by) or base == "sensor_quantisation":
+        if effect.acts_on != "sensor" or split_channel(effect.name)[1] not in (None, seen_by) or effect.rounds:
             continue
         p = values_of(effect, values)
         if stick_phases.compliance:

@@ -1,4 +1,4 @@
-"""Force-balance records from records of driven masses: the rig kinds `spring-pull` and `force-drive`."""
+"""Force-balance records from records of driven masses."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class _Motion(NamedTuple):
     temperature: np.ndarray | None
 
 
-def driven_mass(
+def prepare_driven_mass(
     record: Record,
     kind: str,
     noise: Mapping[str, Noise],
@@ -61,11 +61,11 @@ def driven_mass(
     width: float | None = None,
     least_width: float = 0.0,
 ) -> ForceBalanceRecord:
-    """A spring-pull or force-drive record: the force is balanced against mass times the measured acceleration.
+    """A record of a driven mass: the force is balanced against mass times the measured acceleration.
 
     Args:
         record: as read.
-        kind: `spring-pull` or `force-drive`.
+        kind: of the rig.
         noise: by channel.
         mass: known or estimated moving mass, kg; it sets the filter's width, not the fit.
         pull_stiffness: of the pulling spring, N/m.
@@ -345,7 +345,7 @@ def _stick_phases(
     `usable` (n,) marks the valid rows; `edge` rows at each end of a phase are left out, six at least. Steps of a coarse
     sensor are no displacement, and an integrated velocity drifts.
     """
-    by_spring = record.kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
+    by_spring = not {"position", "velocity"} & channels.keys()
     sensor = noise.get("spring_force" if by_spring else "position")
     if sensor is None or (sensor.quantisation_step or 0.0) > (sensor.without_quantisation or sensor.value):
         return None

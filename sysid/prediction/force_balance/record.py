@@ -25,11 +25,11 @@ PREFILTER_SHARE = 0.4
 EDGE_WIDTHS = 4.0
 """Samples this many filter widths from the ends or from a gap are not scored: they depend on the extrapolation."""
 
-INDEPENDENT_WIDTHS = 4.0
-"""Widths of the filter by which the acceleration is smoothed where it is a coordinate. The residual contains the noise
-of mass times acceleration: a curve over the same acceleration would explain up to half of the residual. The noise of
-the second derivatives by two Gaussian filters, R times as wide one as the other, has the correlation
-(2 R/(1 + R^2))^(5/2), 0.15 here: of the residual 1 % remains explained."""
+STROKE_START = 0.05
+"""Part of its travel that is left out of the record of a driven mass, or of a record without a reversal."""
+
+LEAST_FORCE = 1e-2
+"""Median of a force over its standard deviation below which the log is at rest for most of its rows."""
 
 REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is zero."""
@@ -102,9 +102,40 @@ class ForceBalanceRecord:
         return self.axis.time.size
 
     @property
-    def coordinate_width(self) -> float:
-        """Width of the filter of the acceleration where it is a coordinate, s; zero for an imposed motion."""
-        return INDEPENDENT_WIDTHS * self.full_filter.width if self.full_filter is not None else 0.0
+    def time(self) -> np.ndarray:
+        """s, (n,)."""
+        return self.axis.time
+
+    @property
+    def settled_from(self) -> int:
+        """First row after the first reversal; of a driven mass, and of one stroke, after a part of the travel at the
+        latest."""
+        turns = np.flatnonzero(np.diff(self.axis.direction))
+        slid = int(np.searchsorted(self.axis.travelled, STROKE_START * np.ptp(self.axis.position)))
+        first = int(turns[0]) + 1 if turns.size else slid
+        return min(first, slid) if self.stick_fraction is not None else first
+
+    def scales(self) -> dict[str, float]:
+        """Scales of the record, by their names in `Scales`."""
+        axis, force = self.axis, self.force
+        y = force if self.is_free else self.measured[self.force_channel]
+        # The force of rigid friction has two values: its median is one of them, and the middle lies between.
+        middle = 0.0 if self.is_free else float(np.mean(np.quantile(force, [0.05, 0.95])))
+        typical, spread = float(np.median(np.abs(force - middle))), float(np.std(force))
+        return {
+            "force": typical if typical > LEAST_FORCE * spread else spread,
+            "channel": float(np.max(np.abs(y))),
+            "position": float(np.ptp(axis.position)),
+            "velocity": float(np.max(np.abs(axis.velocity))),
+            "time": float(axis.time[-1]),
+            "sample": self.step,
+            "travelled": float(axis.travelled[-1]),
+            "rest": float(np.max(axis.contact_age)),
+            "load": float(np.ptp(axis.load)),
+            "temperature": float(np.ptp(axis.temperature)),
+            "load_mean": float(np.mean(axis.load)),
+            "temperature_mean": float(np.mean(axis.temperature)),
+        }
 
     @property
     def force(self) -> np.ndarray:

@@ -30,8 +30,6 @@ from sysid.signals.gaussian_filter import GaussianFilter
 CONTACT = "contact."
 PREFILTER_STEPS = 4.0
 """Width in steps of the filter of the measured motion along which friction limits are evaluated."""
-LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
-"""Contact effects that do not depend on the motion of the tip over the stage."""
 TABLE_SIZE = 400
 """Speeds of a velocity table; they grow with the square of their index, so that they are dense near zero."""
 VELOCITY_COORDINATES = ("velocity", "direction")
@@ -68,7 +66,8 @@ def contact_friction(
     tabulated = [effect for effect in effects if top is not None and depends_on_velocity_only(effect)]
     rest = [effect for effect in effects if effect not in tabulated]
     load = float(np.mean(record.axis.load)) * np.maximum(tip.load, 0.0)
-    moving = any(effect.name.removeprefix(CONTACT) not in LOAD_ONLY for effect in rest)
+    # The level of a friction state model is constant.
+    moving = any(e.friction_state is None and set(e.coordinates) != {"normal_load"} for e in rest)
     axis = _contact_axis(record, tip.along, load) if moving else record.axis._replace(load=load)
     model = _model(rest, values)
     limit = np.maximum(model.level(axis), 0.0)
@@ -112,7 +111,7 @@ def bristles_of(effect: Effect | None, values: Values) -> Elements:
     Raises:
         InputError: a model whose bristles do not yield at a stretch of their own.
     """
-    if effect is None or effect.friction_state.name == "coulomb":
+    if effect is None or not effect.has_presliding:
         return NO_BRISTLES
     if effect.friction_state.springs is not None:
         return effect.friction_state.springs(values_of(effect, values))

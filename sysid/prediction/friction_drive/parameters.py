@@ -13,7 +13,8 @@ import numpy as np
 
 from sysid.experiment.known import Known
 from sysid.experiment.record import Record
-from sysid.experiment.unknowns import Prior, Unknown
+from sysid.prediction.actuator_tip import VOLTAGES
+from sysid.prediction.rig_model import RigParameters
 
 CONTACT_STIFFNESS = 1e7
 """N/m, where the user gives none: the order of a Hertz contact under some newtons."""
@@ -33,46 +34,23 @@ GOES_UP = 0.02
 """Range of the tip's rise over the swing of its lean from which the rise counts."""
 
 
-def friction_drive_parameters(
-    known: Mapping[str, Known], records: Sequence[Record]
-) -> tuple[dict[str, float], list[Unknown]]:
-    """Values of the rig's numbers, SI, by key, and those among them that a fit moves.
-
-    Args:
-        known: of the rig.
-        records: those fitted.
-    """
-    values: dict[str, float] = {}
-    unknowns: list[Unknown] = []
-
-    def put(name: str, guess: float, low: float, high: float, known_as: str | None = None, free: bool = True) -> None:
-        given = known.get(known_as or name)
-        value = guess if given is None else given.value
-        values[f"rig.{name}"] = value
-        if given is None and free:
-            unknowns.append(Unknown(f"rig.{name}", value, low, high, abs(value)))
-        elif given is not None and given.std:
-            reach = 3.0 * given.std
-            unknowns.append(
-                Unknown(f"rig.{name}", value, value - reach, value + reach, given.std, Prior(value, given.std))
-            )
-
+def friction_drive_parameters(known: Mapping[str, Known], records: Sequence[Record]) -> RigParameters:
+    """Parameters of the rig, from what is known of it and the records of the fit."""
+    found = RigParameters(known)
     gain, indentation = gain_and_indentation(known, records)
-    put("mass", MASS, 1e-3 * MASS, 1e3 * MASS)
+    mass = found.put("mass", MASS)
     soft, stiff = CONTACT_STIFFNESS / STIFFNESS_DECADE, CONTACT_STIFFNESS * STIFFNESS_DECADE
-    put("contact_stiffness", CONTACT_STIFFNESS, soft, stiff, free="mass" in known)
-    damping = contact_damping(values["rig.contact_stiffness"], values["rig.mass"])
-    stiffest = contact_damping(stiff, values["rig.mass"]) if "contact_stiffness" not in known else damping
-    put("contact_damping", damping, 0.0, MOST_DAMPING * max(damping, stiffest))
-    put("gain", gain, 1e-3 * gain, 1e3 * gain, "piezo_gain")
+    stiffness = found.put("contact_stiffness", CONTACT_STIFFNESS, (soft, stiff), free="mass" in known)
+    damping = contact_damping(stiffness, mass)
+    stiffest = contact_damping(stiff, mass) if "contact_stiffness" not in known else damping
+    found.put("contact_damping", damping, (0.0, MOST_DAMPING * max(damping, stiffest)))
+    found.put("gain", gain, known_as="piezo_gain")
     if indentation is not None:
-        put("press", indentation, 1e-3 * indentation, 1e3 * indentation)
+        found.put("press", indentation)
     if any("position_y" in record.channels for record in records):
-        stiffest = STIFFNESS_DECADE * values["rig.contact_stiffness"]
-        values |= {"rig.guide_stiffness": 0.0, "rig.turn": 0.0}
-        unknowns.append(Unknown("rig.guide_stiffness", 0.0, 0.0, stiffest, GUIDE * values["rig.contact_stiffness"]))
-        unknowns.append(Unknown("rig.turn", 0.0, -MOST_TURN, MOST_TURN, 1e-2))
-    return values, unknowns
+        found.put_free("guide_stiffness", 0.0, (0.0, STIFFNESS_DECADE * stiffness), GUIDE * stiffness)
+        found.put_free("turn", 0.0, (-MOST_TURN, MOST_TURN), 1e-2)
+    return found
 
 
 def contact_damping(stiffness: float, mass: float) -> float:
@@ -89,7 +67,7 @@ def gain_and_indentation(known: Mapping[str, Known], records: Sequence[Record]) 
     lever = known["tip_height"].value / known["piezo_spacing"].value
     across, common, travel = [], [], []
     for record in records:
-        volts = [record.channels[name] for name in ("voltage_1", "voltage_2", "voltage_3") if name in record.channels]
+        volts = [record.channels[name] for name in VOLTAGES if name in record.channels]
         across.append(float(np.nanstd(volts[1] - volts[0])))
         common.append(float(np.ptp(np.nanmean(volts, axis=0))))
         travel.append(float(np.nanstd(record.channels["position"])))

@@ -32,9 +32,10 @@ from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
 from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
+from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.prediction.actuator_tip import piezo_stretch
+from sysid.prediction.actuator_tip import piezo_stretch, piezo_voltages
 from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, optional_channel
 from sysid.prediction.friction_drive.friction import (
@@ -47,6 +48,7 @@ from sysid.prediction.friction_drive.friction import (
     pad_friction,
     simulated_axis,
 )
+from sysid.prediction.rig_model import Channels, Effects
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
@@ -84,22 +86,23 @@ class FrictionDriveRecord(ForceBalanceRecord):
     nudging_gain: float = 0.0
 
     @property
-    def time(self) -> np.ndarray:
-        """s, shape (n,)."""
-        return self.axis.time
+    def settled_from(self) -> int:
+        """The first row: the stage is simulated from rest."""
+        return 0
+
+    def scales(self) -> dict[str, float]:
+        """Scales of the record, by their names in `Scales`."""
+        swing = max(float(np.ptp(u)) for u in self.drives)
+        return {**super().scales(), "force": self.force_scale, "input": swing, "sliding": sliding_speed(self)}
 
 
 def friction_drive_record(
-    record: Record, known: Mapping[str, float], noise: Mapping[str, Noise]
+    record: Record, known: Mapping[str, Known], noise: Mapping[str, Noise]
 ) -> FrictionDriveRecord:
     """A record of the rig kind `friction-drive`; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
     time, step, channels, hole = uniform(record)
-    drives, missing = [], hole.copy()
-    for name in ("voltage_1", "voltage_2", "voltage_3"):
-        if name in channels:
-            voltage, gap = filled(channels[name])
-            missing |= gap
-            drives.append(voltage - known.get("bias_voltage", 0.0))
+    drives, missing = piezo_voltages(channels, known)
+    missing = hole | missing
     position, gap = filled(channels["position"])
     measured, valid = {"position": position}, {"position": ~(gap | missing)}
     if TRANSVERSE in channels:
@@ -127,8 +130,8 @@ def friction_drive_record(
         complementary_filter=GaussianFilter(0.0, step, time.size),
         force_channel="position",
         drives=drives,
-        lever=known["tip_height"] / known["piezo_spacing"],
-        force_scale=PAD_FRICTION * GRAVITY * known.get("mass", 1.0),
+        lever=known["tip_height"].value / known["piezo_spacing"].value,
+        force_scale=PAD_FRICTION * GRAVITY * (known["mass"].value if "mass" in known else 1.0),
     )
 
 
@@ -144,22 +147,26 @@ def tip_motion(
         # The third stack is at the apex of an equilateral triangle.
         across = -record.lever * gain * (stretches[2] - 0.5 * (first + second)) / (0.5 * np.sqrt(3.0))
     for effect in effects:
-        if effect.acts_on == "structure" and effect.signal is not None:
+        if effect.is_mode and effect.signal is not None:
             p = values_of(effect, values)
             along, across, up = [u + p.mass_ratio * (effect.signal(u, record.step, p) - u) for u in (along, across, up)]
     return along, across, up
 
 
 def predict_friction_drive(
-    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values
-) -> dict[str, np.ndarray]:
-    """Predicted position of the stage (n,), m, and `position_y` where it is measured."""
+    record: FrictionDriveRecord, effects: Effects, values: Values, at: Mapping[str, np.ndarray] | None = None
+) -> Channels:
+    """Predicted position of the stage, m, and `position_y` where it is measured, (n,), or at the samples `at` of each
+    channel, (k,)."""
     stretches = [piezo_stretch(record, effects, values, k) for k in range(len(record.drives))]
     if TRANSVERSE in record.measured:
-        return _sensed_from_start(record, effects, values, _planar_motion(record, effects, values, stretches))
-    along, _, up = tip_motion(record, effects, values, stretches)
-    tip = TipMotion(along, 1.0 + up / values.get("rig.press", np.inf))
-    return _sensed_from_start(record, effects, values, {"position": _motion(record, effects, values, tip)})
+        moved = _planar_motion(record, effects, values, stretches)
+    else:
+        along, _, up = tip_motion(record, effects, values, stretches)
+        tip = TipMotion(along, 1.0 + up / values.get("rig.press", np.inf))
+        moved = {"position": _motion(record, effects, values, tip)}
+    out = _sensed_from_start(record, effects, values, moved)
+    return out if at is None else {channel: out[channel][index] for channel, index in at.items()}
 
 
 def _sensed_from_start(
@@ -185,7 +192,7 @@ def _planar_motion(
     load = 1.0 + up / values.get("rig.press", np.inf)
     pads, contact = _by_contact(effects)
     for effect in (friction_state_of(pads), friction_state_of(contact)):
-        if effect is not None and effect.friction_state.name != "coulomb":
+        if effect is not None and effect.has_presliding:
             raise InputError(
                 f"model.effects: '{effect.name}' cannot be used where position_y is recorded; allowed: 'coulomb'"
             )
@@ -216,7 +223,7 @@ def _motion(record: FrictionDriveRecord, effects: Sequence[Effect], values: Valu
     pads, contact = _by_contact(effects)
     states = friction_state_of(pads), friction_state_of(contact)
     stage = _stage(record, values)
-    if any(state is not None and state.friction_state.name != "coulomb" for state in states):
+    if any(state is not None and state.has_presliding for state in states):
         between, below = contact_friction(record, contact, values, tip), pad_friction(record, pads, values)
         pad_bristles = Bristles(below.limit.at_rest, bristles_of(states[0], values))
         limit = np.where(tip.load > 0.0, between.limit.at_rest, 0.0)

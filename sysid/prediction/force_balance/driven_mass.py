@@ -1,0 +1,209 @@
+"""The rig kinds `spring-pull` and `force-drive`: a mass that a spring or a known force drives against friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.library.effect import Effect
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import Rig
+from sysid.experiment.record import Record
+from sysid.experiment.unknowns import Unknown
+from sysid.noise.estimate import Noise
+from sysid.prediction.effect_terms import Values
+from sysid.prediction.force_balance.predict import predict_balance
+from sysid.prediction.force_balance.prepare import prepare_driven_mass
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.simulate import simulate_driven_mass
+from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
+from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
+from sysid.signals.masks import filled
+from sysid.signals.resampling import uniform
+
+if TYPE_CHECKING:
+    from sysid.prediction.model import Model
+
+LEAST_ROWS = 200
+"""Scored rows below which a mass is not read off a record."""
+
+
+class _DrivenMass(RigModel):
+    form = "force_balance"
+    predict = staticmethod(predict_balance)
+
+    def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:
+        prepared: list[ForceBalanceRecord] = []
+        width, stiffness = None, values.get("rig.pull_stiffness")
+        longest_step = max(record.step for record in records)
+        for record in records:
+            balance = prepare_driven_mass(
+                record, self.name, noise, values["rig.mass"], stiffness, rig.input_hold, width, longest_step
+            )
+            width = balance.full_filter.width if balance.full_filter is not None else None
+            prepared.append(balance)
+        return prepared
+
+    def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
+        # The motion is too smooth for the course of a signal between the rows to matter.
+        return not (effect.between_rows or effect.acts_on == "piezo" or "imposed_motion" in effect.needs)
+
+    def with_nuisances(self, model: Model, records: Sequence[ForceBalanceRecord]) -> Model:
+        """The model with the stretch of a rigid friction state free, below the position's noise: it sets how fast the
+        friction reverses, which affects the force balance though it does not show in the position."""
+        rigid = next((e for e in model.effects if e.friction_state is not None and e.friction_state.rigid), None)
+        noises = [r.position_noise for r in records if r.reversals is not None]
+        if rigid is None or not noises:
+            return model
+        key, least = f"{rigid.name}.stretch", rigid.parameter("stretch").low
+        highest = max(*noises, 10.0 * least)
+        start = max(0.05 * highest, least)
+        unknown = Unknown(key, start, max(1e-4 * highest, least), highest, start)
+        return replace(model, values={**model.values, key: start}, unknowns=(*model.unknowns, unknown))
+
+    def simulate(self, rig: Rig, record: Record, effects: Effects, values: Values, start: Start | None) -> Channels:
+        """mass x'' = force of spring or drive - friction; by default from rest, on a spring without force."""
+        pull = record.channels.get("pull_position")
+        start = start or Start(0.0 if pull is None else float(pull[0]))
+        return simulate_driven_mass(rig, record.time, record.channels, effects, values, start)
+
+
+class SpringPull(_DrivenMass):
+    """Position of the end of a spring in, position of the mass or force of the spring out."""
+
+    name = "spring-pull"
+
+    def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
+        found = RigParameters(rig.known)
+        stiffness = found.put("pull_stiffness", lambda: _guess_stiffness(records))
+        found.put("mass", lambda: _guess_mass(self.name, records, stiffness, noise))
+        return found
+
+    def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
+        # With one channel a gap is not distinguishable from a longer pull.
+        gap = effect.acts_on == "structure" and effect.memory is not None
+        both = {"position", "spring_force"} <= channels
+        return super().shows(effect, records, channels) and effect.acts_on != "drive" and (both or not gap)
+
+
+class ForceDrive(_DrivenMass):
+    """Drive force in, position or velocity of the mass out."""
+
+    name = "force-drive"
+
+    def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
+        found = RigParameters(rig.known)
+        found.put("mass", lambda: _guess_mass(self.name, records, None, noise))
+        return found
+
+    def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
+        if not super().shows(effect, records, channels):
+            return False
+        if effect.acts_on in ("drive", "sensor"):
+            return effect.inverse is not None
+        return effect.acts_on != "structure" or effect.memory is None
+
+    def sensor_places(self, channels: Sequence[str]) -> tuple[str | None, ...]:
+        # How a command runs from row to row is the same for the whole log.
+        return (None,)
+
+
+def _guess_stiffness(records: Sequence[Record]) -> float:
+    """Slope of spring force over stretch, where both are measured."""
+    for record in records:
+        c = record.channels
+        if {"pull_position", "position", "spring_force"} <= set(c):
+            stretch, force = c["pull_position"] - c["position"], c["spring_force"]
+            ok = np.isfinite(stretch) & np.isfinite(force)
+            if np.ptp(stretch[ok]) > 0:
+                return abs(float(np.polyfit(stretch[ok], force[ok], 1)[0])) or 1.0
+    raise InputError(
+        f"{records[0].file}: without rig.known.pull_stiffness both 'position' and 'spring_force' must be recorded, "
+        "since the stiffness is then read off them"
+    )
+
+
+def _is_driven(record: Record) -> bool:
+    """Whether the record is no coast-down or free oscillation, in which the drive force never changes."""
+    force = record.channels.get("drive_force")
+    return force is None or np.nanmax(force) > np.nanmin(force)
+
+
+def _guess_mass(rig: str, records: Sequence[Record], stiffness: float | None, noise: Mapping[str, Noise]) -> float:
+    """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
+    best = 1.0
+    driven = [r for r in records if r.role == "fit" and _is_driven(r)]
+    if not driven:
+        raise InputError(
+            f"{records[0].file}: column 'drive_force' does not change; without rig.known.mass only the ratio of the "
+            "forces to the mass is identifiable: give it, or a record that is driven"
+        )
+    for record in driven[:1]:
+        best = mass = _largest_mass(record, stiffness, noise)
+        for _ in range(4):
+            balance = prepare_driven_mass(record, rig, noise, mass, stiffness)
+            y, ok = balance.force, balance.valid[balance.force_channel]
+            if ok.sum() < LEAST_ROWS:
+                # A filter as wide as this guess requires leaves nothing between the gaps.
+                mass *= 0.1
+                continue
+            assert (
+                balance.acceleration is not None and balance.full_filter is not None and balance.direction is not None
+            )
+            columns = [
+                balance.acceleration,
+                balance.full_filter(balance.direction),
+                balance.axis.velocity,
+                np.ones(y.size),
+            ]
+            solution, *_ = np.linalg.lstsq(np.column_stack([c[ok] for c in columns]), y[ok], rcond=None)
+            best = float(solution[0]) if solution[0] > 0 else mass
+            if abs(best - mass) < 0.01 * best:
+                break
+            mass = best
+    return best
+
+
+def _largest_mass(record: Record, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
+    """Mass that would need all of the force: its size over that of the acceleration, where that exceeds its noise.
+
+    An upper guess: it sets how wide a filter the first estimate of the mass begins with.
+    """
+    _, step, channels, _ = uniform(record)
+    found = _motion_and_force({name: filled(values)[0] for name, values in channels.items()}, stiffness, noise)
+    if found is None:
+        return 1.0
+    position, force, sigma, spectrum = found
+    width = step
+    while width < position.size * step / 40.0:
+        complementary_filter = GaussianFilter(width, step, position.size)
+        acceleration = float(np.std(complementary_filter(position, 2)))
+        if sigma * complementary_filter.noise_gain(2, spectrum) < 0.2 * acceleration:
+            return float(np.std(force)) / acceleration
+        width *= 2.0
+    return 1.0
+
+
+def _motion_and_force(
+    channels: Mapping[str, np.ndarray], stiffness: float | None, noise: Mapping[str, Noise]
+) -> tuple[np.ndarray, np.ndarray, float, NoiseSpectrum] | None:
+    """Position and force (n,) of a driven mass, with deviation and spectrum of the position's noise.
+
+    For a body pulled by a spring one of the two follows from the other and the stiffness.
+    """
+    position, pull = channels.get("position"), channels.get("pull_position")
+    force = channels.get("drive_force" if stiffness is None else "spring_force")
+    if pull is not None and stiffness is not None:
+        if position is None and force is not None:
+            known = noise["spring_force"]
+            return pull - force / stiffness, force, known.value / stiffness, known.spectrum
+        if position is not None and force is None:
+            force = stiffness * (pull - position)
+    return (
+        None
+        if position is None or force is None
+        else (position, force, noise["position"].value, noise["position"].spectrum)
+    )
