@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from designcalc.checks import Check
 from designcalc.optimisation.evaluation import Evaluation, Evaluator
@@ -44,13 +46,28 @@ class Relaxation:
     keeping: tuple[str, ...]
 
 
+def sample(evaluator: Evaluator, count: int, seed: int) -> list[Evaluation]:
+    """Evaluations of all checks: of one changed parameter at a time first, then of random designs."""
+    points = []
+    for place in (0.0, 1.0, 0.5):
+        for axis in range(len(evaluator.free)):
+            points.append(evaluator.start.copy())
+            points[-1][axis] = place
+    random = np.random.default_rng(seed).random((max(count - len(points), 0), len(evaluator.free)))
+    return [evaluator.at(point) for point in [*points[:count], *random]]
+
+
 def out_of_reach(
-    evaluator: Evaluator, names: Collection[str], progress: Callable[[str], None] = lambda name: None
+    evaluator: Evaluator,
+    names: Collection[str],
+    sampled: Sequence[Evaluation] = (),
+    progress: Callable[[str], None] = lambda name: None,
 ) -> tuple[dict[str, Conflict], dict[str, Evaluation]]:
     """Checks that fail whatever the free parameters, and the best evaluation of each of these checks.
 
     Rules are left aside: a check that cannot pass without them cannot pass with them. A check that reads no free
-    parameter keeps its value; each other one is searched by itself, one parameter after another.
+    parameter keeps its value. Each other one that fails in all sampled designs is searched by itself, one parameter
+    after another.
     """
     found: dict[str, Conflict] = {}
     best: dict[str, Evaluation] = {}
@@ -62,29 +79,32 @@ def out_of_reach(
         if not axes:
             found[name] = Conflict((name,), fixed=True)
             continue
-        evaluation, reached = _best_of(evaluator, name, axes)
+        evaluation, reached = _best_of(evaluator, name, axes, sampled)
         best[name] = evaluation
         if not reached:
             found[name] = Conflict((name,))
     return found, best
 
 
-def _best_of(evaluator: Evaluator, name: str, axes: Sequence[int], passes: int = 2) -> tuple[Evaluation, bool]:
-    """The best margin of one check over the cube, by coordinate search from the present design; whether it passes."""
+def _best_of(
+    evaluator: Evaluator, name: str, axes: Sequence[int], sampled: Sequence[Evaluation], passes: int = 2
+) -> tuple[Evaluation, bool]:
+    """The best margin of one check over the cube, by coordinate search from the best sample; whether it passes."""
 
     def margin(evaluation: Evaluation) -> float:
         value = evaluation.margins.get(name)
-        return -1e30 if value is None else value
+        return -1e30 if value is None or evaluation.refused else value
 
     def passed(evaluation: Evaluation) -> bool:
         return not evaluation.refused and name in evaluation.margins and name not in evaluation.unmet
 
-    point = evaluator.start.copy()
-    best = evaluator.at(point, (name,))
+    best = max((evaluator.at(evaluator.start, (name,)), *sampled), key=margin)
+    if passed(best):
+        return best, True
     for _ in range(passes):
         before = margin(best)
         for axis in axes:
-            for place in (0.0, 0.25, 0.5, 0.75, 1.0):
+            for place in (0.0, 0.33, 0.67, 1.0):
                 trial = best.point.copy()
                 trial[axis] = place
                 found = evaluator.at(trial, (name,))
@@ -160,9 +180,8 @@ def relaxations(
     kept: Collection[str],
     alone: dict[str, Evaluation],
     budget: int,
-) -> list[Relaxation]:
+) -> Iterator[Relaxation]:
     """For each member of each conflict, the best margin with the other members (and, alone, any) satisfied."""
-    found = []
     for conflict in conflicts:
         for name in conflict.names:
             others = tuple(other for other in conflict.names if other != name)
@@ -171,8 +190,7 @@ def relaxations(
             margin = check.margin if evaluation is None else evaluation.margins.get(name)
             if margin is None:
                 continue
-            found.append(Relaxation(name, margin, _value(check, margin), check.limit, check.unit, others))
-    return found
+            yield Relaxation(name, margin, _value(check, margin), check.limit, check.unit, others)
 
 
 def _closest(evaluator: Evaluator, name: str, others: Collection[str], budget: int) -> Evaluation | None:

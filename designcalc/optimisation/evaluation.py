@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -81,6 +82,10 @@ def _has_mass(key: str) -> bool:
     return key.startswith(("stage.", "tip.", "teeth.", "tooth_iron.", "magnet.", "actuator.", "pads.", "bearing_way."))
 
 
+class OutOfBudgetError(Exception):
+    """The evaluations, or the time, of a search are used up."""
+
+
 @dataclass
 class Evaluator:
     """Evaluates points of the unit cube of the free parameters.
@@ -99,6 +104,10 @@ class Evaluator:
     count: int = 0
     archive: list[Evaluation] = field(default_factory=list)
     """Every evaluated design that violates no rule, or of which all checks were run."""
+    most: int | None = None
+    """Number of evaluations beyond which `OutOfBudgetError` is raised."""
+    deadline: float | None = None
+    """The same for the time, on the clock `time.monotonic`."""
 
     def __post_init__(self) -> None:
         self.base: Design = self.variations.design
@@ -116,9 +125,20 @@ class Evaluator:
         return self.of(values_at(self.free, point), names, point)
 
     def of(
-        self, values: Mapping[str, Any], names: Collection[str] | None = None, point: Array | None = None
+        self,
+        values: Mapping[str, Any],
+        names: Collection[str] | None = None,
+        point: Array | None = None,
+        limited: bool = True,
     ) -> Evaluation:
-        """The evaluation of values of the free parameters."""
+        """The evaluation of values of the free parameters; where it is not `limited`, at any time.
+
+        Raises:
+            OutOfBudgetError: see `most` and `deadline`.
+        """
+        late = self.deadline is not None and time.monotonic() >= self.deadline
+        if limited and (late or (self.most is not None and self.count >= self.most)):
+            raise OutOfBudgetError
         self.count += 1
         if point is None:
             point = np.array([one.place(values[one.key]) for one in self.free])

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from typing import TYPE_CHECKING, Any
@@ -13,9 +16,10 @@ from designcalc.optimisation.conflicts import (
     irreducible,
     out_of_reach,
     relaxations,
+    sample,
 )
-from designcalc.optimisation.evaluation import Evaluation, Evaluator
-from designcalc.optimisation.search import Best, search
+from designcalc.optimisation.evaluation import Evaluation, Evaluator, OutOfBudgetError
+from designcalc.optimisation.search import Best, search, take_back
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json
 
@@ -24,6 +28,8 @@ if TYPE_CHECKING:
 
 CONFLICT_BUDGET = 150
 """Evaluations of each search of a design for a part of the requirements."""
+_SAMPLES, _FINISH = 6, 30
+"""Sampled designs, and evaluations to take changes back, for each free parameter."""
 MOST_CONFLICTS = 8
 
 
@@ -62,6 +68,8 @@ class Outcome:
         conflicts: irreducible sets of requirements.
         relax: how far each member of a conflict must be relaxed.
         evaluations: number of evaluated designs.
+        left_out: requirements that the design does not meet, although no conflict is known.
+        complete: whether the search ended before its evaluations and its time were used up.
         interrupted: by Ctrl-C; the rest is what was known then.
     """
 
@@ -73,6 +81,8 @@ class Outcome:
     conflicts: list[Conflict] = field(default_factory=list)
     relax: list[Relaxation] = field(default_factory=list)
     evaluations: int = 0
+    left_out: tuple[str, ...] = ()
+    complete: bool = True
     interrupted: bool = False
 
 
@@ -101,56 +111,113 @@ def optimise(
     budget: int,
     *,
     seed: int = 1,
+    evaluations: int = 100_000,
+    seconds: float = math.inf,
     tell: Callable[[str], None] = lambda words: None,
     progress: Callable[[int], None] = lambda done: None,
 ) -> Outcome:
     """Find the nearest design that satisfies the rules and the required checks; otherwise their conflicts.
 
+    Where the evaluations or the time end before the conflicts are found, the design is that of the best compromise,
+    and the requirements that it does not meet are left out.
+
     Args:
         evaluator: of designs.
         required: checks that must pass.
-        budget: evaluations of the main search.
+        budget: evaluations of each search.
         seed: of its random numbers.
+        evaluations, seconds: limits of the whole.
         tell: called with what is being done.
         progress: called with the number of evaluations.
     """
     names = tuple(name for name in required if name in evaluator.positions)
-    before = evaluator.at(evaluator.start)
-    outcome = Outcome(False, names, before)
-    best: Best | None = None
-    alone: dict[str, Evaluation] = {}
+    outcome = Outcome(False, names, evaluator.at(evaluator.start))
+    run = _Run(evaluator, outcome, budget, seed, tell, progress, kept=list(names))
+    began = time.monotonic()
+    # A part is kept for the changes that can be taken back, and for their reasons.
+    evaluator.most = evaluations - min(evaluations // 3, _FINISH * len(evaluator.free))
+    evaluator.deadline = began + 0.8 * seconds if math.isfinite(seconds) else None
     try:
-        tell("each failed check by itself")
-        single, alone = out_of_reach(evaluator, names, lambda name: progress(evaluator.count))
-        outcome.conflicts = list(single.values())
-        kept = [name for name in names if name not in single]
-        while True:
-            tell("nearest design")
-            best = Best(kept)
-            _nearest(evaluator, kept, best, budget, seed, progress)
-            if best.satisfied or len(outcome.conflicts) >= len(single) + MOST_CONFLICTS:
-                break
-            tell("conflicting requirements")
-            members = irreducible(evaluator, kept, CONFLICT_BUDGET, lambda name: progress(evaluator.count))
-            if members is None:
-                known = next(one for one in evaluator.archive if one.satisfies(kept))
-                best.offer(known)
-                break
-            outcome.conflicts.append(Conflict(members))
-            kept.remove(_hardest(evaluator, members))
-        tell("what to relax")
-        outcome.relax = relaxations(evaluator, outcome.conflicts, kept, alone, CONFLICT_BUDGET)
+        run.explore()
+    except OutOfBudgetError:
+        outcome.complete = False
     except KeyboardInterrupt:
         outcome.interrupted = True
+    evaluator.most = evaluations if not outcome.interrupted else None
+    evaluator.deadline = began + seconds if math.isfinite(seconds) and not outcome.interrupted else None
+    with suppress(OutOfBudgetError, KeyboardInterrupt):
+        if not run.best.satisfied:
+            run.compromise()
+    evaluator.most = evaluator.deadline = None
     outcome.evaluations = evaluator.count
-    if best is not None and best.satisfied:
+    best = run.best
+    if best.satisfied:
         assert best.evaluation is not None
         outcome.design = evaluator.of(best.evaluation.values)  # with all checks
-        outcome.feasible = not outcome.conflicts
+        outcome.feasible = not outcome.conflicts and not outcome.left_out
         outcome.changes = _changes(evaluator, outcome.design, best.names)
-    elif best is not None:
+    else:
         outcome.design = best.evaluation
     return outcome
+
+
+@dataclass
+class _Run:
+    """State of an optimisation, so that the best is known when it is interrupted."""
+
+    evaluator: Evaluator
+    outcome: Outcome
+    budget: int
+    seed: int
+    tell: Callable[[str], None]
+    progress: Callable[[int], None]
+    kept: list[str]
+    best: Best = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.best = Best(self.kept)
+
+    def explore(self) -> None:
+        """Requirements out of reach, the nearest design that meets the others, and conflicts among these."""
+        evaluator, outcome = self.evaluator, self.outcome
+
+        def count(name: str) -> None:
+            self.progress(evaluator.count)
+
+        self.tell("samples")
+        sampled = sample(evaluator, min(_SAMPLES * len(evaluator.free), self.budget // 4), self.seed)
+        self.tell("each failed check by itself")
+        single, alone = out_of_reach(evaluator, self.kept, sampled, count)
+        outcome.conflicts = list(single.values())
+        self.kept = [name for name in self.kept if name not in single]
+        while True:
+            self.tell(f"nearest design for {len(self.kept)} requirements")
+            self.best = Best(self.kept)
+            _nearest(evaluator, self.kept, self.best, self.budget, self.seed, self.progress)
+            if self.best.satisfied or len(outcome.conflicts) >= len(single) + MOST_CONFLICTS:
+                break
+            self.tell("conflicting requirements")
+            members = irreducible(evaluator, self.kept, CONFLICT_BUDGET, count)
+            if members is None:
+                self.best.offer(next(one for one in evaluator.archive if one.satisfies(self.kept)))
+                break
+            outcome.conflicts.append(Conflict(members))
+            self.kept = [name for name in self.kept if name != _hardest(evaluator, members)]
+        self.tell("what to relax")
+        for one in relaxations(evaluator, outcome.conflicts, self.kept, alone, CONFLICT_BUDGET):
+            outcome.relax.append(one)
+
+    def compromise(self) -> None:
+        """Leave out the requirements that the best design fails, and take its needless changes back."""
+        complete = [one for one in self.evaluator.archive if one.complete and not one.violated]
+        if not complete:
+            return
+        design = min(complete, key=lambda one: one.shortfall(self.kept))
+        self.outcome.left_out = tuple(name for name in self.kept if name in design.unmet)
+        self.kept = [name for name in self.kept if name not in design.unmet]
+        self.best = Best(self.kept, design)
+        self.tell("changes taken back")
+        take_back(self.evaluator, self.best, None, self.progress)
 
 
 def _nearest(
@@ -170,7 +237,7 @@ def _nearest(
         finally:
             whole = None
             if inner.evaluation is not None:
-                whole = evaluator.of(inner.evaluation.values)
+                whole = evaluator.of(inner.evaluation.values, limited=False)
                 best.offer(whole)
         if whole is None or not inner.satisfied:
             return
@@ -217,6 +284,10 @@ def outcome_document(outcome: Outcome, evaluator: Evaluator, after: Sequence[Che
             }
             for one in outcome.relax
         ]
+        if outcome.left_out:
+            document["left_out"] = list(outcome.left_out)
+    if not outcome.complete:
+        document["complete"] = False
     if outcome.interrupted:
         document["interrupted"] = True
     return document

@@ -23,6 +23,8 @@ def print_outcome(run: Run, outcome: Outcome, evaluator: Evaluator, after: Seque
         return
     if outcome.interrupted:
         run.echo("stopped; the best design so far:")
+    if not outcome.complete:
+        run.echo(f"the search ended after {outcome.evaluations} designs; more --evaluations or --time may find more")
     if not outcome.feasible:
         run.echo(f"no design within the ranges meets all {len(outcome.required)} requirements")
         _print_conflicts(run, outcome)
@@ -50,6 +52,10 @@ def _print_conflicts(run: Run, outcome: Outcome) -> None:
     if certain:
         run.echo(f"\nThese checks read no free parameter, so they fail in every design ({len(certain)}):")
         for name in certain:
+            run.echo(f"- {name}")
+    if outcome.left_out:
+        run.echo(f"\nLeft out, since the best compromise fails them ({len(outcome.left_out)}):")
+        for name in outcome.left_out:
             run.echo(f"- {name}")
     columns = ("requirement", "limit", "reached", "margin", "together with")
     table = plain_table("what cannot be met", *columns, left=("requirement", "together with"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +24,16 @@ SEEDS = 8
 """Searches sent to a cluster."""
 
 
+@dataclass(frozen=True)
+class Effort:
+    """Evaluations of each search and of all, time of all, s, and seed of the random numbers."""
+
+    budget: int
+    evaluations: int
+    seconds: float
+    seed: int
+
+
 def evaluator_of(source: DesignSource, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
     """The evaluator of a design given as text and overrides."""
     from designcalc.optimisation.evaluation import Evaluator
@@ -39,8 +50,7 @@ def optimised(
     run: Run,
     freed: Sequence[str],
     keep: Sequence[str],
-    budget: int,
-    seed: int,
+    effort: Effort,
     masses: BodyMasses | None,
     scheduler: str | None,
 ) -> tuple[Evaluator, Outcome]:
@@ -49,7 +59,7 @@ def optimised(
     Args:
         run: of the command.
         freed, keep: as given by --free and --keep.
-        budget, seed: of the search.
+        effort: of the search.
         masses: of the design's solids; None estimates them from plain volumes.
         scheduler: address of a dask cluster, which begins with searches from several seeds.
     """
@@ -62,17 +72,19 @@ def optimised(
     evaluator = evaluator_of(source, free, masses)
     required = required_checks(evaluator.checks, keep)
     with run.progress() as progress:
-        task = progress.add_task("optimize", total=None)
+        task = progress.add_task("optimize", total=effort.evaluations)
         if scheduler is not None:
-            job = partial(seeded_search, source, free, masses, required, budget)
-            for values in parallel_map(job, range(seed, seed + SEEDS), scheduler=scheduler):
+            job = partial(seeded_search, source, free, masses, required, effort.budget)
+            for values in parallel_map(job, range(effort.seed, effort.seed + SEEDS), scheduler=scheduler):
                 if values is not None:
                     evaluator.of(values)
         outcome = optimise(
             evaluator,
             required,
-            budget,
-            seed=seed,
+            effort.budget,
+            seed=effort.seed,
+            evaluations=effort.evaluations,
+            seconds=effort.seconds,
             tell=lambda words: progress.update(task, description=words),
             progress=lambda done: progress.update(task, completed=done),
         )
@@ -107,7 +119,7 @@ def verified_checks(evaluator: Evaluator, outcome: Outcome, solids: bool) -> lis
 def unverified(outcome: Outcome, after: Sequence[Check]) -> list[str]:
     """Requirements that the search met, and that fail with the masses of the design's own solids."""
     conflicting = {name for conflict in outcome.conflicts for name in conflict.names}
-    met = set(outcome.required) - conflicting
+    met = set(outcome.required) - conflicting - set(outcome.left_out)
     return [check.name for check in after if check.name in met and check.verdict in ("fails", "out_of_range")]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,8 @@ class Options:
     target: Path | None
     relax: bool
     budget: int
+    evaluations: int
+    limit: str | None
     seed: int
     solids: bool
     figures: bool
@@ -46,8 +49,16 @@ class Options:
     "--relax", is_flag=True, help="Write the design that meets all requirements but those that cannot be met."
 )
 @click.option(
-    "--budget", type=click.IntRange(20, 100_000), default=600, show_default=True, help="Designs of the search."
+    "--budget", type=click.IntRange(20, 100_000), default=600, show_default=True, help="Designs of each search."
 )
+@click.option(
+    "--evaluations",
+    type=click.IntRange(50, 10_000_000),
+    default=6000,
+    show_default=True,
+    help="Designs of all searches together.",
+)
+@click.option("--time", "limit", metavar="TIME", help="Of all searches together, like '5 min'; else without limit.")
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the search.")
 @click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
 @click.option("--figures/--no-figures", default=True, help="Draw the Pareto fronts of the conflicts.")
@@ -63,7 +74,7 @@ def command(run: Run, **given: Any) -> int:
     from stagecad.parameters.rules.registry import violations
     from workbench.commands.check import masses_of_solids
     from workbench.console.optimisation import print_outcome
-    from workbench.machine.optimisation import optimised, unverified, verified_checks, written
+    from workbench.machine.optimisation import Effort, optimised, unverified, verified_checks, written
 
     options = Options(**given)
     target, relax = options.target, options.relax
@@ -71,9 +82,8 @@ def command(run: Run, **given: Any) -> int:
         raise InputError(f"{target}: is there already; name a new file")
     # A design that violates a rule may have no solids.
     masses = masses_of_solids(run) if options.solids and not violations(run.design) else None
-    evaluator, outcome = optimised(
-        run, options.freed, options.keep, options.budget, options.seed, masses, options.scheduler
-    )
+    effort = Effort(options.budget, options.evaluations, _seconds(options.limit), options.seed)
+    evaluator, outcome = optimised(run, options.freed, options.keep, effort, masses, options.scheduler)
     found = outcome.design if outcome.feasible or relax else None
     after: list[Check] | None = None
     if outcome.design is not None and outcome.changes:
@@ -97,6 +107,17 @@ def command(run: Run, **given: Any) -> int:
         document["figures"] = _figures(run, outcome, evaluator)
     run.emit(document)
     return 130 if outcome.interrupted else 0
+
+
+def _seconds(text: str | None) -> float:
+    from stagecad.parameters.units import parse_quantity
+
+    if text is None:
+        return math.inf
+    seconds = parse_quantity(text, "s", "--time")
+    if not seconds > 0:
+        raise InputError(f"--time '{text}': must be above 0")
+    return seconds
 
 
 def _figures(run: Run, outcome: Outcome, evaluator: Evaluator) -> list[str]:
