@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 RULE_PENALTY = 1.0
 """Shortfall of one violated rule; a check that misses its limit by its own size has log 2."""
+UNMET_PENALTY = 0.1
+"""Shortfall of a check that fails by next to nothing: rather one check by far than many by little."""
 REFUSED = 50.0
 """Shortfall of values that make no design, or of a check without a value."""
 
@@ -60,8 +62,8 @@ class Evaluation:
     def shortfall(self, names: Collection[str]) -> float:
         """Distance from satisfying all rules and these checks: 0 when all are satisfied.
 
-        The sum of ``log(1 - margin)`` over the checks that fail, of a constant for each violated rule and for each
-        check out of its range.
+        The sum of ``log(1 - margin)`` and a constant over the checks that fail, of a constant for each violated rule
+        and for each check out of its range.
         """
         if self.refused or not self._knows(names):
             return REFUSED
@@ -69,7 +71,7 @@ class Evaluation:
         for name in names:
             if name in self.unmet:
                 margin = self.margins.get(name)
-                total += REFUSED / 10 if margin is None else math.log1p(-margin) + 1e-3
+                total += REFUSED / 10 if margin is None else math.log1p(max(-margin, 0.0)) + UNMET_PENALTY
         return total
 
     def satisfies(self, names: Collection[str]) -> bool:

@@ -87,7 +87,10 @@ class Outcome:
 
 
 def required_checks(checks: Sequence[Check], keep: Sequence[str]) -> tuple[str, ...]:
-    """Names of the required checks: those of `--keep` (a name, its beginning, or a pattern with `*`), or all.
+    """Names of the required checks: those of `--keep`, or all.
+
+    A word of `--keep` is a name, its beginning, a pattern with `*`, or an entry of the thesis's tables (`Table 1:
+    speed`).
 
     Raises:
         InputError: no check of this name.
@@ -97,8 +100,9 @@ def required_checks(checks: Sequence[Check], keep: Sequence[str]) -> tuple[str, 
         return tuple(names)
     found: dict[str, None] = {}
     for word in keep:
-        exact = [name for name in names if name == word]
+        exact = [check.name for check in checks if word in (check.name, check.requirement)]
         some = exact or [name for name in names if fnmatch(name, f"{word}*")]
+        some = some or [check.name for check in checks if fnmatch(check.requirement, f"{word}*")]
         if not some:
             raise InputError(f"--keep '{word}': no such check{nearest(word, names)}")
         found.update(dict.fromkeys(some))
@@ -217,7 +221,13 @@ class _Run:
         self.kept = [name for name in self.kept if name not in design.unmet]
         self.best = Best(self.kept, design)
         self.tell("changes taken back")
-        take_back(self.evaluator, self.best, None, self.progress)
+        # The checks that no design has failed so far are left for the end.
+        part = [name for name in self.kept if any(name in one.unmet for one in complete)]
+        inner = Best(part, design)
+        with suppress(OutOfBudgetError, KeyboardInterrupt):
+            take_back(self.evaluator, inner, part, self.progress)
+        assert inner.evaluation is not None
+        self.best.offer(self.evaluator.of(inner.evaluation.values, limited=False))
 
 
 def _nearest(

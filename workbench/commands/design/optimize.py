@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options, without_rules
 
@@ -43,7 +44,12 @@ class Options:
     metavar="KEY=LOW:HIGH",
     help="Let a parameter change in a range, or among choices KEY=A|B; besides those marked free in the file.",
 )
-@click.option("--keep", multiple=True, metavar="CHECK", help="Require these checks only (a name, or a pattern with *).")
+@click.option(
+    "--keep",
+    multiple=True,
+    metavar="CHECK",
+    help="Require these checks only: a name, a pattern with *, or 'Table 1: speed'.",
+)
 @click.option("--write", "target", type=click.Path(path_type=Path), metavar="FILE.toml", help="Write the design found.")
 @click.option(
     "--relax", is_flag=True, help="Write the design that meets all requirements but those that cannot be met."
@@ -75,6 +81,7 @@ def command(run: Run, **given: Any) -> int:
     from workbench.commands.check import masses_of_solids
     from workbench.console.optimisation import print_outcome
     from workbench.machine.optimisation import Effort, optimised, unverified, verified_checks, written
+    from workbench.report.optimisation import optimisation_report
 
     options = Options(**given)
     target, relax = options.target, options.relax
@@ -95,10 +102,13 @@ def command(run: Run, **given: Any) -> int:
     document = outcome_document(outcome, evaluator, after)
     if after is not None:
         document["verified"] = not wrong
+    report = optimisation_report(outcome, evaluator.checks, after, run.design.file)
+    atomic_write_text(run.out / "optimize" / "report.md", report)
     if target is not None and found is not None and after is not None:
         written(run, outcome, target)
+        atomic_write_text(target.with_suffix(".md"), report)
         document["written"] = str(target)
-        run.note(f"written: {target}")
+        run.note(f"written: {target} and {target.with_suffix('.md')}")
     elif target is not None:
         run.note(
             f"{target} is not written: no design meets all requirements (--relax leaves out those of the conflicts)"
