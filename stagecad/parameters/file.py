@@ -53,6 +53,8 @@ class ParameterFile:
     name: str
     entries: Mapping[str, FileEntry]
     extends: str | None = None
+    machine: Mapping[str, Any] | None = None
+    """The table `[machine]`, as parsed (`stagecad.solids.assembly.machine_declaration`)."""
 
 
 def packaged_text() -> str:
@@ -102,6 +104,9 @@ def parse_parameter_text(text: str, name: str) -> ParameterFile:
     extends = document.pop("extends", None)
     if extends not in (None, PACKAGED):
         raise InputError(f"{name}: extends = {extends!r}: only '{PACKAGED}', the packaged design, can be extended")
+    machine = document.pop("machine", None)
+    if machine is not None and not isinstance(machine, dict):
+        raise InputError(f"{name}: machine = {_value_text(machine)}: write a table [machine]")
     entries: dict[str, FileEntry] = {}
     for table, content in document.items():
         if not isinstance(content, dict):
@@ -109,7 +114,7 @@ def parse_parameter_text(text: str, name: str) -> ParameterFile:
                 f"{name}: {table} = {_value_text(content)} is outside a table; write it in a table like [stage]"
             )
         _collect(name, table, content, entries)
-    return ParameterFile(name, entries, extends)
+    return ParameterFile(name, entries, extends, machine)
 
 
 def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str, FileEntry]) -> None:

@@ -48,13 +48,19 @@ def command(
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks.analysis.grid import combinations
     from designcalc.checks.analysis.sweep import read_range
+    from workbench.commands.design.declared import run_declared
     from workbench.console.checks import print_checks, print_tolerance
+    from workbench.machine.declared_machine import declared_machine
     from workbench.machine.margin_studies import evaluated_checks
     from workbench.report.check_figures import tolerance_figure
     from workbench.report.checks import write_check_files
 
     if scheduler is not None and not swept and not tolerance:
         raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
+    declaration = declared_machine(run)
+    if declaration is not None:
+        refused = [*swept, *(word for word in ("--tolerance",) if tolerance)]
+        return run_declared(run, declaration, ("checks",), asked["trust"], refused=refused)
     design = run.design
     if asked["trust"]:
         trust_own_checks(run)

@@ -47,10 +47,16 @@ def command(
     run: Run, names: tuple[str, ...], own: Path | None, trust: bool, lint: bool, since: Path | None, **issue: str | None
 ) -> int:
     """Draw the sheets of all parts, or of those NAMEd only (a part, or one of its sheets: base_2)."""
+    from workbench.commands.design.declared import run_declared
+    from workbench.machine.declared_machine import declared_machine
+
     entries = tuple(f"drawing.{key}={value}" for key, value in issue.items() if value is not None)
     run = replace(run, overrides=(*run.overrides, *entries), earlier=since)
     if own is not None:
         return _draw_own(run, own, names, trust, lint)
+    declaration = declared_machine(run)
+    if declaration is not None:
+        return run_declared(run, declaration, ("drawings",), trust, lint, names)
     document = write_drawings(run, names)
     if run.json_target is None:
         _tell(run, document)

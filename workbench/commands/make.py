@@ -24,7 +24,7 @@ STAMP = "made_from.json"
 @click.option("--simulations/--no-simulations", default=True, help="Run the thesis's friction experiments too.")
 @click.option("--trust", is_flag=True, help="Consent to run the files of the folder checks as they are now.")
 @common_options
-def command(run: Run, simulations: bool, trust: bool) -> None:
+def command(run: Run, simulations: bool, trust: bool) -> int:
     """Make everything from the parameter file: parts, assembly, drawings, list of parts, checks, simulations, report.
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
@@ -40,13 +40,18 @@ def command(run: Run, simulations: bool, trust: bool) -> None:
     from stagecad.solids.assembly.pictures import build_pictures
     from stagecad.solids.modelling.registry import chosen
     from workbench.commands.check import trust_own_checks
+    from workbench.commands.design.declared import WHAT, run_declared
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
     from workbench.machine.artefacts import stored_values
+    from workbench.machine.declared_machine import declared_machine
     from workbench.machine.margin_studies import evaluated_checks
     from workbench.report.checks import write_check_files
     from workbench.report.machine import MachineResults, write_report
 
+    declaration = declared_machine(run)
+    if declaration is not None:
+        return run_declared(run, declaration, WHAT, trust)
     design = run.design
     if trust:
         trust_own_checks(run)
@@ -98,6 +103,7 @@ def command(run: Run, simulations: bool, trust: bool) -> None:
             "report": str(page),
         }
     )
+    return 0
 
 
 def _stamped(folder: Path, inputs: object, files: list[Path]) -> bool:

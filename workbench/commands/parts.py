@@ -18,15 +18,22 @@ BILL = "bill_of_materials"
 
 @click.command("parts")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.option("--trust", is_flag=True, help="Consent to run the files of a machine of your own as they are now.")
 @common_options
-def command(run: Run, names: tuple[str, ...]) -> None:
+def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
     """Write STEP, STL and GLB of the parts and the assembly, or of those NAMEd only, and print their mass."""
     from stagecad.solids.modelling.registry import chosen
+    from workbench.commands.design.declared import run_declared
+    from workbench.machine.declared_machine import declared_machine
 
+    declaration = declared_machine(run)
+    if declaration is not None:
+        return run_declared(run, declaration, ("parts",), trust, refused=names)
     wanted = chosen(names, run.design)
     document = write_parts(run, wanted)
     _tell(run, document)
     run.emit({"parts": document["parts"], "moving_body": document["moving_body"], "measures": document["measures"]})
+    return 0
 
 
 def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:

@@ -39,6 +39,7 @@ class OwnPart:
 
     @property
     def name(self) -> str:
+        """Name of the part, of its files, and of the table with its parameters."""
         return self.module.NAME
 
 
@@ -148,10 +149,7 @@ def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
     from stagecad.solids.modelling.verification import DimensionVerifier
 
     module, design = part.module, part.design
-    solid = _solid(part, module.build(design))
-    material = module.material(design)
-    if material not in design.materials:
-        raise InputError(f"{part.path}: material '{material}' is not in [materials]")
+    solid, material = built_solid(part)
     mass = mass_properties(geometry_of(solid), density_of(design, material))
     low, high = mass.bounding_box
     getattr(design, part.name).drawing_scale = _scale([1e3 * (b - a) for a, b in zip(low, high, strict=True)])
@@ -179,6 +177,32 @@ def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
     properties = folder / f"{part.name}_mass.json"
     properties.write_text(json.dumps(mass.as_json(), indent=1) + "\n", "utf-8")
     return {"part": part.name, "sheets": sheets, "files": [*files, str(model), str(properties)], **mass.as_json()}
+
+
+def called(part: OwnPart, function: str) -> Any:
+    """Result of a function of the part's file.
+
+    Raises:
+        InputError: the function fails, with the line.
+    """
+    try:
+        return getattr(part.module, function)(part.design)
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{part.path}: {_where(error, part.path)}{type(error).__name__}: {error}") from None
+
+
+def built_solid(part: OwnPart) -> tuple[Any, str]:
+    """The solid of a part, mm, and the name of its material.
+
+    Raises:
+        InputError: the file's functions fail, the result is no valid solid, or the material is unknown.
+    """
+    found, material = called(part, "build"), called(part, "material")
+    if material not in part.design.materials:
+        raise InputError(f"{part.path}: material '{material}' is not in [materials]")
+    return _solid(part, found), material
 
 
 def _solid(part: OwnPart, found: Any) -> Any:

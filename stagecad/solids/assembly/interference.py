@@ -129,11 +129,11 @@ def find_interferences(
             instances = assemble(parts, design, travel, height)
             shapes = shapes_of(instances, parts, design)
             for one, two in combinations(instances, 2):
-                if not _near(_box(one, parts), _box(two, parts), NEAR):
+                if not near(_box(one, parts), _box(two, parts), NEAR):
                     continue
                 key = (one.shape, two.shape, _relative(one.frame, two.frame))
                 if key not in volumes:
-                    volumes[key] = _common_volume(one, two, shapes)
+                    volumes[key] = common_volume(one, two, shapes)
                 volume = volumes[key]
                 pair = frozenset((one.part, two.part))
                 distance = 0.0 if volume > TOUCH else None
@@ -185,7 +185,7 @@ def _value(design: Any, key: str) -> float:
     return value
 
 
-def _common_volume(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float:
+def common_volume(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float:
     """Common volume of two instances, mm^3."""
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
     from OCP.BRepGProp import BRepGProp
@@ -221,7 +221,8 @@ def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
     return transformed_box(instance.frame, (low, high))
 
 
-def _near(one: Box, two: Box, gap: float) -> bool:
+def near(one: Box, two: Box, gap: float) -> bool:
+    """Whether two boxes are closer than a gap, mm, along every axis."""
     return all(one[0][axis] - gap <= two[1][axis] and two[0][axis] - gap <= one[1][axis] for axis in range(3))
 
 
