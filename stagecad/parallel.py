@@ -82,6 +82,7 @@ def parallel_map(
     limit: TimeLimit | None = None,
     requires: Mapping[Item, Collection[Item]] | None = None,
     scheduler: str | None = None,
+    isolate: bool = False,
 ) -> list[Result]:
     """`[function(item) for item in items]`, in new processes or on a cluster.
 
@@ -93,6 +94,8 @@ def parallel_map(
         limit: for each item; not on a cluster.
         requires: items that must be completed before an item is begun, without cycles; not on a cluster.
         scheduler: address of a dask cluster, like `tcp://127.0.0.1:8786`.
+        isolate: in another process also where one is enough, since compiled code may end it; not inside a worker, and
+            not where the system lets this process start none.
 
     Raises:
         TimeoutError: an item exceeded the limit, and with the fallback again.
@@ -104,7 +107,8 @@ def parallel_map(
         return map_on_cluster(scheduler, function, items, progress)
     needed = {items.index(item): {items.index(other) for other in others} for item, others in (requires or {}).items()}
     count = min(workers or processors(), len(items))
-    if _inside_worker or (count <= 1 and limit is None):
+    alone = count <= 1 and limit is None and not (isolate and not multiprocessing.current_process().daemon)
+    if _inside_worker or alone:
         completed = _completed_here(function, items, needed)
     else:
         completed = _Pool("spawn", count, function, limit).completed(items, needed)
@@ -222,7 +226,7 @@ class _Pool:
                 raise TimeoutError(f"{reprlib.repr(item)} took more than {self.limit.seconds:g} s")
             return replace(task, late=True)
         if task.lost:
-            raise LostProcessError(f"{reprlib.repr(item)}: its process ended without a result, twice")
+            raise LostProcessError(f"{reprlib.repr(item)}: its process ended without a result, twice", item)
         return replace(task, lost=True)
 
     def apply(self, item: Any, late: bool) -> bytes:

@@ -9,7 +9,8 @@ from typing import Any
 
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, BuiltSheet, CalculateValues, build_sheets, find_sheets
 from stagecad.parallel import TimeLimit, parallel_map
-from stagecad.solids.artefacts.part import build_part, find_part
+from stagecad.parameters.errors import LostProcessError, PartError
+from stagecad.solids.artefacts.part import CRASHED, build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
@@ -66,7 +67,12 @@ def build_all_sheets(
         tasks = (*before, *missing)
         run = partial(_run, store.folder, design, calculate)
         limit = TimeLimit(TIME_LIMIT, fallback=partial(run, exact=False))
-        built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
+        try:
+            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
+        except LostProcessError as error:
+            if str(error.item).startswith(BUILD):
+                raise PartError(str(error.item).removeprefix(BUILD), design, CRASHED) from None
+            raise
         found |= dict(zip(missing, built[len(before) :]))
     return {subject: found[subject] for subject in wanted}
 

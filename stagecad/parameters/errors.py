@@ -77,7 +77,16 @@ class PartError(ValueError):
 
 
 class LostProcessError(RuntimeError):
-    """A process that ended without a result, twice: as by a segmentation fault, or for lack of memory."""
+    """A process that ended without a result, twice: as by a segmentation fault, or for lack of memory.
+
+    Args:
+        message: one line.
+        item: that it worked on.
+    """
+
+    def __init__(self, message: str, item: Any = None) -> None:
+        super().__init__(message)
+        self.item = item
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str:

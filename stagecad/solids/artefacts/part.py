@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parallel import parallel_map
 from stagecad.parameters.dimension import Datum
-from stagecad.parameters.errors import InputError, PartError
+from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.mass import Geometry, geometry_of
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
@@ -30,7 +30,11 @@ if TYPE_CHECKING:
     from stagecad.solids.export.mesh import Mesh
 
 FEW = 3
-"""Up to so many parts are made in this process: starting others costs more than it saves."""
+"""Up to so many parts are made in one process: starting others costs more than it saves."""
+
+
+CRASHED = "the CAD kernel ended its process, twice"
+"""Reason of a part whose construction crashes."""
 
 
 @dataclass(frozen=True)
@@ -202,15 +206,20 @@ def build_parts(
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
+    isolate: bool = True,
 ) -> dict[str, BuiltPart]:
-    """All of `names`; those that the cache lacks are built in several processes.
+    """All of `names`; those that the cache lacks are built in other processes.
 
     Args:
         store: the cache.
         names: of the parts.
-        design: the design; it must pickle where several processes share the work.
+        design: the design; it must pickle.
         advance: called with each name once it is finished.
         workers: number of processes; default: that of the processors.
+        isolate: build even few parts in another process, so that a crash of the CAD kernel does not end this one.
+
+    Raises:
+        PartError: the CAD kernel makes no valid solid of a part, or ends its process.
     """
     found = {name: find_part(store, name, design) for name in names}
     for name in names:
@@ -218,7 +227,11 @@ def build_parts(
             advance(name)
     missing = [name for name in names if found[name] is None]
     count = 1 if len(missing) <= FEW else workers
-    parallel_map(partial(_build, store.folder, design), missing, progress=advance, workers=count)
+    run = partial(_build, store.folder, design)
+    try:
+        parallel_map(run, missing, progress=advance, workers=count, isolate=isolate)
+    except LostProcessError as error:
+        raise PartError(str(error.item), design, CRASHED) from None
     return {name: found[name] or build_part(store, name, design) for name in names}
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
-from stagecad.solids.artefacts.part import BuiltPart, build_part, build_parts, find_part
+from stagecad.solids.artefacts.part import BuiltPart, build_parts, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import Instance
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
@@ -135,8 +135,7 @@ def body_masses(design: Any) -> BodyMasses:
     """
     riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
     store = ArtefactStore()
-    # One after another: other processes for so few parts cost more than they save, and a cluster's may start none.
-    parts = {name: build_part(store, name, design) for name in ("stage", "tip", *riders)}
+    parts = build_parts(store, ("stage", "tip", *riders), design)
     plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     stage = parts["stage"]
     frame = mate(stage.datums["pads"], UNMOVED, plane)

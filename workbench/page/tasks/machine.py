@@ -28,7 +28,8 @@ def solids(text: str | None, name: str, overrides: list[str], folder: str, repor
         count += 1
         report(part.replace("_", " "), count, len(names))
 
-    parts = build_parts(ArtefactStore(), names, design, advance)
+    # This process keeps the CAD kernel loaded, and a crash of it ends the job alone.
+    parts = build_parts(ArtefactStore(), names, design, advance, isolate=False)
     masses = body_masses(design)
     found = {
         part: {
