@@ -115,11 +115,11 @@ class ModelSearch:
     @cached_property
     def ranked(self) -> list[Candidate]:
         """The best variant of each effect, lowest held-out loss first; where none is sufficient, also with the shape of
-        an effect of the model searched again."""
+        an effect of the model searched again, or with its variants as stated."""
         ranked, before = one_per_family(self.singles), self.reference.held_out.loss
         least = ranked[0].held_out.loss if ranked else before
         if before > NOISE_LOSS and before - least < SUFFICIENT_SHARE * (before - 1.0):
-            return one_per_family([*self.reshaped(), *self.singles])
+            return one_per_family([*self.reshaped(), *self.on_stated_variants(), *self.singles])
         return ranked
 
     @cached_property
@@ -153,6 +153,25 @@ class ModelSearch:
             found = self._map(refit, fits, [*(fit.effect for fit in fits), *first.fitted.model.effects])
             self._on_top[first.name] = sorted(found, key=lambda c: c.held_out.loss)
         return self._on_top[first.name]
+
+    def on_stated_variants(self) -> list[Candidate]:
+        """One effect added to the model with the variants as stated, best first: a variant that the program selected
+        while an effect was missing may stand for it, so that the effect explains nothing beside it."""
+        if not self.base.laws:
+            return []
+        problem = self.problem
+        stated = fit_model(problem.start, problem.fit_records, self.base.fitted.weights)
+        below = reference_fit(problem, stated, self.base.weights)
+        names = [effect.name for effect in problem.start.effects]
+        screening = screen_all(problem, below, names, self.all_effects, promising=SCREENED_ON_TOP)
+
+        def refit(fit: ScreeningFit) -> Candidate | None:
+            return self._evaluate(refit_candidate(stated, fit, problem.fit_records, problem.scales))
+
+        fits = screening.fits[:ON_TOP]
+        found = self._map(refit, fits, [*(fit.effect for fit in fits), *stated.model.effects])
+        found.sort(key=lambda c: c.held_out.loss)
+        return self._with_reselected_variants(found)
 
     def reshaped(self, option: Effect | None = None) -> list[Candidate]:
         """One effect added, and the shape of an effect of the model searched again at the same time, best first.
