@@ -69,13 +69,6 @@ def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> boo
     return after.rms * before.over_noise > 2.0 * after.over_noise * before.rms
 
 
-def scored_channels(record: PreparedRecord) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
-    """Scored quantities by name: values (n,), mask of the valid samples (n,), and standard deviation of the noise."""
-    if isinstance(record, ForceBalanceRecord):
-        return record.scored
-    return {channel: (y, record.valid[channel], record.noise[channel]) for channel, y in record.measured.items()}
-
-
 PRESLIDING_TIMING = 0.1
 """Part of the timing uncertainty that remains with presliding under imposed motion, where the force is continuous."""
 
@@ -86,7 +79,7 @@ def channel_noise(model: Model, record: PreparedRecord, channel: str) -> float:
     Where the velocity of an imposed motion comes from a noisy position, the friction that changes with it is uncertain.
     """
     if not isinstance(record, ForceBalanceRecord) or channel != record.force_channel:
-        return scored_channels(record)[channel][2]
+        return record.scored[channel].noise
     noise = residual_noise(record, model.effects, model.values)
     if record.velocity_sign is None or record.prefiltered_noise == 0.0:
         return noise
@@ -103,7 +96,7 @@ def sample_std(
 
     `timing` is the part of the record's timing uncertainty that applies to the model.
     """
-    if not isinstance(record, ForceBalanceRecord) or record.timing_uncertainty == 0.0 or channel == STICK_DISPLACEMENT:
+    if record.timing_uncertainty == 0.0 or channel == STICK_DISPLACEMENT:
         return np.full(record.size, noise)
     steep = np.gradient(predicted[channel], record.step)
     return np.hypot(noise, timing * record.timing_uncertainty * np.abs(steep))
@@ -132,7 +125,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             if isinstance(record, ForceBalanceRecord) and record.is_free:
                 reference = record.force[ok]
             measured.setdefault(channel, []).append(reference)
-        if isinstance(record, ForceBalanceRecord) and record.stick_phases is not None:
+        if record.stick_phases is not None:
             # Presliding displacements in stick phases count as a misfit of the position.
             ok = record.stick_phases.scored
             channel = "position" if "position" in record.measured else record.force_channel
@@ -168,7 +161,7 @@ def held_by_measured_force(
     There the model's friction is the measured force less the inertia, whose noise cancels: the residual is the noise of
     the inertia alone, and no comparison.
     """
-    if not isinstance(record, ForceBalanceRecord) or record.acceleration is None or channel != record.force_channel:
+    if record.acceleration is None or channel != record.force_channel:
         return np.zeros(record.size, dtype=bool)
     inertia = values["rig.mass"] * record.acceleration
     if channel == "position":
@@ -208,14 +201,11 @@ def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool
     std, samples = [], []
     for record in records:
         predicted = predict(record, model.effects, model.values)
-        scored = scored_channels(record)
-        imposed = isinstance(record, ForceBalanceRecord) and record.stick_fraction is None
-        presliding = imposed and any(e.has_presliding for e in model.effects)
+        scored = record.scored
+        presliding = record.stick_fraction is None and any(e.has_presliding for e in model.effects)
         timing = PRESLIDING_TIMING if presliding else 1.0
         std.append({c: sample_std(record, predicted, c, channel_noise(model, record, c), timing) for c in scored})
-        every = 1
-        if thin and isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
-            every = max(1, int(record.full_filter.width / record.step))
+        every = max(1, int(record.filter_width / record.step)) if thin else 1
         samples.append({channel: np.flatnonzero(valid)[::every] for channel, (_, valid, _) in scored.items()})
     return ResidualWeights(tuple(std), tuple(samples))
 
@@ -228,7 +218,7 @@ def weighted_residual(
     parts = []
     for record, scales, samples in zip(records, weights.scored_std, weights.samples, strict=True):
         predicted = predict(record, model.effects, values, samples)
-        scored = scored_channels(record)
+        scored = record.scored
         for channel, pick in samples.items():
             parts.append((scored[channel][0][pick] - predicted[channel]) / scales[channel])
     return np.concatenate(parts) if parts else np.empty(0)

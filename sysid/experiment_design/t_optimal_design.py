@@ -193,9 +193,7 @@ def _independent(problem: Problem, record: PreparedRecord, step: float) -> float
     """Root of the number of independent samples per sample, `step` (s) apart."""
     own = record.step
     colour = max((n.autocorrelation for n in problem.noise.values()), default=0.0)
-    apart = own * (1.0 + colour) / max(1.0 - colour, 1e-3)
-    if isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
-        apart = max(apart, record.full_filter.width)
+    apart = max(own * (1.0 + colour) / max(1.0 - colour, 1e-3), record.filter_width)
     return float(np.sqrt(step / apart))
 
 
@@ -212,9 +210,7 @@ def _distance_on_records(problem: Problem, one: Model, other: Model) -> float:
     )
     thinned = replace(full, samples=samples)
     record = problem.fit_records[0]
-    gap = every * record.step
-    if isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
-        gap = every * max(1, int(record.full_filter.width / record.step)) * record.step
+    gap = every * max(1, int(record.filter_width / record.step)) * record.step
     return _independent(problem, record, gap) * discrimination_distance(one, other, problem.fit_records, thinned)
 
 
@@ -232,18 +228,15 @@ def _near_reversals(record: ForceBalanceRecord, reach: int) -> np.ndarray:
 def _away_from_reversals(record: PreparedRecord, pick: np.ndarray) -> np.ndarray:
     if not isinstance(record, ForceBalanceRecord):
         return pick
-    width = record.full_filter.width if record.full_filter is not None else 0.0
-    return pick[~_near_reversals(record, 2 + int(np.ceil(5.0 * width / record.step)))[pick]]
+    return pick[~_near_reversals(record, 2 + int(np.ceil(5.0 * record.filter_width / record.step)))[pick]]
 
 
 def motions_for(problem: Problem) -> list[Motion]:
     """Excitations for a problem's rig, within the ranges of its records."""
     first = problem.fit_records[0]
-    if isinstance(first, TipRecord | FrictionDriveRecord):
-        drives = [
-            np.concatenate([r.drives[k] for r in problem.fit_records if isinstance(r, TipRecord | FrictionDriveRecord)])
-            for k in range(len(first.drives))
-        ]
+    driven = [r for r in problem.fit_records if isinstance(r, TipRecord | FrictionDriveRecord)]
+    if driven:
+        drives = [np.concatenate(u) for u in zip(*(r.drives for r in driven), strict=True)]
         return tip_motions([float(u.min()) for u in drives], [float(u.max()) for u in drives], first.step)
     return axis_motions(envelope_of(problem), first.step)
 
@@ -304,7 +297,7 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
     rest = 1e-6 * float(np.max(np.abs(velocity)))
     axis = make_axis(time, position, velocity, acceleration, load, warmth, rest)
     channel = first.force_channel
-    width = first.full_filter.width if first.full_filter is not None else 0.0
+    width = first.filter_width
     margin = int(np.ceil(4.0 * width / motion.step)) + 1
     inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
     record = replace(
@@ -338,8 +331,9 @@ def columns_of(problem: Problem, motion: Motion) -> dict[str, np.ndarray]:
     for name, values in motion.signals.items():
         if name == "position":
             # On this rig the motion is imposed on the end of the pulling spring.
-            table[f"{'pull_position' if problem.kind == 'spring-pull' else 'position'} [{unit}]"] = values
-            if problem.kind == "velocity-drive":
+            inputs = problem.experiment.rig.declaration.input_channels
+            table[f"{'pull_position' if 'pull_position' in inputs else 'position'} [{unit}]"] = values
+            if "velocity" in inputs:
                 table[f"velocity [{unit}/s]"] = np.gradient(values, motion.step)
         else:
             table[f"{name} [{'V' if name.startswith('voltage') else 'N'}]"] = values

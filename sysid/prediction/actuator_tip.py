@@ -22,6 +22,7 @@ from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import TERMS, Values, values_of
+from sysid.prediction.prepared_record import CommonRecord
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.prediction.sensors import sensed
 from sysid.signals.masks import filled
@@ -44,19 +45,12 @@ class DrivenPiezos(Protocol):
     step: float
 
 
-@dataclass(eq=False)
-class TipRecord:
-    """One actuator-tip record, prepared. Arrays have shape (n,), SI units, on a uniform time grid."""
+@dataclass(eq=False, kw_only=True)
+class TipRecord(CommonRecord):
+    """One actuator-tip record, with the voltages of its piezos from their bias, V, each (n,)."""
 
-    name: str
-    role: str
-    kind: str
-    step: float
     time: np.ndarray
     drives: list[np.ndarray]
-    measured: dict[str, np.ndarray]
-    valid: dict[str, np.ndarray]
-    noise: dict[str, float]
     piezo_spacing: float
     tip_height: float
 

@@ -17,7 +17,6 @@ from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior
 from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
 from sysid.prediction.rig_model import RigModel
 from sysid.prediction.rig_models import RIG_MODELS
@@ -121,7 +120,11 @@ def build_problem(
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     stiffness = experiment.rig.known.get("pull_stiffness")
-    if stiffness is not None and stiffness.std is None and any(_displacement_by_spring(p) for p in prepared):
+    if (
+        stiffness is not None
+        and stiffness.std is None
+        and any(p.stick_phases is not None and p.stick_phases.compliance > 0.0 for p in prepared)
+    ):
         unit = "N*m/rad" if experiment.rig.rotary else "N/m"
         notes.append(
             "no position is recorded: the presliding displacement is computed from the spring force, with "
@@ -139,14 +142,6 @@ def averaged(experiment: Experiment, records: Sequence[Record]) -> tuple[Literal
         return hold, list(records)
     held = ("drive_force",) if hold == "zero" else ()
     return "linear", [decimated(record, k, held) for record in records]
-
-
-def _displacement_by_spring(record: PreparedRecord) -> bool:
-    return (
-        isinstance(record, ForceBalanceRecord)
-        and record.stick_phases is not None
-        and record.stick_phases.compliance > 0.0
-    )
 
 
 def _with_settings(model: Model, experiment: Experiment) -> Model:

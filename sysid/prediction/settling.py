@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import PreparedRecord
 
 LONGEST_START = 0.1
@@ -28,7 +27,7 @@ def without_start(record: PreparedRecord) -> PreparedRecord:
     """The record whose start is not scored."""
     rows = settled_rows(record)
     valid = {channel: scored & rows for channel, scored in record.valid.items()}
-    phases = record.stick_phases if isinstance(record, ForceBalanceRecord) else None
+    phases = record.stick_phases
     if phases is None:
         return replace(record, valid=valid)
     phases = replace(phases, scored=phases.scored & rows)

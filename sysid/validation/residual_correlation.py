@@ -23,7 +23,6 @@ import numpy as np
 from scipy.signal import correlate
 from scipy.special import gammaincc
 
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem, averaged
 
@@ -168,7 +167,7 @@ def _correlation(u: Sequence[np.ndarray], e: Sequence[np.ndarray]) -> np.ndarray
 
 def _spacing(record: PreparedRecord) -> float:
     """Time between the samples that a fit scores, s: a filter width of a filtered record."""
-    width = record.full_filter.width if isinstance(record, ForceBalanceRecord) and record.full_filter else 0.0
+    width = record.filter_width
     return max(1, int(width / record.step)) * record.step
 
 

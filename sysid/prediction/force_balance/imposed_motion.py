@@ -63,8 +63,6 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRe
         measured={"friction_force": force},
         valid={"friction_force": valid},
         noise={"friction_force": noise["friction_force"].value},
-        acceleration=None,
-        stick_fraction=None,
         complementary_filter=GaussianFilter(0.0, step, time.size),
         force_channel="friction_force",
         timing_uncertainty=0.5 * step,

@@ -15,7 +15,7 @@ import numpy as np
 
 from sim.library.effect import Axis
 from sysid.prediction.force_balance.stick_event_times import SlipPhases
-from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
+from sysid.prediction.prepared_record import CommonRecord
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 
@@ -42,12 +42,12 @@ class VelocityAgreement(NamedTuple):
     late: float
 
 
-@dataclass(eq=False)
-class ForceBalanceRecord:
-    """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
+@dataclass(eq=False, kw_only=True)
+class ForceBalanceRecord(CommonRecord):
+    """One record as a force balance.
 
-    `measured` has the force channel, filtered (spring force, drive force or friction force), and, on a spring-pull rig
-    with both, the position. `noise` is the standard deviation that sensor noise leaves in each channel's residual.
+    `measured` has the force channel, filtered (spring force, drive force or friction force), and, where the force of a
+    pulling spring and the position are logged, both.
 
     `complementary_filter` is applied to a law's value for the lightly filtered motion, to match the measured
     channels. `full_filter` is that filter in one, for discontinuous terms: Coulomb friction of a driven mass, which
@@ -57,23 +57,12 @@ class ForceBalanceRecord:
     motion at the sample; zero where it is not known. `velocity_noise` is the standard deviation of the axis's
     velocity, and `velocity_agreement` states a contradiction between a logged velocity and the position.
     `half_width_variant` makes the axis from a motion filtered half as much, and the rest of the filter: the
-    difference is the error by filtering. `stick_phases` has the displacements while friction holds the body, scored
-    in addition to the measured channels. `raw_position` is the logged position, gaps bridged where anything was
+    difference is the error by filtering. `raw_position` is the logged position, gaps bridged where anything was
     `interpolated`.
     """
 
-    name: str
-    role: str
-    kind: str
-    step: float
     axis: Axis
-    measured: dict[str, np.ndarray]
-    valid: dict[str, np.ndarray]
-    noise: dict[str, float]
-    acceleration: np.ndarray | None
-    stick_fraction: np.ndarray | None
     complementary_filter: GaussianFilter
-    full_filter: GaussianFilter | None = None
     direction: np.ndarray | None = None
     reversals: np.ndarray | None = None
     slip_phases: SlipPhases | None = None
@@ -81,8 +70,6 @@ class ForceBalanceRecord:
     velocity_sign: np.ndarray | None = None
     velocity_noise: float = 0.0
     velocity_agreement: VelocityAgreement | None = None
-    force_channel: str = ""
-    timing_uncertainty: float = 0.0
     inputs: dict[str, np.ndarray] = field(default_factory=dict)
     applied: np.ndarray | None = None
     mass: float = 0.0
@@ -92,7 +79,6 @@ class ForceBalanceRecord:
     prefiltered_noise: float = 0.0
     pull_stiffness: float = 0.0
     half_width_variant: Callable[[], tuple[Axis, GaussianFilter]] | None = None
-    stick_phases: StickPhases | None = None
     raw_position: np.ndarray | None = None
     interpolated: np.ndarray | None = None
 
@@ -148,18 +134,6 @@ class ForceBalanceRecord:
     def is_free(self) -> bool:
         """Whether the drive force is constant: a coast-down or a free oscillation."""
         return self.force_channel == "drive_force" and self.applied is not None and np.ptp(self.applied) == 0.0
-
-    @property
-    def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
-        """Signals compared with a model, by name: values (n,), the samples that count (n,), and their noise."""
-        out = {channel: (y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
-        if self.stick_phases is not None:
-            out[STICK_DISPLACEMENT] = (
-                self.stick_phases.displacement,
-                self.stick_phases.scored,
-                self.stick_phases.noise,
-            )
-        return out
 
 
 def direction_of(velocity: np.ndarray, rest: float) -> np.ndarray:

@@ -68,7 +68,7 @@ LEAST_TIP_SPEED = 0.02
 """Part of the largest speed of the tip from which a row counts for the gain from tip to stage."""
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class FrictionDriveRecord(ForceBalanceRecord):
     """One friction-drive record, prepared; its axis is that of the pads.
 
@@ -125,8 +125,6 @@ def friction_drive_record(
         measured=measured,
         valid=valid,
         noise={name: noise[name].value for name in measured},
-        acceleration=None,
-        stick_fraction=None,
         complementary_filter=GaussianFilter(0.0, step, time.size),
         force_channel="position",
         drives=drives,
