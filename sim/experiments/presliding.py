@@ -55,26 +55,15 @@ def presliding(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
 
 def extremum(time: np.ndarray, value: np.ndarray, rate: np.ndarray, sign: float) -> float:
     """Largest (sign +1) or smallest (-1) value between samples, by cubic Hermite interpolation with the known rate."""
-    from math import sqrt
+    from scipy.interpolate import CubicHermiteSpline
 
     at = int(np.argmax(sign * value))
-    best = float(value[at])
-    for k in (at - 1, at):
-        if not 0 <= k < value.size - 1:
-            continue
-        h = time[k + 1] - time[k]
-        a, b = rate[k] * h, rate[k + 1] * h
-        rise = value[k + 1] - value[k]
-        # value(s) = y0 + a s + (3 rise - 2a - b) s^2 + (a + b - 2 rise) s^3
-        c2, c3 = 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
-        under = c2 * c2 - 3.0 * a * c3
-        if under < 0.0 or a == 0.0:
-            continue
-        for q in (-c2 - sqrt(under), -c2 + sqrt(under)):
-            s = a / q if q != 0.0 else -1.0
-            if 0.0 < s < 1.0:
-                there = float(value[k] + s * (a + s * (c2 + s * c3)))
-                # Where the samples are too far apart for the rates to mean anything, the sample itself is kept.
-                if 0.0 < sign * (there - best) <= abs(rise):
-                    best = there
+    near, best = slice(max(at - 1, 0), at + 2), float(value[at])
+    spline = CubicHermiteSpline(time[near], value[near], rate[near])
+    for place in spline.derivative().roots(extrapolate=False):
+        there = float(spline(place))
+        rise = abs(np.diff(value[near]))[np.searchsorted(time[near], place) - 1]
+        # Where the samples are too far apart for the rates to mean anything, the sample itself is kept.
+        if 0.0 < sign * (there - best) <= rise:
+            best = there
     return best

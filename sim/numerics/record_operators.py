@@ -12,22 +12,15 @@ import numpy as np
 from sim.numerics.compilation import compiled
 
 
-@compiled
 def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np.ndarray:
     """Response of y' = (u - y)/T to `signal` (n,), linear between samples (exact for such an input); y(0) = u(0)."""
-    n = signal.size
-    out = np.empty(n)
     if time_constant <= 1e-6 * step:
-        out[:] = signal
-        return out
+        return np.array(signal)
     ratio = step / time_constant
-    decay = np.exp(-ratio)
+    decay = math.exp(-ratio)
     # Exact update for an input that is linear over the step (first-order hold).
     ramp = (1.0 - decay) / ratio
-    out[0] = signal[0]
-    for i in range(1, n):
-        out[i] = decay * out[i - 1] + (ramp - decay) * signal[i - 1] + (1.0 - ramp) * signal[i]
-    return out
+    return _first_order(signal, decay, ramp - decay, 1.0 - ramp)
 
 
 def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: float, early: float) -> np.ndarray:
@@ -45,18 +38,17 @@ def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: flo
         early: part of a step, 0 to 1.
     """
     time_constant = max(time_constant, 1e-6 * step)
-    return _held_lag(signal, math.exp(-step / time_constant), math.exp(-early * step / time_constant))
+    decay, kept = math.exp(-step / time_constant), math.exp(-early * step / time_constant)
+    return _first_order(signal, decay, kept - decay, 1.0 - kept)
 
 
 @compiled
-def _held_lag(signal: np.ndarray, decay: float, kept: float) -> np.ndarray:
-    """Steps y = decay y + (kept - decay) u_before + (1 - kept) u from the first value on."""
+def _first_order(signal: np.ndarray, decay: float, before: float, now: float) -> np.ndarray:
+    """Steps y_k = decay y_(k-1) + before u_(k-1) + now u_k, y_0 = u_0."""
     out = np.empty(signal.size)
-    y = signal[0]
-    out[0] = y
+    out[0] = signal[0]
     for i in range(1, signal.size):
-        y = decay * y + (kept - decay) * signal[i - 1] + (1.0 - kept) * signal[i]
-        out[i] = y
+        out[i] = decay * out[i - 1] + before * signal[i - 1] + now * signal[i]
     return out
 
 
@@ -66,12 +58,12 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
     Started at rest on the first sample.
     """
     late = 2.0 * damping / (2.0 * math.pi * frequency)
-    return _resonance(signal, step, late, _transition(step, frequency, damping))
+    return _resonance(signal, step, late, False, _transition(step, frequency, damping))
 
 
 def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """The same for an input that is held from each row to the next, as a converter holds a voltage."""
-    return _held_resonance(signal, _transition(step, frequency, damping))
+    return _resonance(signal, step, 0.0, True, _transition(step, frequency, damping))
 
 
 def _transition(step: float, frequency: float, damping: float) -> tuple[float, float, float, float]:
@@ -85,34 +77,20 @@ def _transition(step: float, frequency: float, damping: float) -> tuple[float, f
 
 @compiled
 def _resonance(
-    signal: np.ndarray, step: float, late: float, transition: tuple[float, float, float, float]
+    signal: np.ndarray, step: float, late: float, held: bool, transition: tuple[float, float, float, float]
 ) -> np.ndarray:
-    """Steps of (error, its rate) about the particular solution u - late * u'."""
+    """Steps of (error, its rate) about the particular solution u - late * u', or about the value held."""
     a11, a12, a21, a22 = transition
     out = np.empty(signal.size)
     y, rate = signal[0], 0.0
     out[0] = y
     for i in range(1, signal.size):
-        slope = (signal[i] - signal[i - 1]) / step
+        slope = 0.0 if held else (signal[i] - signal[i - 1]) / step
         lag = late * slope
         error = y - (signal[i - 1] - lag)
         error_rate = rate - slope
-        y = signal[i] - lag + a11 * error + a12 * error_rate
+        y = signal[i - 1 if held else i] - lag + a11 * error + a12 * error_rate
         rate = slope + a21 * error + a22 * error_rate
-        out[i] = y
-    return out
-
-
-@compiled
-def _held_resonance(signal: np.ndarray, transition: tuple[float, float, float, float]) -> np.ndarray:
-    """Steps of (error, its rate) about the value held."""
-    a11, a12, a21, a22 = transition
-    out = np.empty(signal.size)
-    y, rate = signal[0], 0.0
-    out[0] = y
-    for i in range(1, signal.size):
-        error = y - signal[i - 1]
-        y, rate = signal[i - 1] + a11 * error + a12 * rate, a21 * error + a22 * rate
         out[i] = y
     return out
 

@@ -61,10 +61,9 @@ def axis_motions(envelope: Envelope, step: float, longest: float = 40.0, most: i
     made = []
 
     def add(name: str, reason: str, legs: Iterable[tuple[float, float, float]], load: bool = False) -> None:
-        listed = _within(list(legs), e.low + 0.5 * span, longest)
+        listed, seconds = _within(legs, middle, longest)
         if not listed:
             return
-        seconds = sum(_leg_times(listed, middle))
         own = max(step, seconds / most)
         position = _track(listed, middle, own, e)
         signals = {"position": position}
@@ -100,25 +99,17 @@ def axis_motions(envelope: Envelope, step: float, longest: float = 40.0, most: i
 
 
 def _within(
-    legs: Sequence[tuple[float, float, float]], start: float, longest: float
-) -> list[tuple[float, float, float]]:
-    """Legs (target, speed, subsequent rest) up to the longest duration."""
+    legs: Iterable[tuple[float, float, float]], start: float, longest: float
+) -> tuple[list[tuple[float, float, float]], float]:
+    """Legs (target, speed, subsequent rest) up to the longest duration, and their duration, s."""
     kept, total, at = [], 0.0, start
     for target, speed, rest in legs:
-        total += abs(target - at) / speed + rest
-        if total > longest:
+        seconds = abs(target - at) / speed + rest
+        if total + seconds > longest:
             break
         kept.append((target, speed, rest))
-        at = target
-    return kept
-
-
-def _leg_times(legs: Sequence[tuple[float, float, float]], start: float) -> list[float]:
-    times, at = [], start
-    for target, speed, rest in legs:
-        times.append(abs(target - at) / speed + rest)
-        at = target
-    return times
+        total, at = total + seconds, target
+    return kept, total
 
 
 def _track(legs: Sequence[tuple[float, float, float]], start: float, step: float, e: Envelope) -> np.ndarray:

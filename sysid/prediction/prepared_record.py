@@ -61,9 +61,7 @@ class CommonRecord:
     def scored(self) -> dict[str, Scored]:
         """Signals compared with a model, by name."""
         out = {channel: Scored(y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
-        phases = self.stick_phases
-        return (
-            out
-            if phases is None
-            else {**out, STICK_DISPLACEMENT: Scored(phases.displacement, phases.scored, phases.noise)}
-        )
+        if self.stick_phases is not None:
+            phases = self.stick_phases
+            out[STICK_DISPLACEMENT] = Scored(phases.displacement, phases.scored, phases.noise)
+        return out

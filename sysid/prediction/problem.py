@@ -120,11 +120,8 @@ def build_problem(
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     stiffness = experiment.rig.known.get("pull_stiffness")
-    if (
-        stiffness is not None
-        and stiffness.std is None
-        and any(p.stick_phases is not None and p.stick_phases.compliance > 0.0 for p in prepared)
-    ):
+    by_spring = any(p.stick_phases is not None and p.stick_phases.compliance > 0.0 for p in prepared)
+    if stiffness is not None and stiffness.std is None and by_spring:
         unit = "N*m/rad" if experiment.rig.rotary else "N/m"
         notes.append(
             "no position is recorded: the presliding displacement is computed from the spring force, with "
