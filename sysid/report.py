@@ -21,6 +21,7 @@ from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.rigs import CHANNELS
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
 from sysid.experiment_design.t_optimal_design import Suggestion
+from sysid.prediction.channel_scales import PREFIX as SCALE
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
 from sysid.prediction.simulation_error import SimulationErrors, SimulationMisfit, simulation_errors
@@ -54,6 +55,8 @@ def parameter_unit(problem: Problem, key: str) -> str:
     effect, _, name = key.rpartition(".")
     rotary = problem.experiment.rig.rotary
     if effect == "rig":
+        if key.startswith(SCALE):
+            return "1"
         if name.startswith("offset_"):
             return channel_unit(problem, name.removeprefix("offset_"))
         return RIG_UNITS[name][1 if rotary else 0]

@@ -44,13 +44,14 @@ class Column:
 @dataclass(frozen=True)
 class Term:
     """A column and the conversion of its cells to the SI unit of a channel (value * factor + offset), with the
-    relative standard deviation of the factor."""
+    relative standard deviation of the factor (infinite: it is fitted) and its text where it is uncertain."""
 
     column: Column
     unit: str
     factor: float
     offset: float = 0.0
     deviation: float = 0.0
+    scale: str = ""
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,6 @@ def choose_columns(
         sources[channel] = Source(channel, tuple(term for term, _, _ in converted), converted[0][1])
         if converted[0][2] is not None and declared.shows_axis:
             rotary[channel] = converted[0][2]
-        notes += [_uncertain(channel, term) for term, _, _ in converted if term.deviation]
     return sources, rotary, notes
 
 
@@ -269,7 +269,7 @@ def _term(
             factor = sign * to_si(1.0, unit) * setting.scale.value
             deviation = (setting.scale.std or 0.0) / abs(setting.scale.value)
             told = None if declared.unit == torque else is_rotary
-            return Term(column, unit, factor, 0.0, deviation), si_unit, told
+            return Term(column, unit, factor, 0.0, deviation, setting.scale.text if deviation else ""), si_unit, told
     raise InputError(
         f"{setting.where}: '{unit}' times scale = '{setting.scale.text}' is no '{declared.unit}'"
         + (f" or '{torque}'" if torque != declared.unit else "")
@@ -278,13 +278,6 @@ def _term(
 
 def _key(column: Column, header: Header) -> str:
     return str(column.index + 1) if header.numbered else f'"{column.name}"'
-
-
-def _uncertain(channel: str, term: Term) -> str:
-    return (
-        f"the scale of '{channel}' is known to {100.0 * term.deviation:.2g} %, and so is every value that is "
-        "proportional to it; the intervals do not contain this"
-    )
 
 
 def _check_present(

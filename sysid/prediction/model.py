@@ -11,6 +11,7 @@ import numpy as np
 from sim.library.effect import Effect, Parameter
 from sysid.experiment.unknowns import Unknown
 from sysid.prediction.actuator_tip import TipRecord
+from sysid.prediction.channel_scales import scaled
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.friction import CONTACT
@@ -26,7 +27,7 @@ def predict(
     at: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
     """Predicted channels of a prepared record of any rig, (n,), or at the samples `at` of each channel, (k,)."""
-    return RIG_MODELS[record.kind].predict(record, effects, values, at)
+    return scaled(RIG_MODELS[record.kind].predict(record, effects, values, at), values)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior
 from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
+from sysid.prediction.channel_scales import put_scales
 from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
 from sysid.prediction.rig_model import RigModel
 from sysid.prediction.rig_models import RIG_MODELS
@@ -113,6 +114,7 @@ def build_problem(
     scales = scales_of(fits)
     if fault := rig.without_motion(scales):
         raise InputError(f"{', '.join(record.file for record in records if record.role == 'fit')}: {fault}")
+    put_scales(experiment, prepared[0].measured, own.values, own.unknowns, notes)
     model = Model((), own.values, tuple(own.unknowns))
     for name in names:
         model = with_effect(model, find(name, custom), scales, as_listed=True)

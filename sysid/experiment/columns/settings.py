@@ -7,9 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.units import Dimension, parse_any
+from stagecad.parameters.units import Dimension, parse_any, to_si, unit_dimension
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, kind_of, shown
+
+FITTED = "fit"
+"""A scale that the fit finds, with its unit behind: `"fit N*m/A"`; in the fit it begins at one of that unit."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,7 @@ class Scale:
         value: the factor.
         dimension: of the factor.
         text: as written.
-        std: standard deviation of the factor, if given.
+        std: standard deviation of the factor, if given; infinite for one that is fitted without knowing it.
     """
 
     value: float
@@ -159,6 +162,12 @@ def _sign(table: TomlTable, key: str, value: object) -> int:
 
 def _scale(table: TomlTable) -> Scale:
     written = table.data["scale"]
+    if isinstance(written, str) and (written.strip() == FITTED or written.strip().startswith(f"{FITTED} ")):
+        unit = written.strip().removeprefix(FITTED).strip()
+        try:
+            return Scale(to_si(1.0, unit), unit_dimension(unit), written, math.inf)
+        except InputError as error:
+            raise InputError(f"{table.where('scale')}: {error}") from None
     try:
         value, std, dimension = parse_any(written)
     except InputError as error:

@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.library.effect import Effect
 from sim.numerics.elasto_plastic import position_behind_gap, springs_of
+from sysid.prediction.channel_scales import scale_ratio
 from sysid.prediction.effect_terms import (
     Values,
     axis_force,
@@ -312,7 +313,7 @@ def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
     """
     assert balance.applied is not None
     if balance.force_channel != "position":
-        given = balance.applied
+        given = balance.applied * scale_ratio(values, balance.force_channel)
         if balance.force_channel == "spring_force":
             given = sensor_input(given, "spring_force", effects, values, balance.step)
         return delayed_like_motion(balance, effects, values, given)

@@ -83,14 +83,13 @@ def test_columns_are_added(tmp_path):
     assert np.allclose(record.channels["friction_force"], 100.0 + CURRENT[: record.size] - 2e5 * 491e-6)
 
 
-def test_the_uncertainty_of_a_scale_is_reported(tmp_path):
+def test_the_uncertainty_of_a_scale_goes_with_its_column(tmp_path):
     _write(tmp_path, "a.csv", "time [s],position [rad],current [A]", TIME, ANGLE, CURRENT)
-    record = _load(
-        tmp_path,
-        '[channels]\ndrive_force = {column = "current", scale = "0.113 +- 0.002 N*m/A"}\n'
-        '[[record]]\nfile = "a.csv"\nrole = "fit"\n',
-    )[0]
-    assert any("the scale of 'drive_force' is known to 1.8 %" in note for note in record.notes)
+    record = '[[record]]\nfile = "a.csv"\nrole = "fit"\n'
+    for scale, deviation in (("0.113 +- 0.002 N*m/A", 0.002 / 0.113), ("fit N*m/A", np.inf), ("0.113 N*m/A", 0.0)):
+        _load(tmp_path, f'[channels]\ndrive_force = {{column = "current", scale = "{scale}"}}\n{record}')
+        (term,) = load_experiment(tmp_path).records[0].sources["drive_force"].terms
+        assert term.deviation == pytest.approx(deviation)
 
 
 def test_names_in_other_letters_are_taken_and_reported(tmp_path):
