@@ -96,6 +96,17 @@ def bent_stack(r: DesignInputs, force: float) -> SideLoad:
 
 
 @remembered
+def sway_limit(r: DesignInputs) -> tuple[float, float]:
+    """Sway of the tip at which its stacks touch the mouths of their bores, m, and the stiffness that the bores add for
+    all stacks beyond it, N/m; infinite and none for stacks that stand proud of their holder altogether."""
+    touch = float(bent_stack(r, 1.0).touch_force)
+    if not np.isfinite(touch):
+        return np.inf, 0.0
+    at, beyond = (float(bent_stack(r, k * touch).deflection) for k in (1.0, 2.0))
+    return at, PIEZOS * touch / (beyond - at) - sway(r)
+
+
+@remembered
 def peak_tip_force(r: DesignInputs) -> float:
     """Peak of the tip's normal force when it carries the whole load in pulses, N.
 

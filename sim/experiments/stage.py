@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from sim.stage.from_design import driven_alone, driven_by_three, stage_machine
+from sim.stage.from_design import driven_alone, driven_by_three, flexible_machine
 from sim.stage.machine import StageMachine
 from sim.stage.studies import STUDY_NAMES
 from sim.stage.studies.coupling import coupling_study
@@ -55,8 +55,9 @@ class StageDrive:
 
 
 def stage_drive(design: Design, masses: BodyMasses) -> StageDrive:
-    """Machines and drive of a design; the amplitude is limited to half the piezo's stroke."""
-    machine = stage_machine(design, masses)
+    """Machines and drive of a design, with bending stage and swaying tips; the amplitude is limited to half the piezo's
+    stroke."""
+    machine = flexible_machine(design, masses)
     return StageDrive(
         single=driven_alone(design, machine),
         triple=driven_by_three(design, machine),

@@ -32,7 +32,7 @@ def quickest_mode(machine: StageMachine) -> float:
     if tip.sways:
         # Sway and tilt move together: the tilt alone has the inertia about the centre of mass.
         inertia -= tip.moment**2 / tip.mass
-        slide = (tip.sway_stiffness + shear) / (tip.mass - tip.moment**2 / tip.inertia)
+        slide = (tip.sway_stiffness + tip.sway_stop + shear) / (tip.mass - tip.moment**2 / tip.inertia)
     turn = (turn + shear * tip.height**2) / inertia + slide
     pads = 1.5 * machine.pads.contact_rate * math.sqrt((machine.load / machine.pads.contact_rate) ** (2.0 / 3.0))
     bounce = len(machine.pads.places) * pads / machine.stage.mass
@@ -97,6 +97,8 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         tip_height=tip.height,
         sway_stiffness=tip.sway_stiffness if tip.sways else 0.0,
         sway_damping=tip.sway_damping,
+        sway_play=tip.sway_play,
+        sway_stop=tip.sway_stop,
         piezo_at=np.ascontiguousarray(tip.piezo_places, dtype=float),
         piezo_stiffness=tip.stiffness,
         piezo_damping=tip.damping,

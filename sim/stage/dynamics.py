@@ -274,7 +274,9 @@ def _sway(c, s, k, axis, turn, pull, writes, loads):
         return
     at = s.tip[k, across]
     rate = s.tip_velocity[k, across] + half * acceleration[across]
-    force = pull - c.sway_stiffness * at - c.sway_damping * rate
+    over = max(abs(at) - c.sway_play, 0.0)
+    stop = math.copysign(c.sway_stop * over, at)
+    force = pull - c.sway_stiffness * at - stop - c.sway_damping * rate
     s.totals[3] += c.sway_damping * rate * rate * c.step
     determinant = c.tip_mass * c.tip_inertia - c.tip_moment * c.tip_moment
     acceleration[tilt] = (c.tip_mass * torque - c.tip_moment * force) / determinant
@@ -282,7 +284,7 @@ def _sway(c, s, k, axis, turn, pull, writes, loads):
     if writes:
         swing = s.tip_velocity[k, tilt] + half * acceleration[tilt]
         move = s.tip_velocity[k, across] + half * acceleration[across]
-        loads.energy[0] += 0.5 * c.sway_stiffness * at * at
+        loads.energy[0] += 0.5 * (c.sway_stiffness * at * at + c.sway_stop * over * over)
         loads.energy[0] += (0.5 * c.tip_mass * move + c.tip_moment * swing) * move
 
 

@@ -16,7 +16,7 @@ from designcalc.machine.position_loop import BANDS, air_error, suspension
 from designcalc.machine.stage_plate import bending_modes
 from designcalc.machine.teeth import magnets
 from designcalc.machine.tip_contact import contact_stiffness
-from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness, sway
+from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness, sway, sway_limit
 from sim.stage.machine import Bending, Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
 from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
@@ -67,14 +67,17 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
 
 
 def flexible_machine(design: Design, masses: BodyMasses) -> StageMachine:
-    """The machine of `stage_machine` with the bending modes of its stage and the sway of its tips on bending stacks."""
+    """The machine of `stage_machine` with the bending modes of its stage and the sway of its tips on bending stacks,
+    within the play of their bores and against them."""
     machine, r = stage_machine(design, masses), DesignInputs(design, masses)
-    lateral = sway(r)
+    lateral, (play, stop) = sway(r), sway_limit(r)
     tip = dataclasses.replace(
         machine.tip,
         moment=masses.tip.mass * masses.tip.centre_of_mass[2],
         sway_stiffness=lateral,
         sway_damping=2.0 * r("piezo.damping_ratio") * math.sqrt(lateral * machine.tip.mass),
+        sway_play=play,
+        sway_stop=stop,
     )
     return dataclasses.replace(machine, stage=dataclasses.replace(machine.stage, bending=_bending(r)), tip=tip)
 
@@ -90,7 +93,10 @@ def driven_by_three(design: Design, machine: StageMachine) -> StageMachine:
     body = MassProperties(0.0, machine.stage.mass, machine.stage.centre, machine.stage.inertia, np.zeros((2, 3)))
     stage = machine.stage
     if design.teeth.fitted:
-        stage = _as_stage(with_ballast(body, r("preload.force") / gravity(r)))
+        # The ballast moves with the rigid body only, not in the bending modes.
+        stage = dataclasses.replace(
+            _as_stage(with_ballast(body, r("preload.force") / gravity(r))), bending=machine.stage.bending
+        )
     return dataclasses.replace(machine, stage=stage, actuators=np.array(design.derived.actuator_places) * 1e-3)
 
 

@@ -113,6 +113,8 @@ class Tip:
         moment: mass times height of the centre of mass over the piezos' plane, kg m.
         sway_stiffness: of the three stacks together against a force across them, N/m; infinite where they only stretch.
         sway_damping: of the same, N s/m.
+        sway_play: sway at which the stacks touch the mouths of their bores, m.
+        sway_stop: stiffness that the bores add beyond it, N/m.
     """
 
     mass: float
@@ -124,6 +126,8 @@ class Tip:
     moment: float = 0.0
     sway_stiffness: float = math.inf
     sway_damping: float = 0.0
+    sway_play: float = math.inf
+    sway_stop: float = 0.0
 
     @property
     def sways(self) -> bool:

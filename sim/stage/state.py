@@ -47,6 +47,8 @@ class Constants(NamedTuple):
     tip_height: float
     sway_stiffness: float  # N/m; zero where the stacks only stretch
     sway_damping: float
+    sway_play: float
+    sway_stop: float
     piezo_at: np.ndarray  # (3, 2)
     piezo_stiffness: float
     piezo_damping: float

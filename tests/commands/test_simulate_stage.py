@@ -99,3 +99,11 @@ def test_without_teeth_the_preload_is_a_weight():
 def _drive(*overrides):
     design = load_design(None, overrides)
     return stage_drive(design, body_masses(design))
+
+
+def test_the_studies_have_a_bending_stage_on_swaying_stacks():
+    drive = _drive()
+    for machine in (drive.single, drive.triple):
+        assert machine.stage.bending.frequencies.size > 10
+        assert machine.tip.sway_stiffness == pytest.approx(0.5e6, rel=0.02)
+        assert machine.tip.sway_play == pytest.approx(32e-6, rel=0.02)

@@ -15,7 +15,7 @@ from sim.stage.sensors import Interferometer
 from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies.positioning import COARSE_HEIGHT, LEAN_HIGHEST, Actuation
-from sim.stage.studies.steps import LOAD_SHARE
+from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
 
 DURATION = 1.0
 STILL = 5e-9
@@ -31,7 +31,8 @@ class HoldingLoop:
         moves: action of the loop's output: `ellipse` scales the whole path, so that a small one does not touch the
         drive surface;
             `travel` scales its travel along only; `lean` leans the pressed tip.
-        proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s.
+        proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s,
+        with the held stage.
         target: m.
     """
 
@@ -52,7 +53,7 @@ HOLDS = {
     "ellipse_slow": HoldingLoop("whole ellipse, slow integral", "ellipse", 2e4, 2e6),
     "ellipse_fast": HoldingLoop("whole ellipse, fast integral", "ellipse", 2e4, 3e6),
     "travel_slow": HoldingLoop("travel only, slow integral", "travel", 2e4, 1e6),
-    "lean_fast": HoldingLoop("pressed tip, integral of 300 /s", "lean", 0.0, 300.0, target=1e-6),
+    "lean_fast": HoldingLoop("pressed tip, integral of 300 /s with the held stage", "lean", 0.0, 300.0, target=40e-9),
 }
 
 
@@ -114,12 +115,13 @@ def held(case: tuple[StageMachine, float, float, float, HoldingLoop]) -> Holding
         rest, most = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load), LEAN_HIGHEST
     else:
         rest, most = over_drive_surface(machine, 0.0, COARSE_HEIGHT * actuation.path.normal), 1.0
+    gain = small_signal_gain(machine, rest) if hold.moves == "lean" else 1.0
     simulation = StageSimulation(machine, rest, STEP)
     sensor = Interferometer(machine.sensors, period)
     total, outputs = 0.0, []
     for _ in range(round(DURATION / period)):
         error = hold.target - sensor.read(simulation.travel)
-        total = min(max(total + hold.integral * period * error, -most), most)
+        total = min(max(total + hold.integral / gain * period * error, -most), most)
         output = min(max(hold.proportional * error + total, -most), most)
         outputs.append(output)
         if hold.moves == "lean":

@@ -3,7 +3,8 @@
 Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. The
 desired speed falls with the square root of the remaining distance; the output is proportional to the speed error.
 Fine: the tip stands still, pressed on the drive surface, and leans by the integral of the error; the stage follows
-through the contact within its presliding. Floor, amplifiers and air disturb both (`sim.stage.studies.disturbances`).
+through contact and bending stacks within its presliding, by a small part of the lean. Floor, amplifiers and air disturb
+both (`sim.stage.studies.disturbances`).
 """
 
 from __future__ import annotations
@@ -22,19 +23,19 @@ from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies.disturbances import Disturbances
-from sim.stage.studies.steps import LOAD_SHARE
+from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
 from sim.stage.waveforms import two_piezo_ellipse, volts_for
 
 TARGET = 0.5e-3
-COARSE_HEIGHT = 0.0
+COARSE_HEIGHT = 0.5
 """Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DECELERATION = 0.15
 """m/s^2, of the desired speed; a tenth of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
 """Speed error at which the output is full, m/s."""
-HAND_OVER = 0.5e-6
+HAND_OVER = 0.8
 STOPPED = 0.2e-3
-"""m and m/s: the fine loop takes over within these of the target."""
+"""The fine loop takes over within this part of its reach of the target, at less than this speed, m/s."""
 COARSE_LONGEST = 0.4
 PRESS_TIME = 0.02
 LEAN_HIGHEST = 4e-6
@@ -52,7 +53,7 @@ class Loop:
         text: description.
         coarse: name of the sensor of the run.
         fine: name of the sensor of the settling.
-        fine_rate: of the integral loop, 1/s, well within the sensor's bandwidth.
+        fine_rate: of the integral loop with the held stage, 1/s, well within the sensor's bandwidth.
     """
 
     text: str
@@ -188,6 +189,7 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
     rest = over_drive_surface(machine, 0.0, COARSE_HEIGHT * actuation.path.normal)
     pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
+    gain = small_signal_gain(machine, pressed)
     simulation = StageSimulation(machine, rest, STEP)
     disturbances = Disturbances(machine.surroundings, machine.piezo, period, STEP)
     coarse, fine = _sensor(loop.coarse, machine, period), _sensor(loop.fine, machine, period)
@@ -208,7 +210,7 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
         smooth += 0.2 * ((seen - before) / period - smooth)
         before = seen
         left = TARGET - seen
-        if abs(left) < max(HAND_OVER, coarse.count) and abs(smooth) < STOPPED:
+        if abs(left) < max(HAND_OVER * gain * LEAN_HIGHEST, coarse.count) and abs(smooth) < STOPPED:
             taken_over = simulation.time
             break
         desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
@@ -219,7 +221,9 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
         share = min((simulation.time - start) / PRESS_TIME, 1.0)
         seen = read(fine)
         if share >= 1.0:
-            lean = min(max(lean + loop.fine_rate * period * (TARGET - seen), -LEAN_HIGHEST), LEAN_HIGHEST)
+            # The controller makes up for what sway and pads leave of a motion of the tip.
+            lean += loop.fine_rate / gain * period * (TARGET - seen)
+            lean = min(max(lean, -LEAN_HIGHEST), LEAN_HIGHEST)
         drive(actuation.commands(0.0, 1.0 - share, share * lift, lean))
     run = simulation.record()
     return Positioning(run, TARGET, taken_over, disturbances.floor(run.time))

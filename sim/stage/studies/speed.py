@@ -17,8 +17,10 @@ LAWS = {"stopping": 1.0, "coasting": 2.0, "apex": math.pi}
 NEAR = 0.15
 """A law is met where the speed is within this part of it."""
 FREQUENCIES = (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0, 7000.0, 8000.0)
-HEIGHTS = {"halfway": -0.3, "level": 0.0, "raised": 0.3}
+HEIGHTS = {"level": 0.0, "raised": 0.5, "high": 1.0}
 """Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
+HALF = "raised"
+"""Height at which the tip touches for about half of each turn: the bent stage comes down on it."""
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,12 @@ class SpeedStudy:
         return changed <= SETTLED * self.travel * self.frequencies
 
     def reached(self, law: str) -> np.ndarray:
-        """Frequencies at which a tip set level, which touches for half of each turn, is at least as fast as a law."""
-        return self.frequencies[self.ratio("level") >= (1.0 - NEAR) * LAWS[law]]
+        """Frequencies at which the tip, which touches for half of each turn, is at least as fast as a law."""
+        return self.frequencies[self.ratio(HALF) >= (1.0 - NEAR) * LAWS[law]]
 
     def stopping_to(self) -> float | None:
-        """Frequency up to which a tip set level obeys the law of stopping, Hz."""
-        near = np.abs(self.ratio("level") - 1.0) <= NEAR
+        """Frequency up to which such a tip obeys the law of stopping, Hz."""
+        near = np.abs(self.ratio(HALF) - 1.0) <= NEAR
         return float(self.frequencies[int(np.argmin(near)) - 1 if not near.all() else -1]) if near[0] else None
 
     def features(self) -> dict[str, tuple[float, str] | None]:

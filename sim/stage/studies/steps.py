@@ -110,6 +110,12 @@ def static_ratio(constants: Constants, rest: Rest) -> float:
     return series / (series + pads)
 
 
+def small_signal_gain(machine: StageMachine, rest: Rest) -> float:
+    """Motion of the stage over that commanded by the stacks' mean gain, for steps well within presliding."""
+    mean = machine.piezo.stroke / machine.piezo.highest_voltage
+    return static_ratio(make_constants(machine, rest), rest) * piezo_response(machine.piezo).small_signal_gain / mean
+
+
 def converter_count(machine: StageMachine) -> float:
     """Motion of the apex along x for one count on piezos 1 and 2, opposed, by the mean gain, m."""
     volts = machine.piezo.highest_voltage / 2**machine.piezo.bits
@@ -145,7 +151,4 @@ def step_study(machine: StageMachine, run_all: Callable[[Callable[[Any], Any], S
     """
     found = run_all(staircase, [(machine, size) for size in SIZES.values()])
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
-    response = piezo_response(machine.piezo)
-    mean_gain = machine.piezo.stroke / machine.piezo.highest_voltage
-    ratio = static_ratio(make_constants(machine, rest), rest) * response.small_signal_gain / mean_gain
-    return StepStudy(dict(zip(SIZES, found)), converter_count(machine), ratio)
+    return StepStudy(dict(zip(SIZES, found)), converter_count(machine), small_signal_gain(machine, rest))

@@ -16,10 +16,10 @@ from designcalc.bearing.plate import Plate, SupportedPlate
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import pad_positions, pad_spring_stiffness
 from designcalc.machine.stage_plate import give_at_tip
-from designcalc.machine.tip_dynamics import sway_resonance
+from designcalc.machine.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
 from sim.stage.from_design import driven_alone, flexible_machine
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
-from sim.stage.simulation import drive_stage
+from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
@@ -239,3 +239,61 @@ def test_a_flexible_stage_at_rest_stays_at_rest(machine):
     run = drive_stage(machine, rest, np.full((5000, 1, 3), machine.piezo.bias), 1e-6)
     assert np.abs(run.position).max() < 1e-13
     assert np.ptp(run.tip_force(0)[:, 2]) < 1e-6
+
+
+def test_a_tip_that_touches_its_bores_has_the_period_of_a_spring_that_stiffens(machine):
+    """Free sway of twice the play without damping: a quarter period of each spring, by its own arc of a sine."""
+    play, soft, stop = 10e-6, 5e5, 3e7
+    tip = replace(machine.tip, moment=0.0, sway_damping=0.0, damping=0.0, sway_play=play, sway_stop=stop)
+    free = replace(machine, tip=tip)
+    simulation = StageSimulation(free, over_drive_surface(free, 0.0, -1e-4), 1e-7)
+    slow, fast = math.sqrt(soft / tip.mass), math.sqrt((soft + stop) / tip.mass)
+    # Through the middle with the speed at which soft spring alone would swing by twice the play.
+    speed = 2.0 * play * slow
+    simulation.state.tip_velocity[0, 3] = speed
+    run_in = math.asin(0.5) / slow
+    left = speed * math.cos(slow * run_in)
+    # Beyond the play: x'' = -fast^2 (x - e), e the rest of both springs together.
+    rest = stop * play / (soft + stop)
+    turned = math.atan2(left / fast, play - rest)
+    period = 4.0 * (run_in + turned / fast)
+    rows = simulation.advance(np.full((40_000, 1, 3), free.piezo.bias), 1)
+    assert rows.shape[0] == 40_000
+    sway, time = simulation.record().apex(0)[:, 0], simulation.record().time
+    up = np.flatnonzero((sway[:-1] < 0.0) & (sway[1:] >= 0.0))
+    crossings = time[up] - sway[up] * (time[up + 1] - time[up]) / (sway[up + 1] - sway[up])
+    assert np.diff(crossings) == pytest.approx(period, rel=1e-4)
+    assert sway.max() == pytest.approx(rest + math.hypot(play - rest, left / fast), rel=1e-4)
+
+
+def test_the_stop_of_the_bores_is_that_of_the_propped_stack(design):
+    """Play and stiffness beyond it against the deflections of the side load, at 1.5 times the force of touch."""
+    r = DesignInputs(design, MASSES)
+    play, stop = sway_limit(r)
+    force = 1.5 * float(bent_stack(r, 1.0).touch_force)
+    bent = float(bent_stack(r, force).deflection)
+    assert play < bent < 1.1 * play
+    assert sway(r) * bent + stop * (bent - play) == pytest.approx(PIEZOS * force, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frequency", [3000.0, 6000.0])
+def test_with_many_modes_the_peak_tip_load_is_that_of_the_planar_model(machine, frequency):
+    """The greatest impact takes modes far beyond the drive: seventy here, polynomials of order 20 there."""
+    plate = SupportedPlate(Plate(*SIDES, *ALUMINIUM), (), [((x, y), m, r) for x, y, m, r in PAYLOAD])
+    modes = plate.modes_on_grid(70, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist())
+    shapes_of_modes = np.moveaxis(modes.shapes[:, :, 3:], 2, 0).copy()
+    bending = Bending(modes.frequency[3:], LOSS, shapes_of_modes, machine.stage.bending.corner)
+    fine = replace(machine, stage=replace(machine.stage, bending=bending))
+    ellipse = two_piezo_ellipse(fine, 8.5e-6, math.pi / 2)
+    begin, duration, rise, step = 1.5 * ellipse.along * frequency, 30.0 / frequency + 0.03, 2e-3, 2.5e-7
+    height = -0.3 * ellipse.normal
+    time = step_times(round(duration / step / 40) * 40, step)
+    wave = ellipse_wave(fine, ellipse, frequency, time, np.minimum(time / rise, 1.0))
+    run = drive_stage(fine, over_drive_surface(fine, 0.0, height), wave, step, 1, begin)
+    model = planar(machine, free_plate(*SIDES, ALUMINIUM, PAYLOAD, order=20), machine.pads)
+    eta = planar_rest(model)
+    above = float(shapes_on(model, 0.0) @ eta) + height
+    drive = ellipse.along, ellipse.normal, frequency, rise
+    _, _, peak = planar_run(model, drive, eta, above, 0.0, begin, duration, 1e-7)
+    assert run.tip_force(0)[run.time > 0.6 * duration, 2].max() == pytest.approx(peak, rel=0.05)
