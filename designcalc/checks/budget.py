@@ -20,8 +20,8 @@ from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
-from designcalc.machine.position_loop import air_error, payload_place
-from designcalc.machine.stage_plate import give_at
+from designcalc.machine.position_loop import air_error
+from designcalc.machine.stage_plate import give_at, payload_place
 from designcalc.machine.tip_dynamics import holding_stiffness, tip_noise
 from stagecad.parameters.design import Design
 

@@ -8,8 +8,11 @@ import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.errors.dynamic_budget import DynamicBudget
+from designcalc.machine.held_plate import held_plate
 from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import tip_load
 from designcalc.machine.position_loop import INTERFEROMETER, PROBE, dynamic_budget, position_loop, suspension
+from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
 
 _SOURCE = "Schmidt, Schitter, Rankers (2020), section 8.2: densities through the closed loop, added as powers"
@@ -19,10 +22,11 @@ PEAK_SENSITIVITY = 2.0
 
 
 def checks(design: Design) -> list[CheckFunction]:
-    """One check for each budget, and one for the loop with each sensor."""
+    """One check for each budget, one for the loop with each sensor, and the time to settle."""
     return [
         *(partial(total, position=k) for k in range(len(NAMES))),
         *(partial(stability, sensor=sensor) for sensor in (PROBE, INTERFEROMETER)),
+        settling,
     ]
 
 
@@ -63,4 +67,26 @@ def stability(r: DesignInputs, sensor: str) -> Check:
         f"{held.damping:.3g}, static gain {held.gain:.3g}: {peak:.4g}",
         proposal="a lower crossover, or a notch at the resonance",
         requirement="Table 1: resolution",
+    )
+
+
+def settling(r: DesignInputs) -> Check:
+    """From the end of the drive: the plate rings down, then the loop takes up what the lean of the tip reaches."""
+    held, loop, along = held_plate(r), position_loop(r, PROBE), suspension(r)
+    force, smooth, resolution = tip_load(r), r("requirements.smoothness"), r("requirements.resolution_coarse")
+    rings = held.ring_down(force, smooth)
+    reach = along.gain * usable_ellipse(r)[0] / 2
+    follows = float(np.log(max(reach / resolution, 1.0))) / (2 * np.pi * loop.crossover)
+    first, damping = float(held.frequency[0]), float(held.damping[0])
+    quicker = max(r("loop.settling") - follows, 0.0)
+    return Check(
+        "settling after a move",
+        at_most(rings + follows, r("loop.settling"), "s"),
+        source="modes of the plate on pads and tip after the load of the drive, as the sum of their envelopes, down to "
+        "the smoothness; then the integral controller over the reach of the lean, down to the coarse resolution",
+        formula="t_1 + ln(g X/(2 e))/(2 pi f_c), sum_m |phi_m(tip) phi_m(payload)| N/w_m^2 exp(-zeta_m w_m t_1) = s",
+        substituted=f"N = {show(force, 'N')}, first mode {show(first, 'Hz')} with zeta = {damping:.3g}: "
+        f"{show(rings, 's')}; reach {show(reach, 'm')}: {show(follows, 's')}",
+        proposal=f"damping of the stage for a ring-down within {show(quicker, 's')}, or a slower end of the drive",
+        requirement="Table 1: smoothness",
     )

@@ -142,25 +142,27 @@ def clamping(r: DesignInputs) -> Check:
 
 
 def wedge_angle(r: DesignInputs) -> Check:
-    """The lift per turn follows the slope, which the drawing leaves its general tolerance of angles."""
-    slope, error = r("height_pin_1.slope"), r("drawing.tolerance_angle")
+    """The lift per turn follows the slope, whose angle the drawing holds by the zone of its angularity."""
+    slope, length = r("height_pin_1.slope"), r("height_pin_1.length")
+    error = r("drawing.wedge_angularity") / length
     angle = math.atan(slope)
     off = math.tan(angle + error) / slope - 1
     return Check(
         "lift of the wedge by its angle's tolerance",
         at_most(off, 0.1, ""),
-        source="slope of the wedge within the general tolerance of angles; a tenth as rule of thumb",
-        formula="tan(atan(s) + error)/s - 1 <= 0.1",
+        source="face turned within the zone of its angularity over its length; a tenth as rule of thumb",
+        formula="tan(atan(s) + t/L)/s - 1 <= 0.1",
         substituted=f"{math.degrees(angle):.3g} deg and {math.degrees(error):.3g} deg: {100 * off:.3g} % of "
         f"{show(wedge(r).lift_per_turn, 'm')} a turn",
-        proposal=f"an angularity for the wedge, {math.degrees(0.1 * slope):.2g} deg or closer",
-        changes=change("drawing.tolerance_angle", 0.1 * slope * math.cos(angle) ** 2, "rad", up=False),
+        proposal=f"an angularity of {show(0.1 * slope * length, 'm')} or closer",
+        changes=change("drawing.wedge_angularity", 0.1 * slope * math.cos(angle) ** 2 * length, "m", up=False),
     )
 
 
 def wedge_contact(r: DesignInputs) -> Check:
     """Two wedge faces of unlike angles touch at an edge, unless pin 2 can turn in its bore by the difference."""
-    unlike = 2 * r("drawing.tolerance_angle")
+    zone, lengths = r("drawing.wedge_angularity"), (r("height_pin_1.length"), r("height_pin_2.diameter"))
+    unlike = sum(zone / length for length in lengths)
     # Both fits in the middle of their tolerances.
     middle = {key: 1e-3 * sum(r.design.deviations(key)) / 2 for key in ("base.pin_2_bore", "height_pin_2.diameter")}
     bore, pin = (r(key) + deviation for key, deviation in middle.items())
@@ -168,9 +170,9 @@ def wedge_contact(r: DesignInputs) -> Check:
     return Check(
         "contact of the two wedges over their faces",
         at_most(unlike, free, "rad"),
-        source="worst case of both angles; pin 2 turns within the play of its bore",
-        formula="2 x tolerance of the angle <= play/length of pin 2",
+        source="both faces turned within the zones of their angularity; pin 2 turns within the play of its bore",
+        formula="t/L_1 + t/d_2 <= play/length of pin 2",
         substituted=f"{show(unlike, 'rad')} against {show(free, 'rad')}: otherwise pin 2 stands on an edge",
         proposal="both wedges ground in one setting, or the foot of pin 2 crowned as its top is",
-        changes=change("drawing.tolerance_angle", free / 2, "rad", up=False),
+        changes=change("drawing.wedge_angularity", free / sum(1 / length for length in lengths), "m", up=False),
     )

@@ -2,7 +2,7 @@
 
 The tip, pressed on the drive surface, leans; its contact, stacks and rocking pull the stage against the shear of the
 pads' film, which sticks. An integral controller follows the filtered probe or the interferometer. Normal to the motion
-there is no loop.
+there is no loop; the plate bends on pads and tip.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ from designcalc.errors.dynamic_budget import (
 from designcalc.errors.sensors import air_index_error, count_size
 from designcalc.errors.thermal import THIRD_OCTAVES
 from designcalc.machine.body import moving_body
+from designcalc.machine.held_plate import held_plate
 from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import load, moved_mass
 from designcalc.machine.pads import pads_stiffness
-from designcalc.machine.stage_plate import give_at, give_at_tip
-from designcalc.machine.tip_contact import contact_stiffness
-from designcalc.machine.tip_dynamics import PIEZOS, holding_stiffness, stack_stiffness, tip_noise
+from designcalc.machine.stage_plate import payload_place
+from designcalc.machine.tip_dynamics import PIEZOS, holding_stiffness, tip_noise
 
 Array = NDArray[np.float64]
 
@@ -90,13 +90,6 @@ def air_error(r: DesignInputs) -> float:
     """Error of the interferometer by the change of the air's index over its dead path and the travel, m."""
     path = r("stage.travel") + r("sensors.interferometer.dead_path")
     return float(air_index_error(path, r("environment.temperature_change"), r("environment.pressure_change")))
-
-
-def payload_place(r: DesignInputs) -> tuple[float, float, float]:
-    """Corner of the payload's pattern of holes, at the height of its centre over the stage's middle plane, m."""
-    pitch = r("stage.payload_pitch")
-    along, across = (r("stage.payload_columns") - 1) / 2 * pitch, (r("stage.payload_rows") - 1) / 2 * pitch
-    return along, across, r("stage.thickness") / 2 + r("payload.height")
 
 
 def dynamic_budgets(r: DesignInputs) -> list[DynamicBudget]:
@@ -168,20 +161,19 @@ def _sensor_noise(r: DesignInputs, sensor: str, f: Array, loop: PositionLoop, no
 
 
 def _normal(r: DesignInputs) -> DynamicBudget:
-    springs, damping = pads_stiffness(r), r("bearing.damping_ratio")
-    first = float(resonance(springs.normal, moved_mass(r)))
-    f = _grid([(first, damping)])
+    held = held_plate(r)
+    f = _grid(list(zip(held.frequency.tolist(), held.damping.tolist(), strict=True)))
     floor = floor_density(f, r("environment.floor_velocity"), BANDS)
-    push = 1 / (1 / (PIEZOS * stack_stiffness(r)) + 1 / contact_stiffness(r, load(r)).normal)
-    lifted = push / (1 + push * give_at_tip(r)) * float(give_at(r, [payload_place(r)[:2]])[0])
     # Two amplifiers tilt the tip by d2 - d1 times h/D; three raise it by the mean of d1, d2, d3.
     rise = r("actuator.piezo_spacing") / r("actuator.tip_height") / math.sqrt(2) / math.sqrt(PIEZOS)
     rows = (
-        Disturbance("floor", "VC criterion, stage on its pads", floor * np.abs(base_response(f, first, damping))),
+        Disturbance(
+            "floor", "VC criterion, modes of the plate on pads and tip", floor * np.abs(held.floor_response(f))
+        ),
         Disturbance(
             "amplifier noise",
             "three amplifiers; the tip lifts stage and payload",
-            _amplifiers(r, f) * rise * lifted * np.abs(resonant_response(f, first, damping)),
+            _amplifiers(r, f) * rise * np.abs(held.lift_response(f)),
         ),
     )
     return DynamicBudget("normal", f, rows)

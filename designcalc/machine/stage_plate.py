@@ -30,20 +30,28 @@ def payload_feet(r: DesignInputs) -> list[Place]:
     return [(x, y) for x in (-half, half) for y in (-half, half)]
 
 
+def payload_place(r: DesignInputs) -> tuple[float, float, float]:
+    """Corner of the payload's pattern of holes, at the height of its centre over the stage's middle plane, m."""
+    pitch = r("stage.payload_pitch")
+    along, across = (r("stage.payload_columns") - 1) / 2 * pitch, (r("stage.payload_rows") - 1) / 2 * pitch
+    return along, across, r("stage.thickness") / 2 + r("payload.height")
+
+
 @remembered
-def stage_plate(r: DesignInputs, supported: bool = True) -> SupportedPlate:
-    """The stage on its pads, or free."""
+def stage_plate(r: DesignInputs, supported: bool = True, tip: float = 0.0) -> SupportedPlate:
+    """The stage on its pads, or free; with `tip`, on a tip of that stiffness as well, N/m."""
     length, width, thickness = r("stage.length"), r("stage.width"), r("stage.thickness")
     density = bare_stage(r).mass / (length * width * thickness)
     modulus, poisson = r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")
-    springs = zip(pad_positions(r).tolist(), pad_spring_stiffness(r).tolist(), strict=True)
+    springs = [(x, y, k) for (x, y), k in zip(pad_positions(r).tolist(), pad_spring_stiffness(r).tolist(), strict=True)]
+    springs += [(*TIP, tip)] if tip > 0 else []
     feet, carried, height = payload_feet(r), r("payload.mass"), r("payload.height") + thickness / 2
     masses = [(foot, carried / len(feet), height) for foot in feet] if carried > 0 else []
     if (extra := ballast(r)) > 0:
         masses.append((TIP, extra, 0.0))
     return _supported(
         Plate(length, width, thickness, modulus, poisson, density),
-        tuple(((x, y), k) for (x, y), k in springs) if supported else (),
+        tuple(((x, y), k) for x, y, k in springs) if supported else (),
         tuple(masses),
     )
 

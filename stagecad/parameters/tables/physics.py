@@ -229,6 +229,7 @@ class Loop:
     crossover: float = number("of the integral controller", "Hz")
     sample_rate: float = number("of the controller", "Hz")
     observation: float = number("over which the position is held; slower changes count as drift", "s")
+    settling: float = number("permitted from the end of a move until the position is held", "s")
 
 
 @dataclass(frozen=True)
