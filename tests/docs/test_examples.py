@@ -8,12 +8,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.io import savemat
 
 from stagecad.parameters.load import load_design
 from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment.experiment import load_experiment, trust_experiment
+from sysid.experiment.record import load_records
 from sysid.ladder import add_effects
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -79,11 +82,7 @@ def test_own_effect_is_found_and_takes_the_error_down_to_the_noise(tmp_path: Pat
 def _rig(name: str, folder: Path) -> Path:
     if not (DATA / name).is_dir():
         pytest.skip(f"the records of {name} are not beside the project")
-    rig = folder / name
-    shutil.copytree(EXAMPLES / name, rig)
-    for file in ("fit.csv", "validate.csv"):
-        shutil.copy(DATA / name / file, rig)
-    return rig
+    return Path(shutil.copytree(DATA / name, folder / name))
 
 
 def _held_out(rig: Path, channel: str, *effects: str) -> tuple[float, float]:
@@ -95,10 +94,34 @@ def _held_out(rig: Path, channel: str, *effects: str) -> tuple[float, float]:
     return m.rms, m.over_noise
 
 
+def _published(name: str, rig: Path) -> None:
+    """Write the records beside the project in the form in which they are published."""
+    parts = {part: np.loadtxt(DATA / name / f"{part}.csv", delimiter=",", skiprows=1) for part in ("fit", "validate")}
+    if name == TRIBOMETER:
+        time, position, force, load = np.vstack(list(parts.values())).T
+        columns = np.column_stack([time, 1e6 * load, position, -1e6 * force])
+        header = "Time [s]\tNormal [uN]\tPosition [mm]\tFriction [uN]"
+        np.savetxt(rig / "test_data_2.txt", columns, "%.9g", "\t", header=header, comments="")
+        return
+    for part, file in (("fit", "DATA_EMPS.mat"), ("validate", "DATA_EMPS_PULSES.mat")):
+        time, force, position = parts[part].T
+        savemat(rig / file, {"t": time, "qm": position, "qg": position, "vir": force / 35.150651882})
+
+
 @pytest.mark.parametrize("name", [EMPS, TRIBOMETER])
-def test_rig_experiments_can_be_read(name: str, tmp_path: Path) -> None:
-    experiment = load_experiment(_rig(name, tmp_path))
-    assert experiment.effects == ("coulomb", "viscous")
+def test_the_example_reads_the_published_files(name: str, tmp_path: Path) -> None:
+    if not (DATA / name).is_dir():
+        pytest.skip(f"the records of {name} are not beside the project")
+    rig = Path(shutil.copytree(EXAMPLES / name, tmp_path / "rig"))
+    _published(name, rig)
+    found, expected = load_records(load_experiment(rig)), load_records(load_experiment(DATA / name))
+    assert [record.role for record in found] == ["fit", "validate"]
+    for one, other in zip(found, expected, strict=True):
+        # A window keeps the rows that are within its ends.
+        first, size = int(np.searchsorted(other.time, one.time[0] - 1e-9)), one.size
+        assert size >= other.size - 3 and set(one.channels) == set(other.channels)
+        for channel, values in one.channels.items():
+            np.testing.assert_allclose(values, other.channels[channel][first : first + size], rtol=1e-6, atol=1e-9)
 
 
 def test_emps_is_asymmetric_as_published(tmp_path: Path) -> None:
