@@ -26,7 +26,17 @@ from drawings.annotations.annotation import (
     SurfaceTextureSymbol,
 )
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, TEXT_HEIGHT
-from drawings.annotations.primitives import LAYERS, THICK, ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import (
+    LAYERS,
+    THICK,
+    ArcStroke,
+    FilledPolygon,
+    Primitive,
+    Stroke,
+    Text,
+    rectangle,
+    turned,
+)
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
 from drawings.views.bounding_box import bounding_box, extreme_points, view_box
 from drawings.views.view import Arc, Box2, Point2, View
@@ -168,9 +178,10 @@ def _centred(text: str, at: Point2, height: float = TEXT_HEIGHT, angle: float = 
 
 
 def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primitive]:
-    """A text, with its symbols where it is horizontal, whose middle is at a point."""
-    if "{" in text and abs(angle) < 1e-9:
-        yield from symbol_text_primitives(text, (at[0] - symbol_text_width(text) / 2, at[1] - TEXT_HEIGHT / 2))
+    """A text with its symbols whose middle is at a point."""
+    if "{" in text:
+        start = (at[0] - symbol_text_width(text) / 2, at[1] - TEXT_HEIGHT / 2)
+        yield from (turned(piece, at, angle) if angle else piece for piece in symbol_text_primitives(text, start))
     else:
         yield _centred(text, at, TEXT_HEIGHT, angle)
 

@@ -5,7 +5,8 @@ A sheet is a list of them; DXF, SVG and PDF are written from it (`drawings.expor
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 from drawings.annotations.font import TEXT_HEIGHT
@@ -110,3 +111,21 @@ def rectangle(box: Box2, layer: SheetLayer = "BORDER") -> Stroke:
     """The outline of a box."""
     x0, y0, x1, y1 = box
     return Stroke(((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)), layer)
+
+
+def turned(primitive: Primitive, about: Point2, angle: float) -> Primitive:
+    """A primitive turned about a point, degrees."""
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+
+    def to(point: Point2) -> Point2:
+        x, y = point[0] - about[0], point[1] - about[1]
+        return (about[0] + x * c - y * s, about[1] + x * s + y * c)
+
+    match primitive:
+        case Text():
+            return replace(primitive, at=to(primitive.at), angle=primitive.angle + angle)
+        case ArcStroke(arc):
+            ends = (arc.start_angle + angle, arc.end_angle + angle)
+            return replace(primitive, arc=replace(arc, centre=to(arc.centre), start_angle=ends[0], end_angle=ends[1]))
+        case _:
+            return replace(primitive, points=tuple(map(to, primitive.points)))

@@ -62,10 +62,13 @@ _SHAPES: dict[Symbol, _Shape] = {
         ),
     ),
 }
-_NAMED = re.compile(r"\{(" + "|".join(get_args(Symbol)) + r"|frame:[^}]*)\}")
-"""A symbol, or a control frame `{frame:position|⌀0.2|A|B}`: characteristic, tolerance and datum letters."""
+_NAMED = re.compile(r"\{(" + "|".join(get_args(Symbol)) + r"|frame:[^}]*|box:[^}]*)\}")
+"""A symbol, a control frame `{frame:position|⌀0.2|A|B}` (characteristic, tolerance, datum letters), or a theoretically
+exact value in its frame, `{box:1:20}`."""
 FRAME_HEIGHT = 1.5
 """Height of a control frame within a text, over the height of capitals."""
+_BOX_MARGIN, BOX_RISE = 0.6, 0.17
+"""Width of the frame of a value beyond its text, and its distance above and below it, over the height of capitals."""
 
 
 def symbol_width(symbol: Symbol, height: float = TEXT_HEIGHT) -> float:
@@ -109,6 +112,8 @@ def _piece_width(text: str, symbol: str | None, height: float) -> float:
         return text_width(text, height)
     if symbol.startswith("frame:"):
         return sum(width for _, width in _cells(symbol, height))
+    if symbol.startswith("box:"):
+        return text_width(symbol.removeprefix("box:"), height) + _BOX_MARGIN * height
     return symbol_width(symbol, height) + 2 * _SPACE * height  # type: ignore[arg-type]
 
 
@@ -123,6 +128,14 @@ def _frame_primitives(frame: str, at: Point2, height: float) -> Iterator[Primiti
         x += width
 
 
+def _boxed(text: str, at: Point2, height: float) -> Iterator[Primitive]:
+    """A text in a frame, from its left end on the base line."""
+    (x, y), rise = at, BOX_RISE * height
+    width = text_width(text, height) + _BOX_MARGIN * height
+    yield rectangle((x, y - rise, x + width, y + height + rise))
+    yield Text(text, (x + width / 2, y), height, "middle")
+
+
 @cache
 def symbol_text_width(text: str, height: float = TEXT_HEIGHT) -> float:
     """Width of a text with symbols written as `{depth}` and the like, mm."""
@@ -135,8 +148,15 @@ def symbol_text_primitives(text: str, at: Point2, height: float = TEXT_HEIGHT) -
     for piece, symbol in _pieces(text):
         if symbol and symbol.startswith("frame:"):
             yield from _frame_primitives(symbol, (x, y), height)
+        elif symbol and symbol.startswith("box:"):
+            yield from _boxed(symbol.removeprefix("box:"), (x, y), height)
         elif symbol:
             yield from symbol_primitives(symbol, (x + _SPACE * height, y), height)  # type: ignore[arg-type]
         else:
             yield Text(piece, (x, y), height)
         x += _piece_width(piece, symbol, height)
+
+
+def unframed(text: str) -> str:
+    """A text with theoretically exact values without their frames."""
+    return re.sub(r"\{box:([^}]*)\}", r"\1", text)

@@ -22,7 +22,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.machine import part_mass
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.part import notes_of
+from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_definition, part_names
 
 if TYPE_CHECKING:
@@ -225,7 +225,7 @@ def describe(part: BuiltPart, design: Any) -> PartDescription:
         mass=_mass_text(part_mass(part, design).mass),
         digest=digest(design, part.entry.reads),
         reads=parameters_of(part.entry.reads),
-        treatment=design.materials[part.material].treatment,
+        treatment=treatment_of(module, design, part.material),
         brittle=design.materials[part.material].strength_kind == "fracture",
     )
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.edges import SQUARE, EdgeOfFace, centre_of_round, edge_of_face
+from drawings.dimensions.edges import SQUARE, EdgeOfFace, centre_of_round, edge_of_face, places_along
 from drawings.dimensions.hole_table import HoleGroup, HoleTable, hole_group
 from drawings.dimensions.specification import (
     AngleSpec,
@@ -331,25 +331,35 @@ class _Builder:
         self.missing.append(getattr(requirement, "name", getattr(requirement, "letter", "")))
 
     def _on_face(self, view: View, line: EdgeOfFace, requirement: FaceRequirement) -> DimensionSpec:
-        first, second, outward = line
+        first, second, outward, at = line
         match requirement:
             case DatumFeature():
                 names = (f"datum {requirement.letter}",)
                 diameter = self._diameter(requirement) if requirement.round else 0.0
                 if requirement.median:
                     diameter = math.dist(*requirement.points)
-                return FrameSpec(view.name, first, second, outward, names, letter=requirement.letter, diameter=diameter)
+                return FrameSpec(
+                    view.name, first, second, outward, names, letter=requirement.letter, diameter=diameter, at=at
+                )
             case GeometricTolerance():
                 text = tolerance_text(requirement)
                 names = (f"{requirement.characteristic} {requirement.name}",)
                 return FrameSpec(
-                    view.name, first, second, outward, names, requirement.characteristic, text, requirement.datums
+                    view.name,
+                    first,
+                    second,
+                    outward,
+                    names,
+                    requirement.characteristic,
+                    text,
+                    requirement.datums,
+                    at=at,
                 )
             case SurfaceTexture():
                 lines = (f"{{surface}}Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
                 places = tuple(
                     (first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1]))
-                    for t in (0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6, 0.02, 0.98)
+                    for t in places_along(at, math.dist(first, second) * view.scale)
                 )
                 return CalloutSpec(
                     view.name, places[0], 0.0, lines, (f"texture {requirement.name}",), places[1:], outward

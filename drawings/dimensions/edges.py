@@ -15,8 +15,13 @@ SQUARE = 1e-6
 LONGEST = 40.0
 """Greatest length of the line on either side of the declared point, mm on the paper."""
 
-EdgeOfFace = tuple[Point2, Point2, float]
-"""Both ends of the line in view coordinates, and the direction out of the material, degrees."""
+CLEAR_OF_END = 2.5
+"""Distance from the ends of the line of a face within which a leader is ambiguous, mm on the paper."""
+_PLACES = (0.5, 0.3, 0.7, 0.15, 0.85, 0.4, 0.6, 0.05, 0.95, 0.22, 0.78)
+
+EdgeOfFace = tuple[Point2, Point2, float, float]
+"""Both ends of the line in view coordinates, the direction out of the material, degrees, and the part of the line at
+which the declared point is."""
 
 
 def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerifier) -> EdgeOfFace | None:
@@ -41,7 +46,7 @@ def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerif
             ]
             low, high = max(min(reach), -LONGEST / view.scale), min(max(reach), LONGEST / view.scale)
             ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
-            return ends[0], ends[1], degrees_of((u, v))
+            return ends[0], ends[1], degrees_of((u, v)), -low / (high - low) if high > low else 0.5
     return None
 
 
@@ -83,7 +88,7 @@ def _outline(view: View, requirement: DatumFeature | GeometricTolerance, gauge: 
                     break
             rim = (middle[0] + surface.radius * square[0], middle[1] + surface.radius * square[1])
             ends = [(rim[0] + (end - at) * u, rim[1] + (end - at) * v) for end in (low, high)]
-            return ends[0], ends[1], degrees_of(square)
+            return ends[0], ends[1], degrees_of(square), 0.5
     return None
 
 
@@ -93,3 +98,19 @@ def _corners(low: Point, high: Point) -> Iterable[Point]:
 
 def _along(point: Point2, origin: Point2, direction: Point2) -> float:
     return (point[0] - origin[0]) * direction[0] + (point[1] - origin[1]) * direction[1]
+
+
+def places_along(at: float, length: float) -> tuple[float, ...]:
+    """Parts of the line of a face at which a leader may end, the best first; those near its ends come last.
+
+    Args:
+        at: the best one.
+        length: of the line, mm on the paper.
+    """
+    places = [at, *(t for t in _PLACES if abs(t - at) > 0.02)]
+    return tuple(sorted(places, key=lambda t: (near_end(t, length), round(abs(t - at), 6))))
+
+
+def near_end(at: float, length: float) -> bool:
+    """Whether a leader ends near an end of the line of a face, which it shares with a neighbouring face."""
+    return min(at, 1 - at) * length < min(CLEAR_OF_END, 0.2 * length)

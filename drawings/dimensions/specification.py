@@ -98,6 +98,7 @@ class FrameSpec:
         letter: of a datum; empty for a control frame.
         diameter: of the round face whose axis is the datum, or distance of the faces whose middle plane it is, mm: its
             symbol is on that dimension line; else 0.
+        at: part of the line at which its leader is best.
     """
 
     view: str
@@ -110,6 +111,7 @@ class FrameSpec:
     datums: tuple[str, ...] = ()
     letter: str = ""
     diameter: float = 0.0
+    at: float = 0.5
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,10 @@ def number(value: float, tolerance: str | None, plus_minus: float) -> str:
 
 
 def value_text(dimension: Dimension, plus_minus: float) -> str:
-    """A dimension's value with its class and limit deviations: `12.0`, `16 H7 (+0.018/0)`, `0.036 ±0.005`."""
+    """A dimension's value with its class and limit deviations: `12.0`, `16 H7 (+0.018/0)`, `0.036 ±0.005`; the value
+    in a frame where it is theoretically exact, `{box:46}`."""
+    if dimension.exact:
+        return f"{{box:{number(dimension.value, None, 0.0)}}}"
     value = number(dimension.value, dimension.tolerance, plus_minus)
     if dimension.deviations is None:
         return value
@@ -72,7 +75,8 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
         case "chamfer":
             value = f"{value}{TIMES}45{DEGREE}"
         case "slope":
-            value = f"slope 1:{1 / dimension.value:g}" if _whole(1 / dimension.value) else f"slope {dimension.value:g}"
+            ratio = f"1:{1 / dimension.value:g}" if _whole(1 / dimension.value) else f"{dimension.value:g}"
+            value = f"slope {{box:{ratio}}}" if dimension.exact else f"slope {ratio}"
         case "depth":
             value = "{depth}" + value
         case "sag":
@@ -80,7 +84,8 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
         case "callout":
             return dimension.note
         case "pitch" if dimension.count > 1:
-            whole = number(dimension.value * dimension.count, dimension.tolerance, plus_minus).partition(" ")[0]
+            tolerance = None if dimension.exact else dimension.tolerance
+            whole = number(dimension.value * dimension.count, tolerance, plus_minus).partition(" ")[0]
             return f"{dimension.count}{TIMES} {value} (={whole})"
         case _:
             pass
@@ -100,10 +105,10 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
     count = max(d.count for d in dimensions)
     lines: list[str] = []
     thread = next((d.note for d in dimensions if d.kind in ("tap_drill", "thread_depth")), "")
-    if thread:
-        lines += _thread(dimensions, value, thread)
+    threaded = _thread(dimensions, value, thread) if thread else []
     for d in dimensions:
         if thread and d.note == thread:
+            lines, threaded = [*lines, *threaded], []
             continue
         match d.kind:
             case "diameter":

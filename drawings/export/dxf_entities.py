@@ -15,6 +15,7 @@ from ezdxf.enums import TextEntityAlignment
 from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension
 from drawings.annotations.font import TEXT_HEIGHT, TEXT_STYLE, WIDTH_FACTOR
 from drawings.annotations.primitives import LAYERS, ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.annotations.symbols import unframed
 from drawings.export.drawing_model import PrimitiveGroup
 from drawings.sheets.sheet import scale_text
 from drawings.views.view import Arc, Point2, View
@@ -110,13 +111,14 @@ def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> Non
     attributes: dict[str, Any] = {
         "layer": "DIMENSION",
         "geometry": block.name,
-        "dimstyle": _dimension_style(doc, mapping.scale, decimals),
+        "dimstyle": _dimension_style(doc, mapping.scale, decimals, "{box:" in d.text),
         "text": dxf_text(text),
         "attachment_point": 5,
     }
     first = next((primitive for primitive in group.primitives if isinstance(primitive, Text)), None)
     if first:
-        attributes["text_midpoint"] = (*mapping(_middle(first)), 0.0)
+        middle = d.text_at if isinstance(d, LinearDimension) and d.text_at else _middle(first)
+        attributes["text_midpoint"] = (*mapping(middle), 0.0)
     for name, value in _definition(d, view).items():
         attributes[name] = (*mapping(value), 0.0) if isinstance(value, tuple) else value
     entity = doc.modelspace().new_entity("DIMENSION", attributes)
@@ -160,15 +162,16 @@ def measured_text(d: MeasuredDimension) -> tuple[str, int]:
     Raises:
         ValueError: the text does not contain the measured number.
     """
+    words = unframed(d.text)
     for decimals in range(4, -1, -1):
         number = f"{d.measured:.{decimals}f}"
-        start = d.text.find(number)
+        start = words.find(number)
         while start >= 0:
             end = start + len(number)
             # The number of equal features (`3x`) is not the measured number.
-            if not d.text[start - 1 : start].isdigit() and d.text[end : end + 1] not in tuple("0123456789x"):
-                return f"{d.text[:start]}<>{d.text[end:]}", decimals
-            start = d.text.find(number, start + 1)
+            if not words[start - 1 : start].isdigit() and words[end : end + 1] not in tuple("0123456789x"):
+                return f"{words[:start]}<>{words[end:]}", decimals
+            start = words.find(number, start + 1)
     raise ValueError(f"dimension {', '.join(d.names)} has the text '{d.text}', but measures {d.measured:.4f}")
 
 
@@ -187,12 +190,20 @@ def _foot(d: LinearDimension, view: View) -> Point2:
     return (d.line_at[0] + along * u[0], d.line_at[1] + along * u[1])
 
 
-def _dimension_style(doc: Any, scale: float, decimals: int) -> str:
-    """Name of the dimension style for a scale and a number of decimals; added when it is not there."""
+def _dimension_style(doc: Any, scale: float, decimals: int, framed: bool) -> str:
+    """Name of the dimension style for a scale, a number of decimals, and a frame; added when it is not there."""
     name = f"{scale_text(scale).replace(':', '-')} {decimals} decimals"
+    name += ", framed" if framed else ""
     if name not in doc.dimstyles:
+        # A negative distance frames the text.
         lines = {"dimscale": 1.0 / scale, "dimasz": 3.0, "dimexe": 2.0, "dimexo": 1.0}
-        text = {"dimtxt": TEXT_HEIGHT, "dimtxsty": TEXT_STYLE, "dimgap": 1.0, "dimdsep": ord("."), "dimlunit": 2}
+        text = {
+            "dimtxt": TEXT_HEIGHT,
+            "dimtxsty": TEXT_STYLE,
+            "dimgap": -1.0 if framed else 1.0,
+            "dimdsep": ord("."),
+            "dimlunit": 2,
+        }
         places = {"dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtofl": 1, "dimtmove": 2}
         # All trailing zeros are kept, since decimals are the tolerance class.
         zeros = {"dimdec": decimals, "dimzin": 0, "dimadec": decimals, "dimazin": 0}

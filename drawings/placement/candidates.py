@@ -27,6 +27,7 @@ from drawings.annotations.annotation import (
 from drawings.annotations.annotation_geometry import ARROW, GAP, TARGET, readable
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
+from drawings.dimensions.edges import near_end, places_along
 from drawings.dimensions.specification import (
     AngleSpec,
     CalloutSpec,
@@ -45,6 +46,8 @@ LEVEL_COST, EXTENSION_COST = 5.0, 0.3
 """Cost of each level of dimension lines, mm, and of extension lines per mm."""
 INSIDE_COST, INSIDE_STEP, INSIDE_SPAN_COST = 14.0, 6.0, 0.12
 """Of a dimension line within the outline: cost, cost and distance of each further one, mm; cost per mm of length."""
+THROUGH_COST, THROUGH_MOST = 0.25, 6.0
+"""Cost of an extension line within the outline, mm per mm, and its greatest value, mm."""
 ACROSS_COST, ACROSS_SPAN_COST = 10.0, 0.3
 """Of a dimension line across the feature, without extension lines: cost, mm, and cost per mm of its length."""
 OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
@@ -56,6 +59,8 @@ LEADER_COST = 0.4
 FRAME_LEADER_COST, FRAME_SHIFT_COST, OFF_CENTRE_COST = 0.5, 0.3, 2.0
 """Of a control frame or datum symbol: cost of its leader per mm, of its shift along the face per mm, and of a leader
 at the end of the face instead of at its middle, mm."""
+END_COST = 10.0
+"""Cost of a leader at an end of the line of its face, mm."""
 OBLIQUE_COST = 0.05
 """Cost of a leader that is not normal to its arc, mm per degree."""
 INSIDE_OUTLINE_COST = 9.0
@@ -107,6 +112,8 @@ def distance_candidates(
     runs = [part.collinear_run(point, n) for point in points]
     corners = [(x, y) for x in (outline[0], outline[2]) for y in (outline[1], outline[3])]
     span = abs(_dot(points[0], u) - _dot(points[1], u))
+    reach = [_dot(corner, n) for corner in corners]
+    across = (min(reach), max(reach))
     places: list[tuple[float, float]] = []
     for side in (-1, 1):
         own = max(side * height + max(side * end for end in run) for height, run in zip(heights, runs, strict=True))
@@ -125,12 +132,23 @@ def distance_candidates(
     for cost, height in sorted(places):
         starts = []
         for own, run, point in zip(heights, runs, (spec.first, spec.second), strict=True):
-            starts.append(_plus(point, n, min(max(height - own, run[0]), run[1]) / view.scale))
+            start = own + min(max(height - own, run[0]), run[1])
+            starts.append(_plus(point, n, (start - own) / view.scale))
+            within = min(max(start, height), across[1]) - max(min(start, height), across[0])
+            cost += min(THROUGH_MOST, THROUGH_COST * max(0.0, within))
         line_at = (u[0] * ends[0] + n[0] * height, u[1] * ends[0] + n[1] * height)
         for text_cost, middle in _text_positions(spec.text, ends[0], ends[1], extended):
             text_at = _plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
             dimension = LinearDimension(
-                spec.view, starts[0], starts[1], spec.angle, line_at, spec.text, spec.measured, spec.names, text_at
+                spec.view,
+                starts[0],
+                starts[1],
+                spec.angle,
+                line_at,
+                spec.text,
+                spec.measured,
+                spec.names,
+                text_at,
             )
             yield cost + text_cost, dimension
 
@@ -244,11 +262,13 @@ def frame_candidates(spec: FrameSpec, view: View, *, extended: bool = False) -> 
     first, second = view.to_paper(spec.first), view.to_paper(spec.second)
     out = _direction(spec.outward)
     along = (-out[1], out[0])
-    for fraction in (0.5, 0.3, 0.7, 0.15, 0.85, 0.4, 0.6, 0.05, 0.95):
+    face = math.dist(first, second)
+    for fraction in places_along(spec.at, face):
         on = _between(spec.first, spec.second, fraction)
         at = _between(first, second, fraction)
         for length in lengths:
-            cost = FRAME_LEADER_COST * length + OFF_CENTRE_COST * abs(fraction - 0.5)
+            cost = FRAME_LEADER_COST * length + OFF_CENTRE_COST * abs(fraction - spec.at)
+            cost += END_COST * near_end(fraction, face)
             place = _plus(at, out, length)
             if spec.letter:
                 yield cost, DatumSymbol(spec.view, on, place, spec.letter)
@@ -319,7 +339,7 @@ def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
     for away in range(10):
         for shift in (0.0, 8.0, -8.0, 16.0, -16.0, 28.0, -28.0, 40.0, -40.0):
             tip = _plus(_plus(arrow.tip, arrow.sight, -CUTTING_LINE_STEP * away), along, shift)
-            yield CUTTING_LINE_STEP * away + 0.5 * abs(shift), replace(arrow, tip=tip)
+            yield CUTTING_LINE_STEP * away + 0.1 * abs(shift), replace(arrow, tip=tip)
 
 
 def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:

@@ -24,7 +24,9 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_box, text_box
+from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.annotations.symbols import BOX_RISE
 from drawings.views.bounding_box import enclosing_box
 from drawings.views.segment_index import (
     Line,
@@ -162,6 +164,10 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             u, v = math.cos(turn), math.sin(turn)
             dimension_line = max(lines, key=lambda line: abs((line[2] - line[0]) * u + (line[3] - line[1]) * v))
             texts = [enclosing_box(texts)] if texts else []
+            if "{box:" in annotation.text:
+                # The frame of the number counts as text.
+                texts = [enlarged(texts[0], BOX_RISE * TEXT_HEIGHT)]
+                lines = [line for line in lines if not _is_within(line, enlarged(texts[0], 0.1))]
             return Footprint(texts, lines, [dimension_line], annotation.angle in (0.0, 90.0))
         case FeatureControlFrame() | DatumSymbol():
             # The whole frame counts as text.

@@ -41,8 +41,15 @@ from drawings.placement.candidates import (
     tag_candidates,
     target_candidates,
 )
-from drawings.placement.occupancy import Occupancy, attachment_point, footprint_of, leader_tip, view_outline
-from drawings.views.segment_index import Line, line_meets_box
+from drawings.placement.occupancy import (
+    LINE_CLEARANCE,
+    Occupancy,
+    attachment_point,
+    footprint_of,
+    leader_tip,
+    view_outline,
+)
+from drawings.views.segment_index import Line, enlarged, line_meets_box
 from drawings.views.view import Box2, Point2, View
 
 CONFLICT = 80.0
@@ -53,7 +60,7 @@ PART_CROSSING = 0.3
 """Cost of each crossing of a line with a line of the part, mm."""
 ON_PART_LINE, ON_PART_DISTANCE = 12.0, 1.5
 """Cost of each line of the part close to a dimension line, and the distance below which it counts, mm."""
-KEEP_OUT = 1.5
+KEEP_OUT = 2.5
 """Cost of each keep-out line that a text covers, mm."""
 SHARED_TIP, TIP_DISTANCE = 6.0, 3.0
 """Cost of each leader tip near the tip of another leader, and the distance below which it counts, mm."""
@@ -152,13 +159,11 @@ class _Run:
         self._keep_out_lines: list[Line] = []
 
     def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
-        """Place annotations in an order, the cutting lines outside the distances, and last the label of the view."""
+        """Place annotations in an order, cutting lines outside the distances, and last the label of the view."""
         for mark in marks:
             if isinstance(mark, DetailMark):
                 self._add_best(detail_mark_candidates(mark, self.view))
-            elif isinstance(mark, ReferenceArrow):
-                self._add_best(reference_arrow_candidates(mark))
-        cutting_lines = [mark for mark in marks if isinstance(mark, SectionMark)]
+        cutting_lines = [mark for mark in marks if isinstance(mark, SectionMark | ReferenceArrow)]
         last_distance = max((n for n, spec in enumerate(order) if isinstance(spec, DistanceSpec)), default=-1)
         for number, spec in enumerate(order):
             if number == last_distance + 1:
@@ -194,9 +199,10 @@ class _Run:
         self.occupancy.add_text(box)
         self.label_at = (middle, low)
 
-    def _place_cutting_lines(self, cutting_lines: Sequence[SectionMark]) -> None:
-        for mark in cutting_lines:
-            self._add_best(section_mark_candidates(mark))
+    def _place_cutting_lines(self, marks: Sequence[SectionMark | ReferenceArrow]) -> None:
+        for mark in marks:
+            section = isinstance(mark, SectionMark)
+            self._add_best(section_mark_candidates(mark) if section else reference_arrow_candidates(mark))
 
     def _place(self, spec: DimensionSpec) -> None:
         """Place an annotation at the best of its usual candidates, or if all have conflicts, of its extended ones."""
@@ -267,7 +273,8 @@ class _Run:
         cost = CONFLICT * conflicts
         if cost >= limit:
             return cost, conflicts
-        covered = sum(line_meets_box(line, box) for box in footprint.texts for line in self._keep_out_lines)
+        near = [enlarged(box, LINE_CLEARANCE) for box in footprint.texts]
+        covered = sum(line_meets_box(line, box) for box in near for line in self._keep_out_lines)
         cost += KEEP_OUT * covered
         cost += CROSSING * sum(occupancy.annotation_lines.count_crossing(line) for line in footprint.lines)
         point, tip = attachment_point(annotation, self.view), leader_tip(annotation, self.view)

@@ -27,6 +27,8 @@ REFERENCE_LETTERS = "PQRSTUVW"
 """Labels of views that are not in their place by projection."""
 OUTSIDE = 6.0
 """Length of a cutting line beyond the part at either end, mm."""
+BESIDE_CUTTING_LINE = 20.0
+"""Distance of a reference arrow from a cutting line parallel to it, mm."""
 
 
 @dataclass(frozen=True)
@@ -88,18 +90,26 @@ def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, 
         if one.view.name == name:
             one = place_annotations(replace(one.view, aligned_with="", label=letter), one.specs, one.marks)
         elif one.view.name == parent.name:
-            arrow = _reference_arrow(parent, eye, letter)
+            arrow = _reference_arrow(parent, eye, letter, one.marks)
             one = place_annotations(one.view, one.specs, (*one.marks, arrow))
         found.append(one)
     return tuple(found)
 
 
-def _reference_arrow(parent: View, eye: Point, letter: str) -> ReferenceArrow:
-    """The arrow of a view from a direction, outside the middle of the side of another view that it looks at."""
+def _reference_arrow(parent: View, eye: Point, letter: str, marks: Sequence[Annotation]) -> ReferenceArrow:
+    """The arrow of a view from a direction, outside the middle of the side of another view that it looks at, and beside
+    a cutting line that ends there."""
     x0, y0, x1, y1 = view_outline(parent)
     u, v = parent.projection.to_view(eye)
     middle, half = ((x0 + x1) / 2, (y0 + y1) / 2), ((x1 - x0) / 2 + OUTSIDE, (y1 - y0) / 2 + OUTSIDE)
-    return ReferenceArrow(parent.name, (middle[0] + u * half[0], middle[1] + v * half[1]), (-u, -v), letter)
+    x, y = middle[0] + u * half[0], middle[1] + v * half[1]
+    for mark in marks:
+        if isinstance(mark, SectionMark):
+            dx, dy = mark.end[0] - mark.start[0], mark.end[1] - mark.start[1]
+            along, off = dx * v - dy * u, (x - mark.start[0]) * v - (y - mark.start[1]) * u
+            if abs(along) < 1e-6 and abs(off) < BESIDE_CUTTING_LINE:
+                x, y = x - BESIDE_CUTTING_LINE * v, y + BESIDE_CUTTING_LINE * u
+    return ReferenceArrow(parent.name, (x, y), (-u, -v), letter)
 
 
 def arrange(every: Sequence[AnnotatedView], area: SheetArea) -> Arrangement:

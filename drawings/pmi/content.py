@@ -101,6 +101,8 @@ def _tolerated(design: Any, dimension: Dimension) -> TolerancedDimension:
         notes.append(f"slope {dimension.value:g}")
     if dimension.kind == "chamfer":
         notes.append("45 deg")
+    if dimension.exact:
+        notes.append("theoretically exact")
     if dimension.note:
         notes.append(dimension.note)
     if dimension.kind == "pitch":
@@ -109,14 +111,14 @@ def _tolerated(design: Any, dimension: Dimension) -> TolerancedDimension:
         dimension = replace(dimension, kind="linear", value=dimension.value * dimension.count, count=1)
     plus_minus = _plus_minus(design, dimension)
     printed = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]
-    decimals = len(printed.partition(".")[2]) if dimension.tolerance else None
+    decimals = len(printed.partition(".")[2]) if dimension.tolerance and not dimension.exact else None
     limits = dimension.deviations or (None if plus_minus is None else (-plus_minus, plus_minus))
     return TolerancedDimension(dimension, limits, decimals, tuple(notes))
 
 
 def _plus_minus(design: Any, dimension: Dimension) -> float | None:
     # The tolerance classes apply to lengths only.
-    if dimension.tolerance is None or dimension.reference or dimension.kind in ("angle", "slope"):
+    if dimension.tolerance is None or dimension.reference or dimension.exact or dimension.kind in ("angle", "slope"):
         return None
     if dimension.deviations is not None:
         low, high = dimension.deviations

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from stagecad.solids.assembly.bill_of_materials import Row
 
 PAPER: Paper = "A1"
-COLUMNS = ((10.0, "item"), (10.0, "qty"), (62.0, "part"), (34.0, "number"), (44.0, "material"), (20.0, "mass"))
+COLUMNS = ((8.0, "item"), (8.0, "qty"), (50.0, "part"), (38.0, "number"), (58.0, "material"), (18.0, "mass"))
 """Widths and headings of the parts list, mm."""
 ROW = 6.5
 """Height of its rows, mm."""
@@ -213,21 +213,20 @@ def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = 
         name = row.part.replace("_", " ")
         cells.append([str(row.item), str(row.quantity), name, row.part_number, row.material, mass])
     for item, other in enumerate(others, start=len(rows) + 1):
-        cells.append([str(item), str(other.quantity), other.name, other.specification, "not shown", "-"])
+        cells.append([str(item), str(other.quantity), other.name, other.specification, "", ""])
     for index, texts in enumerate(cells):
         y = y0 + index * ROW
         yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
         left = x0
-        for (width, _), text in zip(COLUMNS, texts):
+        for number, ((width, _), text) in enumerate(zip(COLUMNS, texts)):
             height = SMALL_HEIGHT if index == 0 else TEXT_HEIGHT * 0.8
-            fitting = min(1.0, (width - 3.0) / max(1e-9, text_width(text, height)))
-            yield Text(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
+            # The specification of what has no material goes on into that column.
+            space = width if number + 1 < len(texts) and texts[number + 1] else sum(w for w, _ in COLUMNS[number:])
+            fitting = min(1.0, (space - 3.0) / max(1e-9, text_width(text, height)))
+            if text:
+                yield Text(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
+                yield Stroke(((left, y), (left, y + ROW)), "BORDER" if number else "FRAME")
             left += width
-    top = y0 + len(cells) * ROW
-    left = x0
-    for width, _ in COLUMNS:
-        yield Stroke(((left, y0), (left, top)), "FRAME" if left == x0 else "BORDER")
-        left += width
 
 
 def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBlock:

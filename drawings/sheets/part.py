@@ -220,7 +220,11 @@ def _arranged(
 ) -> tuple[Paper, Arrangement, Note, Point2]:
     """Views, annotations, notes and upper left corner of the hole table on the smallest paper on which they fit."""
     every = annotated_views(views, shown.specs)
-    loose = [view.name for view in plan.views if view.name in DETACHABLE and view.aligned_with]
+    for plan_of_view in plan.views:
+        if _is_opposite(plan_of_view, plan):
+            # Third-angle projection has no place for it next to that view.
+            every = detached(every, plan_of_view.name)
+    loose = [v.name for v in plan.views if v.name in DETACHABLE and v.aligned_with and not _is_opposite(v, plan)]
     variants = {"": every}
     sizes = list(PAPERS)
     for paper in (*plan.papers, *sizes[sizes.index(plan.papers[-1]) + 1 :]):
@@ -237,6 +241,15 @@ def _arranged(
                         return paper, arranged, note, corner
     note, box = _notes(plan.papers[-1], texts, revision_box(title, plan.papers[-1]))[0]
     return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (box,))), note, (0.0, 0.0)
+
+
+def _is_opposite(view: ViewPlan, plan: SheetPlan) -> bool:
+    """Whether a view is from the side opposite to that of the view with which it is aligned."""
+    parent = next((other for other in plan.views if other.name == view.aligned_with), None)
+    if parent is None:
+        return False
+    eyes = (PROJECTIONS[one.projection].towards_eye for one in (view, parent))
+    return dot(*eyes) < -0.5
 
 
 def _table_corners(paper: Paper, table: HoleTable | None) -> list[Point2]:

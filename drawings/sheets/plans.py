@@ -1,8 +1,9 @@
 """Sheet plans: the views of each part, their sheets and scales.
 
-Scales of the thesis: tip, holder and pins 1:1, stage 1:2, bearing way 1:4. The base is on three sheets at 1:2, as its
-holes cannot be read at the 1:5 and 0.35 of the thesis, with detail X at 1:1. Small parts that the thesis does not draw
-have a standard scale. Where a view is too small for its dimensions, there is a section or detail at a larger scale.
+Scales of the thesis: tip and holder 1:1, stage 1:2, bearing way 1:4. The pins are drawn at 2:1. The base is on three
+sheets at 1:2, as its holes cannot be read at the 1:5 and 0.35 of the thesis, with detail X at 1:1. Small parts that the
+thesis does not draw have a standard scale. Where a view is too small for its dimensions, there is a section or detail
+at a larger scale.
 """
 
 from __future__ import annotations
@@ -222,14 +223,14 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
 
 
 def _height_pin(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
-    return lambda design: (SheetPlan(name, ("A3",), 1.0, _PIN_VIEWS),)
+    return lambda design: (SheetPlan(name, ("A3", "A2"), 2.0, _PIN_VIEWS),)
 
 
 _PIN_VIEWS = (
     ViewPlan("front", "front", hidden=True, symmetry="v"),
     ViewPlan("top", "top", "front"),
     ViewPlan("right", "right", "front"),
-    _ISO,
+    ViewPlan("iso", "iso", scale=1.0),
 )
 
 _SMALL_VIEWS = (

@@ -96,6 +96,8 @@ class Dimension:
         deviations: lower and upper limit deviation, mm, if they are not those of a general tolerance class.
         reference: whether it is given for information only, in brackets, without a tolerance.
         table: view whose hole table gives it, in place of a dimension of its own; empty for none.
+        exact: whether it is theoretically exact (ISO 1101), in a frame and without a tolerance: a tolerance of position
+            or of angularity applies at it.
     """
 
     name: str
@@ -114,6 +116,7 @@ class Dimension:
     deviations: tuple[float, float] | None = None
     reference: bool = False
     table: str = ""
+    exact: bool = False
 
     def __post_init__(self) -> None:
         if bool(self.parameter) == bool(self.derived_from):

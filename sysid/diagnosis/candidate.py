@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from sim.library.effect import Effect
 from sysid.diagnosis.held_out import Gain, HeldOut, held_out
-from sysid.estimation.fit import FittedModel, root_mean_huber
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit
-from sysid.estimation.plausibility import implausible
+from sysid.estimation.plausibility import implausible, rig_values_at_bound
 from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem
@@ -119,7 +119,12 @@ class Reference:
         predicted_reduction: float = 0.0,
         blocked_reduction: float = 0.0,
     ) -> Candidate | None:
-        """The candidate of a fitted model; none where its prediction is not finite."""
+        """The candidate of a fitted model; none where its prediction is not finite.
+
+        A value of the rig that the fit drives to its bound is held at that of the base model: what the effect explains
+        must not depend on it.
+        """
+        fitted = self._with_held_rig(fitted)
         found = held_out(fitted, self.problem.validate_records, self.base.weights)
         if not np.isfinite(found.loss):
             return None
@@ -134,8 +139,20 @@ class Reference:
             removed=removed,
             predicted_reduction=predicted_reduction,
             blocked_reduction=blocked_reduction,
-            implausible=implausible(fitted, [effect.name for effect in added], self.base.fitted),
+            implausible=implausible(fitted, [effect.name for effect in added]),
         )
+
+    def _with_held_rig(self, fitted: FittedModel) -> FittedModel:
+        base, model = self.base.fitted, fitted.model
+        driven = rig_values_at_bound(fitted, base)
+        if not driven:
+            return fitted
+        held = replace(
+            model,
+            values={**model.values, **{key: base.model.values[key] for key in driven}},
+            unknowns=tuple(u for u in model.unknowns if u.key not in driven),
+        )
+        return fit_model(held, self.problem.fit_records, base.weights)
 
 
 def one_per_family(candidates: Sequence[Candidate]) -> list[Candidate]:

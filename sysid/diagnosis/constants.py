@@ -39,4 +39,4 @@ EQUIVALENT_SIGNIFICANCE = 2.5
 """Largest difference of two gains, over the gain and over its standard error, of indistinguishable effects."""
 
 NEAR_NOISE_LOSS = 1.1
-"""Loss of the stated model up to which a gain has to be twice as significant."""
+"""Loss of the stated model up to which a gain has to be twice as significant and twice as steady."""

@@ -116,20 +116,22 @@ class _Comparison:
 
     def certain(self, candidate: Candidate) -> bool:
         """Whether the gain of a candidate is significant, steady and large enough."""
-        gain, near = candidate.gain, self.reference.loss <= NEAR_NOISE_LOSS * self.noise.loss
+        gain = candidate.gain
         if self.excess == 0.0:
             return False
+        strict = 2.0 if self.reference.loss <= NEAR_NOISE_LOSS * self.noise.loss else 1.0
         return (
-            gain.significance >= (2.0 if near else 1.0) * LEAST_SIGNIFICANCE
-            and gain.steadiness >= LEAST_STEADINESS
+            gain.significance >= strict * LEAST_SIGNIFICANCE
+            and gain.steadiness >= strict * LEAST_STEADINESS
             and gain.loss >= max(LEAST_GAIN * self.reference.loss, len(candidate.added) * self.noise.form_error)
             and candidate.fit_gain > 0.0
         )
 
     def clearly_better(self, other: Candidate, candidate: Candidate, steadiness: float) -> bool:
-        """Whether another candidate removes a clearly larger part of the excess."""
+        """Whether another candidate removes a clearly larger part of the excess: larger also than what the form of the
+        laws added before may leave."""
         gain = candidate.held_out.gain_of(other.held_out)
-        return gain.loss > CLEAR_MARGIN * self.excess and gain.steadiness >= steadiness
+        return gain.loss > max(CLEAR_MARGIN * self.excess, self.noise.form_error) and gain.steadiness >= steadiness
 
     def notable(self, curve: Candidate) -> bool:
         """Whether a free curve explains a notable part of the residual."""
@@ -157,7 +159,7 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
     model = named
     if compared.excess > 0.0 and (named is None or compared.share(named) < 1.0 - CLEAR_MARGIN):
         pair = _plausible(models.pairs)
-        if pair is not None and compared.certain(pair) and (named is None or _clear_pair(compared, pair, named)):
+        if pair is not None and compared.certain(pair) and _needs_both(compared, pair, models.ranked, named):
             model = pair
     if model is None:
         return _insufficient(compared, None, curve, shares)
@@ -177,6 +179,12 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
 def _plausible(candidates: Sequence[Candidate]) -> Candidate | None:
     """The best candidate whose fitted values are plausible."""
     return next((c for c in candidates if c.implausible is None), None)
+
+
+def _needs_both(compared: _Comparison, pair: Candidate, ranked: Sequence[Candidate], named: Candidate | None) -> bool:
+    """Whether a pair is clearly better than the effect that would be named, and than each of its own effects alone."""
+    alone = [c for c in ranked if c.public_name in pair.families and c.implausible is None]
+    return all(_clear_pair(compared, pair, one) for one in [*alone, *([] if named is None else [named])])
 
 
 def _clear_pair(compared: _Comparison, pair: Candidate, single: Candidate) -> bool:

@@ -21,6 +21,7 @@ from sysid.estimation.misfit import ResidualWeights, misfit
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.signals.gaussian_filter import GaussianFilter
 
 
 def coordinates_of(record: PreparedRecord) -> dict[str, np.ndarray]:
@@ -33,12 +34,13 @@ def coordinates_of(record: PreparedRecord) -> dict[str, np.ndarray]:
         out["acceleration"] = np.gradient(rate, record.step)
         return out
     axis = record.axis
+    slow = GaussianFilter(record.coordinate_width, record.step, record.size)
     out = {
         "time": axis.time,
         "position": axis.position,
         "velocity": axis.velocity,
         "direction": axis.direction,
-        "acceleration": axis.acceleration,
+        "acceleration": slow(axis.acceleration),
         "distance_since_reversal": axis.reversal_distance,
         "distance_travelled": axis.travelled,
         "contact_age": axis.contact_age,

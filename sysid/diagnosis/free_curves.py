@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -25,6 +26,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model, PreparedRecord, Scales, with_effect
 from sysid.prediction.problem import Problem
+from sysid.signals.gaussian_filter import GaussianFilter
 
 PRIOR_SCALE = 2.0
 """Standard deviation of the value at a knot, over the force scale of the records (the range of a voltage)."""
@@ -82,13 +84,15 @@ def free_curves(problem: Problem) -> list[Effect]:
     piezo = isinstance(records[0], TipRecord)
     framed = any(e.friction_state is not None for e in problem.start.effects)
     found = []
+    smoothing = max((r.coordinate_width for r in records if isinstance(r, ForceBalanceRecord)), default=0.0)
     for curve in _VOLTAGE_CURVES if piezo else _CURVES:
         # Without a friction state model a level has no effect; with one, a force of the velocity repeats the level.
         if (curve.place == "level" and not framed) or (curve.field == "velocity" and curve.place == "force" and framed):
             continue
-        knots = _knots(curve, records)
+        width = smoothing if curve.field == "acceleration" else 0.0
+        knots = _knots(curve, records, width)
         if knots.size >= LEAST_KNOTS:
-            found.append(_effect(curve, knots))
+            found.append(_effect(curve, knots, width))
     return found
 
 
@@ -103,9 +107,9 @@ def with_curve(model: Model, curve: Effect, scales: Scales) -> Model:
     return replace(out, unknowns=unknowns)
 
 
-def _knots(curve: _Curve, records: Sequence[PreparedRecord]) -> np.ndarray:
+def _knots(curve: _Curve, records: Sequence[PreparedRecord], width: float) -> np.ndarray:
     """Positions of the knots (k,) over the range of all records, the held-out ones included."""
-    values = np.concatenate([part for record in records for part in _values(curve, record)])
+    values = np.concatenate([part for record in records for part in _values(curve, record, width)])
     low, high = float(np.min(values)), float(np.max(values))
     if not high - low > 1e-9 * max(abs(low), abs(high), 1e-300):
         return np.empty(0)
@@ -114,25 +118,35 @@ def _knots(curve: _Curve, records: Sequence[PreparedRecord]) -> np.ndarray:
     return np.unique(np.quantile(values, np.linspace(0.0, 1.0, curve.knots)))
 
 
-def _values(curve: _Curve, record: PreparedRecord) -> list[np.ndarray]:
+def _values(curve: _Curve, record: PreparedRecord, width: float) -> list[np.ndarray]:
     if isinstance(record, TipRecord):
         return record.drives if curve.field == "input" else [_rate(u, record.step) for u in record.drives]
     assert isinstance(record, ForceBalanceRecord)
-    return [getattr(record.axis, curve.field)]
+    return [_smoothed(getattr(record.axis, curve.field), record.axis.time, width)]
+
+
+def _smoothed(values: np.ndarray, time: np.ndarray, width: float) -> np.ndarray:
+    """Values (n,) by a Gaussian filter of a width, s, unchanged where it is zero."""
+    if width == 0.0 or time.size < 2:
+        return values
+    return _filter(width, round(float(time[1] - time[0]), 12), time.size)(values)
+
+
+_filter = lru_cache(maxsize=16)(GaussianFilter)
 
 
 def _rate(signal: np.ndarray, step: float) -> np.ndarray:
     return np.gradient(signal, step)
 
 
-def _effect(curve: _Curve, knots: np.ndarray) -> Effect:
-    """The effect of a free curve with these knots."""
+def _effect(curve: _Curve, knots: np.ndarray, width: float) -> Effect:
+    """The effect of a free curve with these knots, of a coordinate smoothed by a filter of a width, s."""
 
     def value(at: Any, p: Any) -> Any:
         return np.interp(at, knots, np.array(p))
 
     def law(axis: Axis, p: Any) -> Any:
-        return value(getattr(axis, curve.field), p)
+        return value(_smoothed(getattr(axis, curve.field), axis.time, width), p)
 
     def signal(voltage: np.ndarray, step: float, p: Any) -> np.ndarray:
         return voltage + value(voltage if curve.field == "input" else _rate(voltage, step), p)

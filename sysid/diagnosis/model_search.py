@@ -180,7 +180,8 @@ class ModelSearch:
             option: the effect to add; any where left out.
         """
         given, found = self.base.fitted.model, []
-        for name in shaped_effects(given):
+        selected = [public_name(name) for name in self.base.laws]
+        for name in dict.fromkeys([*shaped_effects(given), *selected]):
             below = self.without(name)
             if below is None:
                 continue

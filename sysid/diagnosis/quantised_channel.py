@@ -56,7 +56,11 @@ def quantised_channel(reference: Reference) -> Decision | None:
     added_variance = _added_variance(problem, other)
     hidden = before <= NOISE_FACTOR and added_variance >= NOISE_FACTOR**2
     share = min(1.0, EVEN * added_variance / max(before**2 - 1.0, 1e-9))
-    risen = any(candidate.after_validate[c].rms > MOST_RISE * m.rms for c, m in validated.items())
+    # With another noise the filter of a force balance has another width: the values are compared at the same one.
+    compared = misfit(
+        model.at({k: v for k, v in refit.fitted.model.values.items() if k in model.values}), problem.validate_records
+    )
+    risen = any(compared[c].rms > MOST_RISE * m.rms for c, m in validated.items())
     # With too small a noise the filter of a force balance is too narrow, and events are placed wrongly.
     fallen = all(candidate.after_validate[c].rms <= CLEAR_FALL * m.rms for c, m in validated.items())
     resolved = fallen and worst_over_noise(candidate.after_fit, candidate.after_validate) <= NOISE_FACTOR

@@ -35,7 +35,10 @@ from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 NoiseSource = Literal["given", "repeats", "difference"]
 BEST_SENSOR = 1e-4
 """Ratio of noise to signal below which a force log whose cycles scatter more is taken to be filtered: no force sensor
-has a signal-to-noise ratio above 80 dB from sample to sample."""
+has a signal-to-noise ratio above 80 dB from sample to sample. Position sensors have (an interferometer 120 dB)."""
+
+FORCES = ("N", "N*m")
+"""Units of the channels to which that limit applies."""
 
 LEAST = 1e-9
 """Ratio of noise to largest value below which the noise is taken as zero: the error of rounding to nine digits."""
@@ -180,7 +183,8 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
     repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
     scatter = _rms([item.scatter for item in repeats])
     signal = _rms([float(np.sqrt(np.nanmean(record.channels[channel] ** 2))) for record in holding])
-    filtered = noise.filtered or (scatter > 10.0 * noise.value and noise.value < BEST_SENSOR * signal)
+    too_good = noise.unit in FORCES and noise.value < BEST_SENSOR * signal
+    filtered = noise.filtered or (scatter > 10.0 * noise.value and too_good)
     if repeats and (filtered or scatter <= 3.0 * noise.value):
         cycles = sum(item.cycles for item in repeats)
         note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"

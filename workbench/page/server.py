@@ -20,7 +20,7 @@ from starlette.staticfiles import StaticFiles
 from stagecad import __version__
 from stagecad.parameters.errors import InputError
 from workbench.options import Run, finite
-from workbench.page.curves import extremes, read_curves, sampled
+from workbench.page.curves import extremes, read_blocks, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.machine_session import MachineSession
 from workbench.page.project import Project
@@ -138,11 +138,16 @@ def _add_common_routes(app: FastAPI) -> None:
 
         The extremes of `columns` stretches, or with `pairs` so many rows, evenly spaced.
         """
-        array = read_curves(jobs.job_folder(jobs.get(number)), curves)
+        folder = jobs.job_folder(jobs.get(number))
+        array = read_curves(folder, curves)
         words = series.split(",")
         if not all(word.isdigit() and int(word) < len(array) for word in words) or len(words) > 20:
             raise InputError(f"series {series!r}: positions below {len(array)} are wanted")
-        found = (sampled if pairs else extremes)(array, [int(word) for word in words], start, stop, columns)
+        rows = [int(word) for word in words]
+        if pairs:
+            found = sampled(array, rows, start, stop, columns)
+        else:
+            found = extremes(array, rows, start, stop, columns, read_blocks(folder, curves))
         headers = {"x-rows": str(found.shape[0])}
         return Response(found.astype("<f8").tobytes(), media_type="application/octet-stream", headers=headers)
 

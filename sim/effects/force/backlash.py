@@ -21,8 +21,8 @@ def _memory(axis: Axis, p: Any) -> Axis:
 EFFECT = Effect(
     name="backlash",
     meaning="lost motion between the drive and the load",
-    equation="the load rests, without force, while the drive crosses the gap: after a reversal and the unloading of its "
-    "elastic contacts; spring force 0 within +-gap/2",
+    equation="the load rests, without force, while the drive crosses the gap: after a reversal and the unloading of "
+    "its elastic contacts; spring force 0 within +-gap/2",
     shows="after each reversal the force is missing until the gap is crossed; stretch without spring force",
     source="Nordin and Gutman, Automatica 38 (2002) 1633",
     acts_on="structure",

@@ -36,7 +36,7 @@ def accessories(design: Any) -> tuple[Accessory, ...]:
         Accessory("lifting screw of the holder", "M4x0.7 x 20", 3),
         Accessory("shim set", f"{1e3 * shim.thinnest:.3g} um to {1e3 * shim.thickest:.3g} um", 1),
         Accessory("PTFE film on the pads", f"{1e6 * design.bearing.film_thickness:g} um, by a coater", 1),
-        Accessory("displacement sensor with bracket", "interferometer or probe, see the parameters", 1),
+        Accessory("displacement sensor with bracket", "interferometer or probe", 1),
     ]
     if design.teeth.fitted:
         found += [

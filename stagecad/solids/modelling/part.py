@@ -10,8 +10,8 @@ module for several parts, as the screws), that has
 - ``dimensions(design) -> tuple[Dimension, ...]``: every dimension a maker needs (purchased parts have none).
 
 A part that is manufactured also has, where its function needs them, ``requirements(design) -> tuple[FaceRequirement,
-...]``: datum letters, geometrical tolerances and surface texture of its faces; and ``NOTES``, texts for its sheet, or
-``notes(design)``.
+...]``: datum letters, geometrical tolerances and surface texture of its faces; ``NOTES``, texts for its sheet, or
+``notes(design)``; and ``TREATMENT``, its coating for the title block.
 
 A purchased part also has ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
 and may have ``mass(design)`` in kilograms where the catalogue's value is closer than that of the simplified solid.
@@ -100,3 +100,10 @@ def notes_of(part: Any, design: Any) -> tuple[str, ...]:
     """The notes of a part's sheet: of its function ``notes``, else its ``NOTES``."""
     notes = getattr(part, "notes", None)
     return notes(design) if notes else getattr(part, "NOTES", ())
+
+
+def treatment_of(part: Any, design: Any, material: str) -> str:
+    """Treatment for the title block: of the material, and of the part's own (``TREATMENT``: its coatings)."""
+    of_material = design.materials[material].treatment
+    found = [text for text in (of_material, getattr(part, "TREATMENT", "")) if text not in ("", "none", "-")]
+    return "; ".join(found) or "none"

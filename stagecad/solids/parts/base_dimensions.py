@@ -72,9 +72,9 @@ def _pockets(d: DimensionDeclarations, design: Any) -> None:
     pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left)
     pocket.depth("pocket depth", "pocket_depth", (0, 0, 0), (0, radius / 2, floor), Z)
     note = "3 pockets on an equilateral triangle"
-    top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note)
+    top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note, exact=True)
     keys, ends = ("base.actuator_spacing",), ((0, 0, 0), (x, y, 0))
-    top.derived("pocket 1 to pockets 2 and 3", abs(x), keys, ends, X)
+    top.derived("pocket 1 to pockets 2 and 3", abs(x), keys, ends, X, exact=True)
     c = base.pocket_chamfer / 2
     top.chamfer("pocket chamfer", "pocket_chamfer", (-(radius + c), 0, -c), count=3)
     channel = d.group(view="right", feature="lead channel", count=3)
@@ -132,8 +132,12 @@ def _clamp_screws(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
     hole.depth("clamp counterbore depth", "clamp_counterbore_depth", mouth, (seat, y, z))
     hole.diameter("clamp clearance hole", "clamp_hole", (face - 50, y, z), X, on=Z, note="to the gap slot")
     wall = clamp.slot - base.clamp_slot_width / 2
-    lug, note = (wall - base.clamp_thread_depth, y, z), "3/8-16 UNC in the lug, from the slot"
+    lug, note = (wall - base.clamp_thread_depth, y, z), "drilled from the gap slot into the lug"
     hole.depth("clamp thread hole depth", "clamp_thread_depth", (wall, y, z), lug, view="section", note=note)
+    drill, at = "threads.unc_3_8_tap_drill", ((wall + lug[0]) / 2, y, z)
+    touch = (at[0], y - design.threads.unc_3_8_tap_drill / 2, z)
+    hole.add("tap_drill", "clamp thread", drill, (at, touch), X, note="3/8-16 UNC")
+    hole.remark("clamp thread length", ("base.clamp_thread_depth",), touch, "beyond the slot, over the length in A-A")
 
 
 def _clamp_slots(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:

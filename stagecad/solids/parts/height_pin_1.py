@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 NAME = "height_pin_1"
 
 
+TREATMENT = "hard anodise: see notes"
+
+
 def notes(design: Any) -> tuple[str, ...]:
     """Notes of the sheet."""
     layer = 1e3 * design.height_pin_1.coating_thickness
@@ -106,7 +109,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     front.linear("length", "length", end, (-radius + 2, 0, half))
     note = f"from the axis, {half:g} mm from the shoulder of the spigot"
     front.linear("wedge face height", "flat_height", (0, 0, 0), wedge, note=note)
-    front.slope("wedge slope", "slope", wedge, Z, note="rise over run")
+    front.slope("wedge slope", "slope", wedge, Z, note="rise over run", exact=True)
     tail = -half - pin.spigot_length
     front.diameter("spigot", "spigot_diameter", (0, 0, (tail - half) / 2), on=back)
     front.linear("spigot length", "spigot_length", end, (0, 0, tail), Z)

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 NAME = "height_pin_2"
 
 
+TREATMENT = "hard anodise: see notes"
+
+
 def notes(design: Any) -> tuple[str, ...]:
     """Notes of the sheet."""
     layer = 1e3 * design.height_pin_1.coating_thickness
@@ -83,7 +86,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     d, top, c = DimensionDeclarations(design, "height_pin_2").group(view="front"), pin.length, pin.end_chamfer
     d.diameter("diameter", "diameter", (0, 0, top / 2), on=X)
     d.linear("length", "length", (0, 0, 0), (0, 0, top), note="on the axis")
-    d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, note="rise over run")
+    d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, note="rise over run", exact=True)
     d.radius("crown", "crown_radius", (0, 0, top), note="spherical", tolerance=None, reference=True)
     rim = pin.diameter / 2 - c
     sag, limit = pin.crown_radius - math.sqrt(pin.crown_radius**2 - rim**2), pin.sag_tolerance

@@ -147,7 +147,7 @@ def _bore_dimensions(d: DimensionDeclarations, design: Any) -> None:
     h, middle = design.holder, (design.holder.height + design.holder.floor) / 2
     (x1, y1), (x2, _), (_, y3) = Derived(design).piezo_places
     note = "3 bores on an equilateral triangle about the axis"
-    d.linear("piezo spacing", "actuator.piezo_spacing", (x1, y1, h.height), (x2, y1, h.height), note=note)
+    d.linear("piezo spacing", "actuator.piezo_spacing", (x1, y1, h.height), (x2, y1, h.height), note=note, exact=True)
     bore = d.group(feature="piezo bore", count=3)
     bore.diameter("piezo bore", "bore_diameter", (x1, y1, middle), note="to the floor, see A-A")
     d.linear("floor", "floor", (0, y3, 0), (0, y3, h.floor), count=3, view="section", note="floors of the bores")
@@ -195,7 +195,7 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     f.tolerance(
         "perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True
     )
-    f.texture("floors", "bearing.way_roughness", floors, Z, "section")
+    f.texture("floors", "bearing.way_roughness", floors, Z, "section", "bore floors")
     f.tolerance("perpendicularity", "bottom", "drawing.tolerance_x_xx", bottom, DOWN, "front", datums=("A",))
     f.texture("bottom", "bearing.way_roughness", bottom, DOWN, "front")
     f.tolerance(

@@ -23,6 +23,8 @@ NAME = "magnet"
 SYMMETRIC = "xy"
 """Axes whose middle plane is a plane of symmetry."""
 
+NOTES = ("Two off, alike. Dimensions after plating. Magnetised to saturation along the thickness; mark one pole face.",)
+
 
 def build(design: Any) -> cq.Solid:
     """The magnet as one solid, mm."""

@@ -51,6 +51,9 @@ SYMMETRIC = "xy"
 """Axes whose middle plane is a plane of symmetry."""
 
 
+TREATMENT = "anodise, PTFE: see notes"
+
+
 def notes(design: Any) -> tuple[str, ...]:
     """Notes of the sheet."""
     film, coating = 1e6 * design.bearing.film_thickness, 1e6 * design.drive.sea_coating_thickness
@@ -204,10 +207,10 @@ def _payload_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.tapped("payload hole", "m6", hole, DOWN, ("payload_thread_depth", "payload_drill_depth"), count=count)
     d.counted("payload columns", "payload_columns", hole, X, feature="payload hole", view="top")
     d.counted("payload rows", "payload_rows", hole, Y, feature="payload hole", view="top")
-    d.pitch("payload pitch", "payload_pitch", hole, (-x, y, top), s.payload_columns - 1, view="top")
+    d.pitch("payload pitch", "payload_pitch", hole, (-x, y, top), s.payload_columns - 1, view="top", exact=True)
     keys, rows = ("stage.payload_pitch", "stage.payload_rows"), s.payload_rows - 1
     ends = ((x, y, top), (x, -y, top))
-    d.derived("payload pitch across", s.payload_pitch, keys, ends, Y, kind="pitch", count=rows, view="top")
+    d.derived("payload pitch across", s.payload_pitch, keys, ends, Y, kind="pitch", count=rows, view="top", exact=True)
     c = s.hole_chamfer / 2
     mouth = (x + design.threads.m6_tap_drill / 2 + c, y, top - c)
     d.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all holes", view="top")
@@ -219,8 +222,8 @@ def _dowel_and_target_dimensions(d: DimensionDeclarations, design: Any) -> None:
     plan = d.group(view="top")
     hole, middle = (x, y, top), (x, y, top / 2)
     plan.diameter("dowel hole", "dowel_diameter", middle, feature="dowel hole", count=2, note="reamed, through")
-    plan.linear("dowel spacing", "dowel_spacing", (-x, y, top), hole)
-    plan.linear("dowel offset", "dowel_offset", (end, 0, top), hole, Y, note="from the middle")
+    plan.linear("dowel spacing", "dowel_spacing", (-x, y, top), hole, exact=True)
+    plan.linear("dowel offset", "dowel_offset", (end, 0, top), hole, Y, note="from the middle", exact=True)
     y = s.target_spacing / 2
     side, hole = d.group(view="right"), (end, y, top / 2)
     side.linear("target spacing", "target_spacing", (end, -y, top / 2), hole, count=2, note="at mid-thickness")
@@ -237,7 +240,7 @@ def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
     every = d.group(count=pads.count)
     every.linear("pad length", "pads.length", (x3 - half, y3, middle), (x3 + half, y3, middle))
     every.linear("pad width", "pads.width", (x, y - side, middle), (x, y + side, middle))
-    d.linear("pad height", "pads.height", (x, y, 0), crown, view="right")
+    every.linear("pad height", "pads.height", (x, y, 0), crown, view="right")
     d.radius("pad crown", "pads.crown_radius", crown, view="front", note="spherical", tolerance=None, reference=True)
     sag = pads.crown_radius - math.sqrt(pads.crown_radius**2 - half**2)
     ends, tolerance = (crown, (x + pads.length, y, low)), pads.sag_tolerance
@@ -245,9 +248,10 @@ def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
     fields = {"kind": "sag", "tolerance": None, "deviations": limits, "view": "front", "note": "all pads"}
     d.derived("pad crown height", sag, keys, ends, X, **fields)
     inset = fillet_inset(pads.corner_radius)
-    d.radius("pad corner", "pads.corner_radius", (x + half - inset, y + side - inset, middle))
+    d.radius("pad corner", "pads.corner_radius", (x + half - inset, y + side - inset, middle), count=4 * pads.count)
     inset = fillet_inset(pads.root_fillet)
-    d.radius("pad root fillet", "pads.root_fillet", (x, y + side + inset, -inset), X, view="right")
+    root = (x, y + side + inset, -inset)
+    d.radius("pad root fillet", "pads.root_fillet", root, X, view="right", note="all pads")
     d.linear("pad spacing along", "pads.spacing_along", crown, (x2, y, low))
     d.linear("pad spacing across", "pads.spacing_across", crown, (x3, y3, low), Y)
 

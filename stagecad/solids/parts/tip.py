@@ -34,6 +34,9 @@ TURNED, SYMMETRIC = 3, "x"
 """Number of equal sectors about z; axes whose middle plane is a plane of symmetry."""
 
 
+TREATMENT = "anodise the nose: see notes"
+
+
 def notes(design: Any) -> tuple[str, ...]:
     """Notes of the sheet."""
     layer = 1e3 * design.tip.coating_thickness

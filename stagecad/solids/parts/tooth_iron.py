@@ -109,7 +109,8 @@ def declare_teeth(
     y, teeth = centres[0], design.teeth
     half, pitch, depth = teeth.width / 2, teeth.pitch, into * teeth.groove_depth
     flank, groove, body = crest + depth / 2, crest + depth, crest + 2 * depth
-    d.counted("teeth in a group", "teeth.per_iron", (0, y, crest), Y, count=groups, feature="teeth")
+    name = "teeth" if groups == 1 else "teeth, a group on either side"
+    d.counted(name, "teeth.per_iron", (0, y, crest), Y, count=groups, feature="teeth")
     width = d.group(count=len(centres))
     width.linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
     d.depth("groove depth", "teeth.groove_depth", (0, y, crest), (0, y + pitch / 2, groove), Z)

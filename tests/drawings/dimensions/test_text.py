@@ -30,7 +30,7 @@ def test_decimals_are_the_class_or_the_tolerance_is_spelled_out(value: float, to
 
 
 def declared(kind: str, name: str, value: float, **more: object) -> Dimension:
-    points = ENDS if kind in ("depth", "linear") else ENDS[:1]
+    points = ENDS if kind in ("depth", "linear", "pitch") else ENDS[:1]
     tolerance = more.pop("tolerance", "X.X")
     return Dimension(name, kind, value, "stage.length", points, (0.0, 0.0, -1.0), tolerance, **more)  # type: ignore[arg-type]
 
@@ -78,3 +78,24 @@ def test_a_count_that_says_the_number_of_holes_is_not_said_twice() -> None:
     assert callout(row, [0.1, 0.0]) == ("7x ⌀10.5 through",)
     alone = [declared("count", "teeth in a group", 2, tolerance=None, count=2, feature="teeth")]
     assert callout(alone, [0.0]) == ("2x 2 teeth in a group",)
+
+
+def test_a_theoretically_exact_value_is_in_a_frame_and_has_no_tolerance() -> None:
+    assert dimension_text(declared("linear", "spacing", 46.0, tolerance="X.XX", exact=True), 0.01) == "{box:46}"
+    pitch = declared("pitch", "pitch", 50.0, tolerance="X.X", count=3, exact=True)
+    assert dimension_text(pitch, 0.1) == "3x {box:50} (=150)"
+    assert dimension_text(declared("slope", "wedge", 0.05, tolerance=None, exact=True), 0.0) == "slope {box:1:20}"
+
+
+def test_the_thread_of_a_stepped_hole_comes_in_the_order_of_its_steps() -> None:
+    hole = [
+        declared("diameter", "clamp counterbore", 15.9, tolerance=None, feature="hole"),
+        declared("diameter", "clearance hole", 10.5, tolerance=None, feature="hole", note="to the slot"),
+        declared("tap_drill", "thread", 7.938, tolerance=None, feature="hole", note="3/8-16 UNC"),
+    ]
+    assert callout(hole, [0.0] * 3) == (
+        "{counterbore}\u230015.9",
+        "\u230010.5 to the slot",
+        "3/8-16 UNC through",
+        "drill \u23007.938",
+    )

@@ -150,3 +150,15 @@ def test_a_text_keeps_place_height_angle_and_alignment(layout, alignment: Alignm
     assert (align.name, second or first) == (name, (4.0, 4.0, 0.0))
     assert (text.dxf.text, text.dxf.height, text.dxf.rotation) == ("%%c8 %%p0.1%%d", 7.0, 30.0)
     assert (text.dxf.layer, text.dxf.style, text.dxf.width) == ("TEXT", TEXT_STYLE, WIDTH_FACTOR)
+
+
+def test_the_number_of_a_theoretically_exact_dimension_is_measured_and_framed(tmp_path) -> None:
+    from tests.drawings.drawn import document_of, sheets
+
+    document = document_of(sheets("holder")[0])
+    (spacing,) = [d for d in document.modelspace().query("DIMENSION") if d.dxf.text.endswith("[2]")]
+    assert spacing.dxf.text == "<> [2]"
+    assert spacing.get_measurement() == pytest.approx(46.0)
+    assert document.dimstyles.get(spacing.dxf.dimstyle).dxf.dimgap < 0.0
+    frames = [e for e in document.blocks.get(spacing.dxf.geometry) if e.dxftype() == "LWPOLYLINE" and len(e) == 5]
+    assert len(frames) == 1

@@ -8,14 +8,14 @@ from itertools import pairwise
 
 import pytest
 
-from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension, ReferenceArrow
+from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension, ReferenceArrow, SectionMark
 from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_boxes
 from drawings.dimensions.specification import CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec
 from drawings.placement.place import AnnotatedView, place_annotations
 from drawings.placement.views import VIEW_SPACING, SheetArea, annotated_views, arrange, detached
 from drawings.sheets.sheet import sheet_area
 from drawings.views.segment_index import SegmentIndex, arc_points, boxes_overlap, line_meets_box
-from drawings.views.view import PROJECTIONS, Arc, Point2, Segment, View
+from drawings.views.view import PROJECTIONS, Arc, Cut, Point2, Segment, View
 
 
 def rectangle(width: float, height: float) -> tuple[Segment, ...]:
@@ -97,6 +97,23 @@ def test_a_control_frame_is_off_the_part_with_its_arrow_on_the_face() -> None:
     assert frame.elbow[1] > 50.0 + 3.5
 
 
+def test_leaders_of_a_face_stay_clear_of_its_ends() -> None:
+    """A datum and three frames on a face of 100 mm on the paper: each arrow 2.5 mm or more from the corners."""
+    face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
+    asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
+    placed = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
+    assert len(placed) == 3
+    assert all(5.0 <= a.at[0] <= 195.0 for a in placed)
+
+
+def test_a_dimension_is_on_the_side_where_its_extension_lines_do_not_cross_the_part() -> None:
+    """Of a step at the lower edge, dimensioned above or below with as much space."""
+    low = [Segment((60.0, 0.0), (60.0, 30.0)), Segment((140.0, 0.0), (140.0, 30.0))]
+    view = replace(block(), curves={"VISIBLE": (*rectangle(200.0, 100.0), *low)})
+    (step,) = lines_of(place_annotations(view, [distance((60.0, 15.0), (140.0, 15.0), "step")])).values()
+    assert step.line_at[1] < 0.0
+
+
 def test_a_leader_ends_on_a_drawn_line() -> None:
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
@@ -142,6 +159,18 @@ def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() ->
     (arrow,) = (a for a in alone.annotations if isinstance(a, ReferenceArrow))
     assert arrow.letter == "P"
     assert alone.views[2].label_at is not None
+
+
+def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
+    cut = Cut((100.0, 0.0, 0.0), (1.0, 0.0, 0.0), "A")
+    section = replace(block("right", 80.0, aligned_with="front"), name="section A-A", cut=cut, label="A-A")
+    bottom = block("bottom", aligned_with="front")
+    every = detached(annotated_views((block("front"), section, bottom), []), "bottom")
+    marks = every[0].annotations
+    (arrow,) = [a for a in marks if isinstance(a, ReferenceArrow)]
+    (line,) = [a for a in marks if isinstance(a, SectionMark)]
+    assert line.start[0] == line.end[0]
+    assert abs(arrow.tip[0] - line.start[0]) > 10.0
 
 
 def test_taken_areas_stay_free() -> None:

@@ -100,7 +100,7 @@ def test_every_dimension_has_its_value_limits_and_decimals(name: str, read) -> N
         one_sided = low * high > 0.0
         middle = (low + high) / 2 if one_sided else 0.0
         assert value == pytest.approx(steps * dimension.value + middle, abs=1e-9), dimension.name
-        if dimension.tolerance is None or dimension.kind == "angle" or one_sided:
+        if dimension.tolerance is None or dimension.exact or dimension.kind == "angle" or one_sided:
             assert there.limits is None, dimension.name
             assert not one_sided or there.range == pytest.approx((dimension.value + low, dimension.value + high))
         elif is_class(dimension.tolerance):
@@ -109,7 +109,7 @@ def test_every_dimension_has_its_value_limits_and_decimals(name: str, read) -> N
         else:
             assert there.limits == pytest.approx((limits[dimension.tolerance],) * 2, abs=1e-12), dimension.name
         told = places[dimension.name]
-        if dimension.kind == "angle" or dimension.tolerance is None:
+        if dimension.kind == "angle" or dimension.exact or dimension.tolerance is None:
             assert told is None
         elif is_class(dimension.tolerance):
             assert told == 0 or round(dimension.value, 0) != dimension.value

@@ -21,6 +21,7 @@ from drawings.annotations.annotation import (
     HoleTag,
     LinearDimension,
     RadialDimension,
+    ReferenceArrow,
 )
 from drawings.annotations.primitives import ArcStroke, Text
 from drawings.dimensions.dimensioning import tolerance_text
@@ -30,6 +31,7 @@ from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
 from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.tracking import TrackedDesign
+from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, document_of, sheets, thesis, words
@@ -96,7 +98,7 @@ def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> No
     for dimension in part_definition(part).dimensions(thesis()):
         if dimension.kind == "callout" or (dimension.table and dimension.kind in ("linear", "count")):
             continue
-        value = number(dimension.value, dimension.tolerance, 0.0)
+        value = number(dimension.value, None if dimension.exact else dimension.tolerance, 0.0)
         if dimension.kind == "slope":
             value = f"1:{1 / dimension.value:g}"
         text = said[dimension.name]
@@ -215,3 +217,41 @@ def test_an_axis_datum_is_in_line_with_the_dimension_of_its_diameter() -> None:
     diameter = next(a for a in sheet.annotations if isinstance(a, LinearDimension) and a.names == ("diameter",))
     assert mark.frame_at[1] == pytest.approx(diameter.line_at[1])
     assert sheet.view(mark.view).to_paper(mark.at)[1] == pytest.approx(diameter.line_at[1])
+
+
+def test_every_place_to_which_a_position_tolerance_applies_is_theoretically_exact() -> None:
+    """Of the holes with a position tolerance outside the hole table: the distances between their axes."""
+    for part in ("stage", "holder", "base"):
+        module = part_definition(part)
+        exact = {d.name for d in module.dimensions(thesis()) if d.exact}
+        tolerated = [r for r in module.requirements(thesis()) if getattr(r, "characteristic", "") == "position"]
+        for requirement in tolerated:
+            tabulated = [d for d in module.dimensions(thesis()) if d.feature == requirement.feature and d.table]
+            between = [
+                d.name
+                for d in module.dimensions(thesis())
+                if d.kind in ("linear", "pitch")
+                and math.dist(d.points[0][:2], d.points[1][:2]) > 1e-6
+                and all(min(math.dist(p[:2], q[:2]) for q in requirement.points) < 1e-6 for p in d.points)
+            ]
+            assert tabulated or (between and set(between) <= exact), requirement.name
+
+
+@pytest.mark.parametrize("part", ["holder", "stage"])
+def test_a_view_out_of_its_place_has_a_letter_and_an_arrow(part: str) -> None:
+    (sheet,) = sheets(part)
+    arrows = {a.letter for a in sheet.annotations if isinstance(a, ReferenceArrow)}
+    for view in sheet.views:
+        if view.projection.name in ("back", "bottom") and not view.clip:
+            assert view.label in arrows
+
+
+def test_the_treatment_says_what_is_coated() -> None:
+    said = {
+        name: treatment_of(part_definition(name), thesis(), part_definition(name).material(thesis())) for name in MADE
+    }
+    assert said["height_pin_1"] == "hard anodise: see notes"
+    assert said["base"].startswith("stress relieve")
+    assert said["bearing_way"] == "none"
+    for name in MADE:
+        assert ("coated" in " ".join(notes_of(part_definition(name), thesis()))) <= ("see notes" in said[name])

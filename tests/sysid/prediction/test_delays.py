@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 from sim.effects.catalogue import find, library
 from sim.library.effect import Effect
 from sysid.diagnose import diagnose
+from sysid.diagnosis.candidate import Reference
 from sysid.estimation.fit import fit_model, root_mean_huber
-from sysid.estimation.plausibility import implausible
+from sysid.estimation.plausibility import implausible, rig_values_at_bound
+from sysid.estimation.reference_fit import reference_fit
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
 
@@ -69,9 +72,24 @@ def test_a_lag_at_the_longest_a_logger_has_is_implausible(tmp_path: Path) -> Non
     fitted.fit.at_bound, fitted.fit.values["drive_delay.delay"] = ("drive_delay.delay",), unknown.high
     assert implausible(fitted, ["drive_delay"]) == "drive_delay.delay is at its upper bound, 0.5 s"
     assert implausible(fitted, ["viscous"]) is None
-    fitted.fit.at_bound, fitted.fit.values["rig.mass"] = ("rig.mass",), 0.0
-    assert "rig.mass is at its lower bound" in str(implausible(fitted, ["drive_delay"]))
-    assert implausible(fitted, ["drive_delay"], base=fitted) is None
+
+
+def test_a_mass_that_an_effect_drives_to_its_bound_is_held_at_that_of_the_model_without_it(tmp_path: Path) -> None:
+    problem = unrelated(tmp_path)
+    alone = fit_model(problem.start.at({"rig.mass": 0.1}), problem.fit_records, iterations=1)
+    base = reference_fit(problem, replace(alone, fit=replace(alone.fit, at_bound=())))
+    start = with_effect(base.fitted.model, find("cable_spring"), problem.scales)
+    fitted = fit_model(start, problem.fit_records, base.fitted.weights)
+    low = next(u for u in start.unknowns if u.key == "rig.mass").low
+    at_bound = replace(
+        fitted, model=fitted.model.at({"rig.mass": low}), fit=replace(fitted.fit, at_bound=("rig.mass",))
+    )
+    found = Reference.of(problem, base).evaluate(at_bound, [find("cable_spring")])
+    assert found is not None and found.implausible is None
+    assert found.fitted.model.values["rig.mass"] == base.fitted.model.values["rig.mass"]
+    assert "rig.mass" not in found.fitted.fit.keys
+    assert rig_values_at_bound(at_bound, base.fitted) == ["rig.mass"]
+    assert rig_values_at_bound(at_bound, at_bound) == []
 
 
 @pytest.mark.parametrize("effect", [e for e in library().values() if e.inverse is not None], ids=lambda e: e.name)

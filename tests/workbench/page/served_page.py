@@ -63,14 +63,14 @@ class Browser:
 
 
 @contextmanager
-def browsing(address: str) -> Iterator[Browser]:
-    """A headless Chromium at an address; skips where there is none."""
+def browsing(address: str, *flags: str) -> Iterator[Browser]:
+    """A headless Chromium at an address, with further flags; skips where there is none."""
     program = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
     if program is None:
         pytest.skip("no Chromium: apt-get install chromium")
     playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
     with playwright.sync_playwright() as started:
-        chromium = started.chromium.launch(executable_path=program, args=FLAGS)
+        chromium = started.chromium.launch(executable_path=program, args=[*FLAGS, *flags])
         try:
             page = chromium.new_page(viewport={"width": 1280, "height": 800})
             browser = Browser(page, address)

@@ -119,6 +119,18 @@ def test_the_machine_is_drawn_turned_and_built_again(tmp_path: Path) -> None:
         page.get_by_text("no lint hits").wait_for()
         assert page.locator(".paper").evaluate("(paper) => paper.naturalWidth") > 100
 
+        # A check that fails at the saved thickness is met by the nearest one, as a step that can be undone.
+        page.get_by_role("button", name="Undo").click()
+        page.get_by_role("button", name="Optimize", exact=True).click()
+        page.get_by_label("required checks").fill("sag of the drive surface*")
+        page.get_by_label("designs of the search").fill("40")
+        page.locator(".optimize .actions").get_by_role("button", name="Optimize").click()
+        page.locator(".optimum .verdict.good").wait_for()
+        page.locator(".optimum").get_by_role("button", name="Apply").click()
+        page.locator("#message", has_text="Undo takes them back").wait_for()
+        thickness = page.get_by_label("stage.thickness", exact=True).input_value()
+        assert 12.0 < float(thickness.removesuffix("mm")) < 17.0
+
 
 @pytest.mark.slow
 def test_the_ladder_of_the_demo_to_its_end(tmp_path: Path) -> None:
@@ -128,6 +140,12 @@ def test_the_ladder_of_the_demo_to_its_end(tmp_path: Path) -> None:
         browser.open("measurement")
         page.get_by_role("button", name="Demo").click()
         page.locator(".map canvas").first.wait_for()
+        slider = page.get_by_label("coulomb.force, slider")
+        slider.fill("150")
+        page.locator(".legend", has_text="changed").wait_for()
+        page.locator(".moved", has_text="× the noise").wait_for()
+        slider.dblclick()
+        page.locator(".legend:not(:has-text('changed'))").first.wait_for()
         for effect in ("stribeck", "magnetic cogging"):
             page.get_by_role("button", name="Diagnose", exact=True).click()
             page.locator(".verdict b", has_text=f"{effect} is missing").wait_for()

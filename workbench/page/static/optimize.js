@@ -1,4 +1,4 @@
-h('tr', {}, h('td', {}, row.check, row.keeping.length ? h('span', { class: 'dim' }, ` with ${row.keeping.join('; ')}`) : null), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed)))// The nearest design without violated rules and failed checks: what may change, the search, its result.
+// The nearest design without violated rules and failed checks: what may change, the search, its result.
 import { cancel, get, jobs, onJob, post, result } from './api.js';
 import { h, fill, quantity, say, words } from './dom.js';
 import { INKS, XyPlot } from './plot.js';
@@ -113,7 +113,7 @@ export class Optimize {
       found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'margins of the designs evaluated, and their front; both requirements hold in the upper right'), h('div', { class: 'plot' }))),
       document.relax?.length ? h('div', { class: 'card' }, h('h3', {}, 'What to relax'), h('table', {},
         h('thead', {}, h('tr', {}, ['requirement', 'limit', 'reached'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
-        h('tbody', {}, document.relax.map((row) => h('tr', {}, h('td', {}, row.check), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed)), h('td', { class: 'dim' }, row.keeping.join('; ') || 'by itself')))))) : null,
+        h('tbody', {}, document.relax.map((row) => h('tr', {}, h('td', {}, row.check, row.keeping.length ? h('span', { class: 'dim' }, ` with ${row.keeping.join('; ')}`) : null), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed))))))) : null,
       margins.length ? h('div', { class: 'card' }, h('h3', {}, 'Margins that change'), h('table', {},
         h('thead', {}, h('tr', {}, ['check', 'before', 'after'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
         h('tbody', {}, margins.map((row) => h('tr', {}, h('td', {}, row.check), h('td', { class: 'num' }, percent(row.before.margin)), h('td', { class: `num ${row.after.verdict === 'passes' ? 'good' : 'bad'}` }, percent(row.after.margin))))))) : null);

@@ -70,7 +70,7 @@ export class Overlay {
     const lines = this.lines;
     fill(this.legend, h('span', {}, swatch('var(--measured)'), 'measured'), lines.map(({ ink, label }) => h('span', {}, swatch(ink), label)));
     try {
-      if (this.abscissa.value) await this.overMotion(lines, turn); else await this.overTime(lines, turn);
+      if (this.abscissa.value) await this.overMotion(lines, turn); else await this.overTime(lines);
     } catch (error) { say(error.message, 'bad'); }
   }
 
@@ -83,18 +83,14 @@ export class Overlay {
 
   row(name) { return this.source.one.series.indexOf(name); }
 
-  async overTime(lines, turn) {
+  async overTime(lines) {
     const { one, job } = this.source;
     const whole = [one.from, one.to];
     const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => {} };
     const measured = { label: 'measured', ink: 'measured', width: 2.4 };
-    // The scale of the ordinate is that of the whole record, and of the typical residual.
-    const [, all] = await curves(job, one.curves, [this.row('measured')], { columns: 600 });
-    const { factor, unit } = scaleOf(largest(all), one.unit);
-    const [, rest] = await curves(job, one.curves, [this.row('residual:model')], { columns: 600 });
-    const usual = quantile(rest, 0.97) || one.noise;
+    const { factor, unit } = scaleOf(one.largest, one.unit);
+    const usual = one.usual || one.noise;
     const small = scaleOf(Math.max(usual, 2 * one.noise), one.unit);
-    if (turn !== this.turn) return;
     this.clear();
     this.scales = [factor, small.factor];
     const reach = Math.max(2.2 * usual, 4 * one.noise) * small.factor;
@@ -129,9 +125,9 @@ export class Overlay {
     const [, x, measured, ...rest] = await curves(job, one.curves, names.map((name) => this.row(name)), { start, stop, columns: 8000, pairs: true });
     if (turn !== this.turn) return;
     const sx = scaleOf(largest(x), one.motion[motion]);
-    const sy = scaleOf(largest(measured), one.unit);
+    const sy = scaleOf(one.largest, one.unit);
     const residuals = lines.map((_, k) => rest[2 * k + 1]);
-    const small = scaleOf(quantile(residuals[0], 0.97), one.unit);
+    const small = scaleOf(one.usual, one.unit);
     const label = `${motion} (${sx.unit})`;
     this.clear();
     const top = new XyPlot(this.signal, { x: label, y: `${words(one.channel)} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });
@@ -139,14 +135,10 @@ export class Overlay {
     this.plots = [top, bottom];
     top.set([{ x, y: measured, ink: 'measured', points: true, width: 2.6 }, ...lines.map(({ ink }, k) => ({ x, y: rest[2 * k], ink, points: true, width: 1.6 }))]);
     // A few samples next to reversals would set the scale and hide all others.
-    const reach = Math.max(2.2 * quantile(residuals[0], 0.97), 4 * one.noise);
+    const reach = Math.max(2.2 * one.usual, 4 * one.noise);
     const ends = x.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
     bottom.set(residuals.map((y, k) => ({ x, y, ink: lines[k].ink, points: true, width: 1.6 })), [...ends, -reach, reach]);
   }
 }
 
 const largest = (values) => values.reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), 0);
-function quantile(values, share) {
-  const sizes = Float64Array.from(values.filter((v) => !Number.isNaN(v)), Math.abs).sort();
-  return sizes.length ? sizes[Math.min(sizes.length - 1, Math.floor(share * sizes.length))] : 0;
-}

@@ -28,6 +28,9 @@ export function isDense(values) {
   return travelled > 30 * (high - low);
 }
 
+const LINE = uPlot.paths.linear();
+const NO_PATH = () => ({ stroke: new Path2D(), fill: null, clip: null, band: null, gaps: null, flags: 1 });
+
 /** A tick with the decimals that it needs beside its neighbours. */
 const tick = (value, step) => (value === 0 ? '0' : Math.abs(value) >= 1e5 || step < 1e-5 ? number(value, 3) : value.toFixed(decimals(step)).replace('-', '−'));
 
@@ -51,6 +54,7 @@ export class LinePlot {
     this.place = place;
     this.options = options;
     this.data = [[], ...options.series.map(() => [])];
+    this.dense = options.series.map(() => false);
     this.build();
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(place);
@@ -69,10 +73,12 @@ export class LinePlot {
       axes: [axis(x, rem() * 1.9, xFactor), axis(y, rem() * 4.2, yFactor, true)],
       series: [{}, ...series.map((s) => ({
         label: s.label, stroke: () => (s.ink.startsWith('#') ? s.ink : colour(s.ink)), width: s.width ?? 1.3, dash: s.dash, points: { show: false }, spanGaps: false, show: s.show ?? true,
+        paths: (u, i, first, last) => (this.dense[i - 1] ? NO_PATH() : LINE(u, i, first, last)),
       }))],
       cursor: { sync: sync ? { key: sync, setSeries: false } : undefined, drag: { x: true, y: false, setScale: false }, points: { size: 6 }, focus: { prox: -1 } },
       hooks: {
         drawClear: [(u) => this.drawBand(u, band)],
+        drawSeries: [(u, i) => { if (this.dense[i - 1] && u.series[i].show) this.drawColumns(u, i); }],
         setSelect: [(u) => {
           if (u.select.width < 4) return;
           const range = [u.posToVal(u.select.left, 'x'), u.posToVal(u.select.left + u.select.width, 'x')];
@@ -109,6 +115,29 @@ export class LinePlot {
     u.ctx.restore();
   }
 
+  /** A curve that goes up and down in every pixel column: its extremes as bars. As one line it takes seconds to paint. */
+  drawColumns(u, i) {
+    const [x, y] = [u.data[0], u.data[i]];
+    const { left, top, width, height } = u.bbox;
+    const half = ((this.options.series[i - 1].width ?? 1.3) * devicePixelRatio) / 2;
+    u.ctx.save();
+    u.ctx.beginPath();
+    u.ctx.rect(left, top, width, height);
+    u.ctx.clip();
+    u.ctx.fillStyle = u.series[i].stroke(u, i);
+    for (let k = 0; k + 1 < x.length; k += 2) {
+      const ends = [y[k], y[k + 1], y[k + 2] ?? y[k + 1]].filter((v) => v !== null && v !== undefined);
+      if (!ends.length) continue;
+      // Whole pixels: their edges need no smoothing.
+      const from = Math.floor(u.valToPos(x[k], 'x', true));
+      const to = Math.floor(u.valToPos(x[k + 2] ?? x[k + 1], 'x', true));
+      const high = Math.round(u.valToPos(Math.max(...ends), 'y', true) - half);
+      const low = Math.round(u.valToPos(Math.min(...ends), 'y', true) + half);
+      u.ctx.fillRect(from, high, Math.max(to - from, 1), Math.max(low - high, 1));
+    }
+    u.ctx.restore();
+  }
+
   size() { return { width: Math.max(this.place.clientWidth, 80), height: Math.max(this.place.clientHeight, 60) }; }
 
   resize() {
@@ -124,6 +153,7 @@ export class LinePlot {
   set(data, range = null) {
     this.data = data;
     this.range = range;
+    this.dense = data.slice(1).map((y) => y.length > 400 && isDense(y));
     this.plot.setData(data, false);
     this.plot.setScale('x', { min: range?.[0] ?? data[0][0], max: range?.[1] ?? data[0].at(-1) });
   }

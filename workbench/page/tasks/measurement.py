@@ -26,6 +26,8 @@ LEAST_SHARE = 0.005
 """Share of the residual's variance from which a map is shown."""
 MOST_SAMPLES = 3_000_000
 """Samples of all records up to which candidates are predicted on every record; above it, on the first of each role."""
+USUAL_SHARE = 0.97
+"""Share of the samples that the scale of the residual shows: a few next to reversals would hide all others."""
 MOVED = "moved"
 """Name of the prediction with values that the user has changed."""
 
@@ -262,11 +264,19 @@ def _overlays(
                         "channel": channel,
                         "unit": curve.unit,
                         "noise": curve.noise,
+                        "largest": _quantile(curve.measured, 1.0),
+                        "usual": _quantile(series["residual:model"], USUAL_SHARE),
                         "models": list(models),
                         "motion": motion,
                     }
                 )
     return overlays
+
+
+def _quantile(values: np.ndarray, share: float) -> float:
+    """Quantile of the absolute values; 0 without any number."""
+    sizes = np.abs(values[np.isfinite(values)])
+    return float(np.quantile(sizes, share)) if sizes.size else 0.0
 
 
 def _maps(problem: Problem, maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
