@@ -125,7 +125,7 @@ class Reference:
         must not depend on it.
         """
         fitted = self._with_held_rig(fitted)
-        found = held_out(fitted, self.problem.validate_records, self.base.weights)
+        found = held_out(fitted, self.problem.validate_records, self.base.weights, self.base.fitted.model)
         if not np.isfinite(found.loss):
             return None
         before = root_mean_huber(self.base.fitted.fit.residual)

@@ -19,7 +19,9 @@ import numpy as np
 from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import huber_weights, jacobian, robust_scale
 from sysid.estimation.misfit import LOSS_CORNER, ResidualWeights, blocks, huber_square
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord
+from sysid.prediction.sensors import residual_noise
 
 LINEAR_ROLES = ("amplitude", "level")
 """Roles of the parameters in which a force is linear."""
@@ -82,15 +84,49 @@ class HeldOut:
         )
 
 
-def held_out(fitted: FittedModel, records: Sequence[PreparedRecord], weights: ResidualWeights) -> HeldOut:
-    """Residual of a fitted model on held-out records, with its amplitudes estimated again there."""
+def held_out(
+    fitted: FittedModel, records: Sequence[PreparedRecord], weights: ResidualWeights, stated: Model | None = None
+) -> HeldOut:
+    """Residual of a fitted model on held-out records, with its amplitudes estimated again there.
+
+    The residual of a driven mass contains the noise of mass times acceleration. An effect that attenuates it, as
+    a heavily damped mode does, would lower the loss where nothing is missing: its residual is expressed in its own
+    standard deviation, if that is smaller than that of the `stated` model.
+    """
+    residual, block = _refitted(fitted, records, weights)
+    return HeldOut(
+        residual if stated is None else residual * _attenuation(fitted.model, stated, records, weights), block
+    )
+
+
+def _attenuation(
+    model: Model, stated: Model, records: Sequence[PreparedRecord], weights: ResidualWeights
+) -> np.ndarray | float:
+    """Noise of the residual of the stated model over that of another one, (n,), at least 1."""
+    if not any(effect.signal is not None for effect in model.effects):
+        return 1.0
+    parts = []
+    for record, samples in zip(records, weights.samples, strict=True):
+        for channel, pick in samples.items():
+            ratio = 1.0
+            if isinstance(record, ForceBalanceRecord) and channel == record.force_channel:
+                before, after = (residual_noise(record, m.effects, m.values) for m in (stated, model))
+                ratio = max(1.0, before / after)
+            parts.append(np.full(pick.size, ratio))
+    return np.concatenate(parts) if parts else 1.0
+
+
+def _refitted(
+    fitted: FittedModel, records: Sequence[PreparedRecord], weights: ResidualWeights
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residual in standard deviations and number of the block, each (n,), with the amplitudes estimated again."""
     model = fitted.model
     residual = residual_function(model, records, weights)
     free = [u for u in model.unknowns if u.key in linear_keys(model) and u.key not in fitted.fit.at_bound]
     base = residual(np.array([model.values[u.key] for u in model.unknowns]))
     number = blocks(records, weights)
     if not free or not np.isfinite(base).all():
-        return HeldOut(base, number)
+        return base, number
     part = residual_function(replace(model, unknowns=tuple(free)), records, weights)
     columns = jacobian(part, np.array([model.values[u.key] for u in free]), base, free)
     places = [fitted.fit.keys.index(u.key) for u in free]
@@ -105,7 +141,7 @@ def held_out(fitted: FittedModel, records: Sequence[PreparedRecord], weights: Re
     lengths = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     step = np.linalg.pinv(normal / np.outer(lengths, lengths), rcond=1e-12, hermitian=True) @ (right / lengths)
     refitted = base - columns @ (step / lengths)
-    return HeldOut(refitted if np.isfinite(refitted).all() else base, number)
+    return refitted if np.isfinite(refitted).all() else base, number
 
 
 def linear_keys(model: Model) -> set[str]:
