@@ -1,0 +1,142 @@
+"""What the pages show is read and run: blocks of TOML by the program's readers, commands as a user types them.
+
+Blocks marked `console` and files with a title are run by `test_readme.py`, those of Python there and in the notebooks.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stagecad.parameters.load import load_design
+from sysid.experiment.columns.settings import read_channel_settings
+from sysid.experiment.readers.format import read_format
+from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
+from sysid.experiment.toml_table import TomlTable
+from workbench.commands.demo import fresh_copy
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def _toml_blocks(page: Path) -> list[str]:
+    """Blocks of TOML without a title."""
+    return re.findall(r"^```toml\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def _records(text: str, folder: Path) -> None:
+    top = TomlTable("records.md", "", tomllib.loads(text))
+    read_format(top.table("format"))
+    for channel, value in top.table("channels").data.items():
+        # The block shows channels of several kinds of rig.
+        kind = find_rig("velocity-drive" if channel == "friction_force" else "force-drive", "kind")
+        assert read_channel_settings(TomlTable("records.md", "channels", {channel: value}), kind)
+
+
+def _rig_kinds(text: str, folder: Path) -> None:
+    kind = declared_rig(TomlTable("rig_kinds.md", "", tomllib.loads(text)), "coil")
+    assert kind.base == "force-drive" and list(kind.own) == ["coil_current"]
+
+
+def _drawings(text: str, folder: Path) -> None:
+    from drawings.sheets.overrides import read_overrides
+
+    (folder / "sheets.toml").write_text(text)
+    assert len(read_overrides(folder / "sheets.toml", ["stage"])) == 1
+
+
+def _design_changes(text: str, folder: Path) -> None:
+    from stagecad.solids.assembly.machine_declaration import read_machine
+
+    machine = tomllib.loads(text)["machine"]
+    assert len(read_machine(machine, "stage.toml", load_design()).mates) == len(machine["mates"])
+
+
+def _parameters(text: str, folder: Path) -> None:
+    (folder / "stage.toml").write_text(f'extends = "thesis"\n[stage]\n{text}')
+    assert load_design(folder / "stage.toml").entry("stage.thickness").origin.startswith("assumed")
+
+
+READERS: dict[str, Callable[[str, Path], None]] = {
+    "records.md": _records,
+    "rig_kinds.md": _rig_kinds,
+    "drawings.md": _drawings,
+    "design_changes.md": _design_changes,
+    "parts_and_parameters.md": _parameters,
+}
+
+
+def test_every_page_with_toml_has_its_reader() -> None:
+    assert {page.name for page in PAGES if _toml_blocks(page)} == set(READERS)
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_toml_of_a_page_is_what_the_program_reads(name: str, tmp_path: Path) -> None:
+    for block in _toml_blocks(ROOT / "docs" / name):
+        READERS[name](block, tmp_path)
+
+
+def _commands(page: Path) -> list[str]:
+    """Commands in blocks without a mark, and in indented ones; comments left out."""
+    text = page.read_text("utf-8")
+    # The first block of the README is of a shell of its own: make, and the same on Windows.
+    blocks = [body for kind, body in re.findall(r"^```(\S*).*?\n(.*?)^```", text, re.M | re.S) if not kind]
+    indented = "\n".join(re.findall(r"^    (stagecad .*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M))
+    lines = [line for block in (*blocks, indented) for line in block.splitlines() if line.startswith("stagecad ")]
+    return [re.split(r"\s{2,}#", line)[0].rstrip() for line in lines]
+
+
+SHORTER = {"--draws 1000": "--draws 20", " --scheduler tcp://ADDRESS": ""}
+"""What is replaced so that a command ends in time, or needs no cluster."""
+PREPARED = {"issue_a.toml": 'extends = "thesis"\n', "rig.toml": 'extends = "thesis"\n'}
+
+
+def _environment() -> dict[str, str]:
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    return {**os.environ, "PYTHONPATH": path, "MPLBACKEND": "Agg"}
+
+
+def _run(command: str, folder: Path) -> None:
+    for text, other in SHORTER.items():
+        command = command.replace(text, other)
+    line = command.replace("stagecad ", f"{sys.executable} -m workbench.cli ", 1)
+    done = subprocess.run(["bash", "-c", line], cwd=folder, env=_environment(), capture_output=True, text=True)
+    assert done.returncode in (0, 1) and "Traceback" not in done.stderr, f"{command}\n{done.stderr[-2000:]}"
+
+
+def _serve(command: str, folder: Path) -> None:
+    """Start a server as the page says, but for the browser; it prints its address and ends with Ctrl-C."""
+    words = command.split()[1:]
+    port = [] if "--port" in words else ["--port", "0"]
+    line = [sys.executable, "-m", "workbench.cli", *words, "--no-browser", *port]
+    with subprocess.Popen(line, cwd=folder, env=_environment(), stderr=subprocess.PIPE, text=True) as server:
+        assert server.stderr is not None
+        assert "http://" in (first := server.stderr.readline()), first
+        server.send_signal(signal.SIGINT)
+        assert server.wait(20.0) in (0, 130)
+
+
+def test_commands_are_found() -> None:
+    found = {page.name: len(_commands(page)) for page in PAGES if _commands(page)}
+    assert found["README.md"] == 5 and found["workbench.md"] == 5 and found["drawings.md"] == 5
+    assert found["stage_simulation.md"] == 3 and found["causal_friction_model.md"] == 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [page for page in PAGES if _commands(page)], ids=lambda page: page.name)
+def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
+    fresh_copy(tmp_path / "rig")
+    for name, text in PREPARED.items():
+        (tmp_path / name).write_text(text)
+    for command in _commands(page):
+        act: Callable[[str, Path], Any] = _serve if command.startswith("stagecad workbench") else _run
+        act(command, tmp_path)
