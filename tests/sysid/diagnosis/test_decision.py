@@ -130,6 +130,26 @@ def test_pair_is_not_preferred_to_an_effect_that_explains_as_much() -> None:
     assert found.reason == "explains the residual"
 
 
+def test_pair_whose_one_effect_explains_as_much_alone_is_not_named() -> None:
+    case = Case(NOISE + ONE).effect("cable_spring", NOISE + 0.01 * ONE, fit_gain=-0.1)
+    case.pairs.append(case.candidate(NOISE, find("cable_spring"), find("constant_bias"), count=2))
+    assert case.decide().best is None
+    case.ranked[0] = replace(case.ranked[0], held_out=HeldOut(NOISE + 0.6 * ONE, BLOCK))
+    assert case.decide().best is not None
+
+
+def test_near_the_noise_a_gain_has_to_be_twice_as_steady() -> None:
+    def gained(blocks: int, size: float) -> Decision:
+        rows = size * (np.arange(BLOCKS).repeat(LENGTH) < blocks)
+        case = Case(NOISE + rows).effect("cable_spring", NOISE)
+        return case.decide()
+
+    # Of 24 blocks, two have a steadiness of about sqrt(2): too little at a loss of 1.08, enough at one of 1.3.
+    assert gained(2, 1.0).best is None
+    assert gained(2, 2.0).best is not None
+    assert gained(8, 0.5).best is not None
+
+
 def test_simplest_of_equivalent_effects_is_named_and_the_others_are_tied() -> None:
     other = np.random.default_rng(1).normal(size=SIZE)
     small = 0.02 * (other - NOISE * (other @ NOISE) / (NOISE @ NOISE))

@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from sim.effects.catalogue import find
+from sysid.diagnose import diagnose
 from sysid.diagnosis.held_out import HeldOut, held_out
-from sysid.estimation.misfit import weighted_residual
+from sysid.estimation.misfit import misfit, weighted_residual
 from sysid.estimation.reference_fit import fit_stated_model
+from sysid.prediction.force_balance.record import INDEPENDENT_WIDTHS, ForceBalanceRecord
+from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
+from sysid.signals.gaussian_filter import GaussianFilter
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 BLOCKS, LENGTH = 24, 400
@@ -167,3 +172,63 @@ def test_refit_does_not_depend_on_the_order_and_scale_of_the_unknowns(tmp_path: 
         held_out(replace(base.fitted, model=m), problem.validate_records, base.weights) for m in (model, turned)
     )
     assert np.allclose(one.residual, other.residual, atol=1e-5)
+
+
+def _driven(folder: Path) -> Problem:
+    """A driven mass of 2 kg with viscous drag, whose position is so noisy that the noise of its acceleration is as
+    large as that of the force."""
+    random = np.random.default_rng(3)
+    time = np.arange(0.0, 12.0, 1e-3)
+    for name, phase in (("fit", 0.0), ("validate", 1.1)):
+        waves = [(4e-3, 2.0, phase), (1e-3, 7.0, 2.0 * phase)]
+        position = sum(a * np.sin(2.0 * np.pi * f * time + p) for a, f, p in waves)
+        # The force is held until the next row.
+        held = time + 0.5e-3
+        velocity = sum(2.0 * np.pi * f * a * np.cos(2.0 * np.pi * f * held + p) for a, f, p in waves)
+        inertia = sum(-((2.0 * np.pi * f) ** 2) * a * np.sin(2.0 * np.pi * f * held + p) for a, f, p in waves)
+        force = 2.0 * inertia + 8.0 * velocity + 0.02 * random.normal(size=time.size)
+        rows = np.column_stack([time, position + 2e-6 * random.normal(size=time.size), force])
+        header = "time [s],position [m],drive_force [N]"
+        np.savetxt(folder / f"{name}.csv", rows, "%.9g", ",", header=header, comments="")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "2 kg"\n[model]\neffects = ["viscous"]\n'
+        '[noise]\ndrive_force = "0.02 N"\nposition = "2 um"\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+    )
+    return load_problem(folder)
+
+
+def test_an_effect_that_attenuates_the_noise_of_the_acceleration_gains_nothing(tmp_path: Path) -> None:
+    problem = _driven(tmp_path)
+    base = fit_stated_model(problem)
+    (record,) = problem.fit_records
+    assert isinstance(record, ForceBalanceRecord) and record.full_filter is not None
+    # A heavily damped mode within the band: part of the mass does not follow the noise.
+    values = {"frequency": 0.03 / record.full_filter.width, "damping": 0.35, "mass_ratio": 0.5}
+    mode = find("flexible_mode")
+    model = with_effect(base.fitted.model, mode, problem.scales, {f"{mode.name}.{k}": v for k, v in values.items()})
+    damped = replace(base.fitted, model=replace(model, unknowns=()))
+    attenuated = held_out(damped, problem.validate_records, base.weights)
+    corrected = held_out(damped, problem.validate_records, base.weights, base.fitted.model)
+    # Noise alone, drawn and taken through the filter and the mode.
+    random = np.random.default_rng(0)
+    shaken = record.full_filter(2e-6 * random.normal(size=record.size), 2)
+    assert mode.signal is not None
+    ridden = mode.signal(shaken, record.step, mode.values(**values))
+    force = np.std(record.full_filter(0.02 * random.normal(size=record.size)))
+    before, after = (np.hypot(force, 2.0 * np.std(a)) for a in (shaken, shaken + 0.5 * (ridden - shaken)))
+    assert after < 0.9 * before
+    assert corrected.residual == pytest.approx(before / after * attenuated.residual, rel=0.05)
+    assert misfit(base.fitted.model, problem.validate_records)["drive_force"].over_noise == pytest.approx(1.0, abs=0.03)
+    assert diagnose(problem).verdict == "adequate"
+
+
+def test_a_curve_of_the_smoothed_acceleration_does_not_explain_its_noise() -> None:
+    size, width = 200_000, 3.0
+    noise = np.random.default_rng(1).normal(size=size)
+    balance = GaussianFilter(width, 1.0, size)(noise, 2)
+    coordinate = GaussianFilter(INDEPENDENT_WIDTHS * width, 1.0, size)(balance)
+    wide = np.hypot(1.0, INDEPENDENT_WIDTHS)
+    expected = (2.0 * wide / (1.0 + wide**2)) ** 2.5
+    assert np.corrcoef(balance, coordinate)[0, 1] == pytest.approx(expected, abs=0.01)
+    assert 0.5 * expected**2 < 0.012
