@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from sim.effects.catalogue import find_where
+from sim.effects.catalogue import rigid_friction
 from sim.library.effect import Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
@@ -200,7 +200,7 @@ def _contributions(
 
 def _rigid(model: Model, state: Effect) -> Model:
     """The model with rigid friction in place of a friction state model, at the same friction limit."""
-    rigid = find_where(lambda e: e.friction_state is not None and e.friction_state.rigid)
+    rigid = rigid_friction()
     values = {f"{rigid.name}.{p.name}": p.default for p in rigid.parameters}
     values[f"{rigid.name}.force"] = model.values[f"{state.name}.force"]
     effects = tuple(rigid if effect is state else effect for effect in model.effects)

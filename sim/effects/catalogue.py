@@ -99,6 +99,11 @@ def find_where(holds: Callable[[Effect], bool]) -> Effect:
     return next(effect for effect in _built_in().values() if holds(effect))
 
 
+def rigid_friction() -> Effect:
+    """The built-in effect of dry friction without presliding that a record resolves."""
+    return find_where(lambda effect: effect.friction_state is not None and effect.friction_state.rigid)
+
+
 def rounding_effects(names: Sequence[str], custom: Sequence[Effect] = ()) -> list[str]:
     """Those among the `names` of effects that round a channel."""
     return [name for name in names if find(name, custom).rounds]

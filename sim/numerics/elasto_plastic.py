@@ -262,14 +262,7 @@ ElementTerms = tuple[float, float, float, float, float, float, float, float]
 
 
 def smooth_element(
-    z: float,
-    v: float,
-    direction: float,
-    limit: float,
-    stretch: float,
-    weight: float,
-    damping: float,
-    force: float,
+    z: float, v: float, direction: float, limit: float, stretch: float, weight: float, damping: float, force: float
 ) -> ElementTerms:
     """An element that yields smoothly, for implicit integration: its rate falls with a high power of the stretch.
 

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from sim.effects.catalogue import find
+from sim.effects.catalogue import find, rigid_friction
 from sim.library.effect import Effect
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.least_squares import least_squares
@@ -95,7 +95,9 @@ def slipping_starts(
     grown = with_effect(base, effect, scales, point)
     if effect.friction_state is None and f"{effect.name}.sensitivity" != LOAD_KEY:
         return rough_starts(grown.at(_default_contact(grown)), records, (), SMALL) if far else []
-    plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.friction_state is not None else grown
+    plain = (
+        with_effect(base, find(CONTACT + rigid_friction().name), scales) if effect.friction_state is not None else grown
+    )
     found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), SMALL)
     if effect.friction_state is not None:
         # Fitted without slip, the contact values compensate for slips: start from the default values too.

@@ -84,10 +84,7 @@ class _DetectionLimit:
 
 
 def minimum_sizes(
-    fitted: FittedModel,
-    effects: Sequence[Effect],
-    records: Sequence[PreparedRecord],
-    scales: Scales,
+    fitted: FittedModel, effects: Sequence[Effect], records: Sequence[PreparedRecord], scales: Scales
 ) -> list[MinimumDetectableEffect]:
     """Minimum detectable size of each effect on top of a fitted model.
 

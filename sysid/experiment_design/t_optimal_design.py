@@ -98,9 +98,7 @@ class Suggestion:
 
 
 def suggest(
-    source: str | Path | Problem,
-    design: DesignValues | None = None,
-    progress: Progress | None = None,
+    source: str | Path | Problem, design: DesignValues | None = None, progress: Progress | None = None
 ) -> Suggestion:
     """Diagnose an experiment, and rank motions by how well they discriminate the models that its records do not.
 

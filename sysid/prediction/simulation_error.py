@@ -158,11 +158,7 @@ def _runs(
 
 
 def _windows(
-    valid: np.ndarray,
-    step: float,
-    starts: int,
-    horizons: Mapping[str, float],
-    simulated: Callable[[int, int], Run],
+    valid: np.ndarray, step: float, starts: int, horizons: Mapping[str, float], simulated: Callable[[int, int], Run]
 ) -> dict[str, list[Run]]:
     """Simulations over each horizon from valid rows (n,), evenly spread; none over a horizon longer than the record."""
     out: dict[str, list[Run]] = {}

@@ -13,13 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.integration.driven_stage.inputs import (
-    DrivenStage,
-    FrictionLimit,
-    Nudging,
-    TipMotion,
-    resolved_stage,
-)
+from sim.integration.driven_stage.inputs import DrivenStage, FrictionLimit, Nudging, TipMotion, resolved_stage
 from sim.integration.driven_stage.regimes import (
     Constants,
     Inputs,

@@ -75,12 +75,7 @@ class Step(NamedTuple):
 
 
 def simulate_midpoint(
-    tip: np.ndarray,
-    push: np.ndarray,
-    contact: Bristles,
-    pads: Bristles,
-    stage: DrivenStage,
-    refinement: int = 1,
+    tip: np.ndarray, push: np.ndarray, contact: Bristles, pads: Bristles, stage: DrivenStage, refinement: int = 1
 ) -> np.ndarray:
     """Position (n,) of the stage from rest at the first row, m.
 

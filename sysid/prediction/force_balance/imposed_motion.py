@@ -20,13 +20,7 @@ from sysid.prediction.force_balance.measured_motion import (
     velocity_agreement,
 )
 from sysid.prediction.force_balance.predict import predict_balance
-from sysid.prediction.force_balance.record import (
-    REST_SIGMAS,
-    ForceBalanceRecord,
-    integral,
-    make_axis,
-    optional_channel,
-)
+from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, integral, make_axis, optional_channel
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled

@@ -151,12 +151,7 @@ def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: 
 
 @compiled
 def _spring_displacement(
-    starts: np.ndarray,
-    stops: np.ndarray,
-    sides: np.ndarray,
-    friction: np.ndarray,
-    level: np.ndarray,
-    springs: Springs,
+    starts: np.ndarray, stops: np.ndarray, sides: np.ndarray, friction: np.ndarray, level: np.ndarray, springs: Springs
 ) -> np.ndarray:
     """Displacement (n,) of bristles in each stick phase, all slipped to its side before, under the force to be held."""
     out = np.zeros(friction.size)
@@ -211,12 +206,7 @@ def presliding_displacement(
     springs = springs_of(bristles_of(core, p, max(median_level(level), 1e-12)))
     starts, stops = np.array(stick_phases.spans).T
     moved = _spring_displacement(
-        starts,
-        stops,
-        np.array(stick_phases.side),
-        np.ascontiguousarray(friction),
-        np.ascontiguousarray(level),
-        springs,
+        starts, stops, np.array(stick_phases.side), np.ascontiguousarray(friction), np.ascontiguousarray(level), springs
     )
     return stick_phases.centred(moved)
 

@@ -13,12 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.effects.model import Model
-from sim.integration.driven_stage.inputs import (
-    FrictionLimit,
-    TipMotion,
-    VelocityTable,
-    velocity_independent,
-)
+from sim.integration.driven_stage.inputs import FrictionLimit, TipMotion, VelocityTable, velocity_independent
 from sim.integration.driven_stage.midpoint import NO_BRISTLES
 from sim.library.effect import Axis, Effect
 from sim.numerics.elasto_plastic import Elements

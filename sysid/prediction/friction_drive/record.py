@@ -32,7 +32,7 @@ from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
 from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
-from sysid.experiment.known import Known
+from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import piezo_stretch, piezo_voltages
@@ -96,10 +96,9 @@ class FrictionDriveRecord(ForceBalanceRecord):
         return {**super().scales(), "force": self.force_scale, "input": swing, "sliding": sliding_speed(self)}
 
 
-def friction_drive_record(
-    record: Record, known: Mapping[str, Known], noise: Mapping[str, Noise]
-) -> FrictionDriveRecord:
-    """A record of the rig kind `friction-drive`; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
+def friction_drive_record(record: Record, rig: Rig, noise: Mapping[str, Noise]) -> FrictionDriveRecord:
+    """A record of a friction drive; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
+    known = rig.known
     time, step, channels, hole = uniform(record)
     drives, missing = piezo_voltages(channels, known)
     missing = hole | missing
@@ -119,7 +118,7 @@ def friction_drive_record(
     return FrictionDriveRecord(
         name=record.name,
         role=record.role,
-        kind="friction-drive",
+        kind=rig.kind,
         step=step,
         axis=axis._replace(position=GaussianFilter(POSITION_STEPS * step, step, time.size)(position)),
         measured=measured,
@@ -206,10 +205,7 @@ def _planar_motion(
 
 def _by_contact(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
     """Effects of the pads (and of everything else), and those between tip and stage."""
-    return (
-        [e for e in effects if not e.name.startswith(CONTACT)],
-        [e for e in effects if e.name.startswith(CONTACT)],
-    )
+    return ([e for e in effects if not e.name.startswith(CONTACT)], [e for e in effects if e.name.startswith(CONTACT)])
 
 
 def _stage(record: FrictionDriveRecord, values: Values) -> DrivenStage:
