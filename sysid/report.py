@@ -303,21 +303,21 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
 
 def residual_correlation_json(problem: Problem, fitted: FittedModel) -> dict[str, Any]:
     """By channel, on the records of the fit: whether the residual is white noise, its autocorrelation at the first lag,
-    and the inputs that it follows, with the largest correlation and its lag."""
+    and the inputs that it correlates with: the largest correlation, and by how much the residual lags."""
     out: dict[str, Any] = {}
     for channel in dict.fromkeys(name for record in problem.fit_records for name in record.measured):
         found = residual_correlation(problem, fitted.model, channel)
-        follows = {}
+        correlated = {}
         for name in found.correlated_inputs:
             k = int(np.argmax(np.abs(found.cross[name])))
             lag = as_json(float(found.cross_lags[k]), "s")
-            follows[name] = {"correlation": float(found.cross[name][k]), "lag": lag}
+            correlated[name] = {"correlation": float(found.cross[name][k]), "lag": lag}
         out[channel] = {
             "white": found.is_white,
             "p_value": p_value_json(found.p_value),
             "autocorrelation": float(found.autocorrelation[1]),
             "step": as_json(found.step, "s"),
-            "follows": follows,
+            "correlated_with": correlated,
         }
     return out
 

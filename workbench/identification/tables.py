@@ -146,17 +146,23 @@ def simulation_table(document: Row) -> Table:
 
 
 def correlation_table(document: Row) -> Table:
-    """Whiteness of the residual by channel, the inputs that it follows, and the information criteria of the model."""
-    columns = [("channel", TEXT), ("residual", TEXT), ("p", NUMBER), ("autocorrelation", NUMBER), ("follows", REMARK)]
+    """Whiteness of the residual by channel, the inputs that it correlates with, and the information criteria of the model."""
+    columns = [
+        ("channel", TEXT),
+        ("residual", TEXT),
+        ("p", NUMBER),
+        ("autocorrelation", NUMBER),
+        ("correlated with", REMARK),
+    ]
     rows = []
     for channel, one in document["correlation_of_residual"].items():
-        follows = (
+        inputs = (
             f"{name.replace('_', ' ')} ({row['correlation']:+.2f} at {quantity_text(row['lag']['value'], 's')})"
-            for name, row in one["follows"].items()
+            for name, row in one["correlated_with"].items()
         )
         white, step = "white" if one["white"] else "not white", quantity_text(one["step"]["value"], "s")
         first = f"{one['autocorrelation']:+.2f} at {step}"
-        rows.append([channel.replace("_", " "), white, p_value_text(one["p_value"]), first, ", ".join(follows)])
+        rows.append([channel.replace("_", " "), white, p_value_text(one["p_value"]), first, ", ".join(inputs)])
     criteria = document["information"]
     note = (
         f"AIC {criteria['aic']:.1f}, BIC {criteria['bic']:.1f} with {criteria['parameters']} parameters on "

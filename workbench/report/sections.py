@@ -71,7 +71,7 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
         "headline": comparison_statement(found),
         "errors": error_table("", document["before"]).as_json(),
         "simulation": simulation_table(document).as_json(),
-        "correlation": correlation_table(document).as_json(),
+        "whiteness": correlation_table(document).as_json(),
         "overlays": _overlays(found.problem, {"model": model}, found.validate, (MODEL,)),
         "maps": _maps(found.problem, found.maps),
         "where": dependence_table(document["where"]).as_json(),

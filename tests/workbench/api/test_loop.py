@@ -13,6 +13,8 @@ import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
 from workbench.dispatch import run_line
 from workbench.identification.tables import correlation_table
+from workbench.report.page import report_html
+from workbench.report.sections import comparison_section
 
 from .conftest import NOISE, slide_log
 
@@ -118,6 +120,8 @@ def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition) 
     lines = {row[0]: row[1:] for row in correlation_table(comparison.to_json()).rows}
     assert lines["friction force"][0] == "not white"
     assert re.search(r"AIC -?\d+\.\d, BIC -?\d+\.\d with 3 parameters", correlation_table(comparison.to_json()).note)
+    page = report_html("slide", [comparison_section(comparison.found, comparison.to_json())])
+    assert "Correlation of the residual" in page and "not white" in page and "BIC" in page
     after = stagecad.compare(addition.experiment).to_json()
     assert abs(after["correlation_of_residual"]["friction_force"]["autocorrelation"]) < 0.5 * before["autocorrelation"]
     assert after["information"]["bic"] < comparison.to_json()["information"]["bic"] - 1000.0
