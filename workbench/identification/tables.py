@@ -146,7 +146,7 @@ def simulation_table(document: Row) -> Table:
 
 
 def correlation_table(document: Row) -> Table:
-    """Whiteness of the residual by channel, the inputs that it correlates with, and the information criteria of the model."""
+    """Whiteness of the residual by channel, the inputs that it correlates with; the information criteria as note."""
     columns = [
         ("channel", TEXT),
         ("residual", TEXT),

@@ -13,8 +13,8 @@ import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
 from workbench.dispatch import run_line
 from workbench.identification.tables import correlation_table
-from workbench.report.page import report_html
-from workbench.report.sections import comparison_section
+from workbench.options import Run
+from workbench.report.page import write_comparison
 
 from .conftest import NOISE, slide_log
 
@@ -113,14 +113,15 @@ def test_tables_and_pages_of_every_result(comparison, diagnosis, addition) -> No
         json.dumps(result.to_json(), allow_nan=False)
 
 
-def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition) -> None:
+def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition, tmp_path) -> None:
     before = comparison.to_json()["correlation_of_residual"]["friction_force"]
     assert not before["white"] and before["autocorrelation"] > 0.2
     assert before["step"] == {"value": pytest.approx(0.005), "unit": "s"}
     lines = {row[0]: row[1:] for row in correlation_table(comparison.to_json()).rows}
     assert lines["friction force"][0] == "not white"
     assert re.search(r"AIC -?\d+\.\d, BIC -?\d+\.\d with 3 parameters", correlation_table(comparison.to_json()).note)
-    page = report_html("slide", [comparison_section(comparison.found, comparison.to_json())])
+    run = Run(None, (), tmp_path, None)
+    page = write_comparison(run, comparison.found, comparison.to_json()).read_text("utf-8")
     assert "Correlation of the residual" in page and "not white" in page and "BIC" in page
     after = stagecad.compare(addition.experiment).to_json()
     assert abs(after["correlation_of_residual"]["friction_force"]["autocorrelation"]) < 0.5 * before["autocorrelation"]
