@@ -40,7 +40,7 @@ SHEETS = "sheets.json"
 PROCEDURE = "procedure"
 """The sheet of the assembly procedure."""
 PICTURES = {
-    ASSEMBLY: ("top", "section A-A", "exploded", "from below"),
+    ASSEMBLY: ("top", "section A-A", "section B-B", "exploded", "from below"),
     PROCEDURE: ("exploded", "from below"),
 }
 """Sheets of the whole machine, which need every part, and the pictures on them (`drawings.pictures.machine`)."""

@@ -14,7 +14,8 @@ from stagecad.solids.modelling.frame import Frame
 if TYPE_CHECKING:
     from drawings.pictures.scene import MeshedShape
 
-TOP, SECTION, EXPLODED, FROM_BELOW = "top", "section A-A", "exploded", "from below"
+TOP, SECTION, SIDE_SECTION = "top", "section A-A", "section B-B"
+EXPLODED, FROM_BELOW = "exploded", "from below"
 """Names of the machine's pictures, and of their views."""
 SCALE = 0.5
 """Of the views of the whole machine."""

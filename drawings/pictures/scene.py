@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
-from drawings.views.view import Projection
+from drawings.views.view import Projection, Segment
+from stagecad.parameters.dimension import Point
 from stagecad.solids.export.mesh import Mesh, triangulated
 from stagecad.solids.modelling.frame import Frame
 
@@ -29,6 +30,10 @@ PIXELS = 2800
 """Number of pixels of the depth buffer along its longer side."""
 DEFLECTION, TURN = 0.5, 0.6
 """Tolerances of the mesher for a shape that has no triangles yet: chord error in mm, angle between facets in rad."""
+
+
+SHORTEST = 4.0
+"""Length of a visible stretch of a line below which it is left out, mm."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +64,25 @@ def scene_of(shapes: Mapping[str, TopoDS_Shape], meshes: Mapping[str, Mesh]) -> 
     return {name: meshed(shape, meshes.get(name)) for name, shape in shapes.items()}
 
 
-def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
-    """For each placed shape, a compound of those of its faces that are in front somewhere; None where there are none.
+@dataclass(frozen=True)
+class DepthBuffer:
+    """Depth and number of the face in front, by pixel.
 
-    Args:
-        pieces: shapes, and where they are placed.
-        projection: direction of view.
+    Attributes:
+        axes: directions of columns, rows (down) and depth (away from the eye), rows of a matrix (3, 3).
+        low: least coordinates along them, mm; pixel: size, mm.
+        depth: pixels, infinite for none; front: number of the face, -1 for none; (rows, columns).
     """
+
+    axes: np.ndarray
+    low: np.ndarray
+    pixel: float
+    depth: np.ndarray
+    front: np.ndarray
+
+
+def depth_buffer(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> DepthBuffer:
+    """The depth buffer of placed shapes, faces numbered in their order."""
     # Columns to the right, rows downwards, depth away from the eye.
     axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
     first_vertex = np.cumsum([0, *(len(piece.vertices) for piece, _ in pieces)])
@@ -78,12 +95,52 @@ def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Proje
     points = (points - low) / pixel
     for (piece, _), vertex, face in zip(pieces, first_vertex, first_face, strict=False):
         _rasterise(points, piece.triangles + vertex, piece.owners + face, depth, front)
+    return DepthBuffer(axes, low, pixel, depth, front)
+
+
+def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
+    """For each placed shape, a compound of those of its faces that are in front somewhere; None where there are none.
+
+    Args:
+        pieces: shapes, and where they are placed.
+        projection: direction of view.
+    """
+    front = depth_buffer(pieces, projection).front
+    first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
     visible = np.zeros(first_face[-1], dtype=bool)
     visible[front[front >= 0]] = True
     found: list[TopoDS_Shape | None] = []
     for (piece, frame), begin in zip(pieces, first_face, strict=False):
         shown = [face for number, face in enumerate(piece.faces, start=begin) if visible[number]]
         found.append(moved(compound_of(shown), frame) if shown else None)
+    return found
+
+
+def visible_stretches(
+    pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection, lines: Sequence[tuple[Point, Point]]
+) -> list[Segment]:
+    """Stretches of lines in space that no shape hides, longer than `SHORTEST`, in view coordinates.
+
+    Args:
+        pieces: shapes, and where they are placed.
+        projection: direction of view.
+        lines: ends, mm.
+    """
+    buffer = depth_buffer(pieces, projection)
+    found: list[Segment] = []
+    for start, end in np.array(lines, dtype=float).reshape(-1, 2, 3):
+        count = max(2, int(np.linalg.norm(end - start)))
+        along = np.linspace(0.0, 1.0, count + 1)[:, None]
+        points = start + along * (end - start)
+        at = (points @ buffer.axes.T - buffer.low) / buffer.pixel
+        column = np.clip(at[:, 0].astype(int), 0, buffer.depth.shape[1] - 1)
+        row = np.clip(at[:, 1].astype(int), 0, buffer.depth.shape[0] - 1)
+        free = np.concatenate([[False], at[:, 2] < buffer.depth[row, column], [False]])
+        ends = np.flatnonzero(free[1:] != free[:-1]).reshape(-1, 2)
+        for first, last in ends:
+            u, v = (projection.to_view((x, y, z)) for x, y, z in points[[first, last - 1]].tolist())
+            if np.hypot(v[0] - u[0], v[1] - u[1]) > SHORTEST:
+                found.append(Segment(u, v))
     return found
 
 

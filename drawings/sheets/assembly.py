@@ -1,4 +1,4 @@
-"""The assembly sheet: top view, section through actuator 1, exploded views with balloons, parts list."""
+"""The assembly sheet: top view, sections through actuator 1, exploded views with balloons, parts list."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMa
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
 from drawings.annotations.primitives import Primitive, Stroke, Text
-from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
 from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, MachineSize, overall_dimensions, travel_range
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
@@ -65,9 +65,10 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": ends.lines})
     notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
     rows = len(machine.rows) + len(machine.accessories)
-    views = _placed([pictures[TOP].view, front, *(one.view for one in exploded)], rows, len(notes))
-    marks: list[Annotation] = [_mark(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
-    placed = [replace(one, view=view) for one, view in zip(exploded, views[2:], strict=True)]
+    column = [pictures[TOP].view, front, pictures[SIDE_SECTION].view]
+    views = _placed([*column, *(one.view for one in exploded)], rows, len(notes))
+    marks: list[Annotation] = [*_marks(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
+    placed = [replace(one, view=view) for one, view in zip(exploded, views[3:], strict=True)]
     marks += all_balloons(placed, machine.rows)
     return Sheet(
         name="assembly",
@@ -100,34 +101,36 @@ _NOTES = (
 
 
 def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
-    """Views on the paper: top view above the section on the left, exploded view in the middle, from below under it.
+    """Views on the paper: top view above the sections on the left, exploded view in the middle, from below under it.
 
     The view from below is at half the scale above the parts list if it does not fit under the exploded view.
     """
     x0, y0, x1, y1 = sheet_area(PAPER).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
-    upper, lower = boxes[:2]
-    low_x, high_x = min(upper[0] - SIDE, lower[0]), max(upper[2], lower[2] + FIRST)
+    upper, lower, side = boxes[:3]
+    low_x, high_x = min(upper[0] - SIDE, lower[0], side[0]), max(upper[2], lower[2] + FIRST, side[2])
     column = high_x - low_x + 2 * MARGIN
     left = x0 + MARGIN - low_x
     floor = y0 + (notes + 2) * LINE_PITCH * TEXT_HEIGHT
-    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + MARGIN + 2 * DIMENSIONED
-    gap = max(MARGIN, (y1 - floor - height) / 3)
+    label = 2 * LARGE_HEIGHT
+    height = sum(box[3] - box[1] for box in boxes[:3]) + MARGIN + 2 * DIMENSIONED + 2 * label
+    gap = max(0.4 * MARGIN, (y1 - floor - height) / 4)
     top_at = (left, y1 - gap - DIMENSIONED - upper[3])
-    places = [top_at, (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])]
+    front_at = (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])
+    places = [top_at, front_at, (left, front_at[1] + lower[1] - label - gap - side[3])]
     list_left, list_top = title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW
     middle = (x0 + column, y0, list_left, y1)
     apart = [replace(view, place=place) for view, place in zip(views, places, strict=False)]
-    if len(views) > 3:
-        stacked = _stacked(boxes[2], boxes[3], middle)
+    if len(views) > 4:
+        stacked = _stacked(boxes[3], boxes[4], middle)
         if stacked:
-            below = replace(views[3], label=FROM_BELOW.upper())
-            return [*apart, *(replace(v, place=place) for v, place in zip((views[2], below), stacked, strict=True))]
-        half = replace(views[3], scale=SCALE / 2, label=f"{FROM_BELOW.upper()} ({scale_text(SCALE / 2)})")
+            below = replace(views[4], label=FROM_BELOW.upper())
+            return [*apart, *(replace(v, place=place) for v, place in zip((views[3], below), stacked, strict=True))]
+        half = replace(views[4], scale=SCALE / 2, label=f"{FROM_BELOW.upper()} ({scale_text(SCALE / 2)})")
         box = view_box(half) or (0.0, 0.0, 0.0, 0.0)
-        views, boxes = [*views[:3], half], [*boxes[:3], box]
+        views, boxes = [*views[:4], half], [*boxes[:4], box]
     areas = (middle, (list_left, list_top, x1, y1))
-    placed = zip(views[2:], boxes[2:], areas, strict=False)
+    placed = zip(views[3:], boxes[3:], areas, strict=False)
     return [*apart, *(replace(view, place=_centred(box, area)) for view, box, area in placed)]
 
 
@@ -147,9 +150,12 @@ def _centred(box: Box2, area: Box2) -> Point2:
     return ((area[0] + area[2] - box[0] - box[2]) / 2, (area[1] + area[3] - box[1] - box[3]) / 2)
 
 
-def _mark(top: View) -> SectionMark:
-    x0, _, x1, _ = view_box(top) or (0.0, 0.0, 0.0, 0.0)
-    return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
+def _marks(top: View) -> Iterator[SectionMark]:
+    """Cutting lines of the sections, through the origin."""
+    x0, y0, x1, y1 = view_box(top) or (0.0, 0.0, 0.0, 0.0)
+    (x, y), beyond = top.place, 8.0
+    yield SectionMark(top.name, (x0 - beyond, y), (x1 + beyond, y), (0.0, 1.0), "A")
+    yield SectionMark(top.name, (x, y0 - beyond), (x, y1 + beyond), (-1.0, 0.0), "B")
 
 
 def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:

@@ -15,7 +15,7 @@ from stagecad.parameters.dimension import Point
 FIRST, NEXT = 12.0, 10.0
 """Distance of the first dimension line from the view, and of the next ones, mm on the paper."""
 SIDE = 24.0
-"""Distance of the dimension line of the width from the top view, beyond the letters of the section, mm on the paper."""
+"""Distance of the dimension lines from the top view, beyond the letters of the sections, mm on the paper."""
 DIMENSIONED = FIRST + 2 * NEXT
 """Height of the dimensions above a view, mm on the paper."""
 _NEAR = 1e-3
@@ -82,7 +82,7 @@ def overall_dimensions(size: MachineSize, top: View, front: View, ends: TravelRa
     """
     (x0, y0, z0), (x1, y1, z1) = size.low, size.high
     left, _, _, above = view_box(top) or (0.0, 0.0, 0.0, 0.0)
-    yield _reference(top, (x0, y1), (x1, y1), 0.0, (left, above + FIRST), "overall length")
+    yield _reference(top, (x0, y1), (x1, y1), 0.0, (left, above + SIDE), "overall length")
     yield _reference(top, (x0, y0), (x0, y1), 90.0, (left - SIDE, above), "overall width")
     _, _, right, above = view_box(front) or (0.0, 0.0, 0.0, 0.0)
     half = size.travel / 2

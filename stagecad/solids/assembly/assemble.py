@@ -33,7 +33,7 @@ EXPLODED = {
     "tip": 40.0,
     "tooth_bar": 40.0,
     "bar_screw": 30.0,
-    "stage": 330.0,
+    "stage": 420.0,
     "tooth_iron": 30.0,
     "magnet": 50.0,
 }
