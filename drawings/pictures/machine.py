@@ -18,7 +18,7 @@ from drawings.views.section import cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
 from stagecad.solids.assembly.machine import MOVING
-from stagecad.solids.modelling.frame import UNMOVED
+from stagecad.solids.modelling.frame import UNMOVED, add, subtract
 
 if TYPE_CHECKING:
     from stagecad.solids.assembly.assemble import Instance
@@ -128,15 +128,21 @@ def _exploded(
     """Parts taken apart, with a trail line from each to its place where nothing hides it."""
     pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances]
     shown = picture(name, projection, pieces, exact=exact)
-    trails = [
-        (i.exploded.point(middle), i.frame.point(middle))
-        for i in instances
-        for middle in [_middle(scene[i.shape])]
-        if math.dist(i.exploded.point(middle), i.frame.point(middle)) > DEFLECTION
-    ]
+    trails = [ends for i in instances if math.dist(*(ends := _trail(i, instances, scene[i.shape]))) > DEFLECTION]
     lines = visible_stretches([(piece.shape, piece.frame) for piece in pieces], projection, trails)
     curves = {**shown.view.curves, "CENTRE": tuple(lines)}
     return replace(shown, view=replace(shown.view, curves=curves))
+
+
+def _trail(instance: Instance, instances: Sequence[Instance], shape: MeshedShape) -> tuple[Point, Point]:
+    """The middle of a part taken apart, and its place: on the stage where that carries it, or is shown alone."""
+    middle = _middle(shape)
+    start, end = instance.exploded.point(middle), instance.frame.point(middle)
+    alone = all(other.part in MOVING for other in instances)
+    if instance.part in MOVING and (alone or instance.part != "stage"):
+        stage = next(other for other in instances if other.part == "stage")
+        end = add(end, subtract(stage.exploded.shift, stage.frame.shift))
+    return start, end
 
 
 def _middle(shape: MeshedShape) -> Point:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import Balloon, LinearDimension
+from drawings.annotations.annotation import Balloon, LinearDimension, SectionMark
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.primitives import Text
 from drawings.artefacts.sheets import PICTURES, machine_size
@@ -109,6 +109,48 @@ def test_the_cut_is_hatched_and_the_cutting_line_shown(sheet: Sheet) -> None:
     assert section.label == "A-A"
     assert len(section.curves["HATCH"]) > 50
     assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
+
+
+def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Sheet, design: Design) -> None:
+    """Hatch in each of them, where the parameters place them; a cutting line for each section."""
+    section = sheet.view("section B-B")
+    middles = [
+        ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)
+        for line in section.curves["HATCH"]
+        if isinstance(line, Segment)
+    ]
+    way, top = design.bearing_way, design.bearing_way.height + design.pads.height
+    gap, bar = design.base.way_gap / 2, design.teeth.bar_spacing / 2
+    for side in (-1.0, 1.0):
+        for low, high, floor, roof in (
+            (gap, gap + way.width, 0.0, way.height),
+            (bar - 12.0, bar + 12.0, 0.0, design.tooth_bar.height),
+            (gap, gap + way.width, top, top + design.stage.thickness),
+            (gap, gap + way.width, -design.base.height, 0.0),
+        ):
+            assert any(low < side * u < high and floor < v < roof for u, v in middles)
+    assert {a.letter for a in sheet.annotations if isinstance(a, SectionMark)} == {"A", "B"}
+
+
+def test_trail_lines_lead_from_each_screw_to_its_hole(
+    sheet: Sheet, machine: Machine, pictures: dict[str, Picture]
+) -> None:
+    """Upright, and on the screw's own axis; the tip below the stage is seen."""
+    view = sheet.view("exploded")
+    trails = [line for line in view.curves["CENTRE"] if isinstance(line, Segment)]
+    shafts = [i.exploded.point((0.0, 0.0, 0.0)) for i in machine.assembly.instances if i.part == "way_screw"]
+    apart = [view.projection.to_view(shaft)[0] for shaft in shafts]
+    # The middle of a screw is that of its mesh.
+    led = [any(max(abs(line.start[0] - u), abs(line.end[0] - u)) < 0.3 for line in trails) for u in apart]
+    assert sum(led) >= len(shafts) - 2
+    tip = sum(
+        math.dist(a, b)
+        for part, curves in pictures["exploded"].pieces
+        if part == "tip"
+        for curve in curves
+        for a, b in pairwise(curve_points(curve, 1.0))
+    )
+    assert tip > 300.0
 
 
 def test_size_and_travel_are_those_of_the_machine(sheet: Sheet, pictures: dict[str, Picture], design: Design) -> None:
