@@ -63,7 +63,7 @@ def pictures(shown: Callable[..., Picture]) -> dict[str, Picture]:
 @pytest.fixture(scope="module")
 def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
     size = machine_size(machine.assembly.instances, machine.parts, design)
-    return assembly_sheet(AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", "0"), design, pictures)
+    return assembly_sheet(AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",)), design, pictures)
 
 
 def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
@@ -192,7 +192,7 @@ def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_t
     below = pictures["from below"]
     tall = replace(below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 600.0)),)}), pieces=())
     size = machine_size(machine.assembly.instances, machine.parts, design)
-    machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", "0")
+    machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",))
     views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
     assert views["from below"].scale == views["top"].scale / 2
     assert views["from below"].label == "FROM BELOW (1:4)"
