@@ -158,6 +158,26 @@ def test_one_piezo(tmp_path):
     assert found.validate["tip_y"].rms == pytest.approx(1e-9, rel=0.2)
 
 
+def test_two_piezos_with_separate_voltages(tmp_path):
+    random = np.random.default_rng(3)
+    other = 0.4 * np.cos(11.0 * T)
+    channels = {"time [s]": T, "voltage_1 [V]": 100.0 * X, "voltage_2 [V]": 100.0 * other}
+    for name, course in (("displacement_1 [um]", X), ("displacement_2 [um]", other)):
+        channels[name] = 10.0 * course + 3.0 + 1e-3 * random.standard_normal(T.size)
+    _write(tmp_path, "two-piezos", {"bias_voltage": "0 V"}, channels)
+    path = tmp_path / "experiment.toml"
+    path.write_text(path.read_text().replace('["coulomb", "viscous"]', "[]"))
+    record = load_records(load_experiment(tmp_path))[0]
+    # tip_x = -h (d2 - d1)/D and tip_y = (d1 + d2)/2 of the two displacements.
+    d1, d2 = (1e-6 * channels[f"displacement_{k} [um]"][: record.size] for k in (1, 2))
+    np.testing.assert_allclose(record.channels["tip_x"], 0.5 * (d1 - d2), atol=1e-18)
+    np.testing.assert_allclose(record.channels["tip_y"], 0.5 * (d1 + d2), atol=1e-18)
+    found = compare(tmp_path)
+    assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6, rel=1e-3)
+    for channel in ("tip_x", "tip_y"):
+        assert found.validate[channel].rms == pytest.approx(1e-9 / np.sqrt(2.0), rel=0.2)
+
+
 OWN = """meaning = "a voice coil against a flexure"
 base = "force-drive"
 
