@@ -95,9 +95,8 @@ def slipping_starts(
     grown = with_effect(base, effect, scales, point)
     if effect.friction_state is None and f"{effect.name}.sensitivity" != LOAD_KEY:
         return rough_starts(grown.at(_default_contact(grown)), records, (), SMALL) if far else []
-    plain = (
-        with_effect(base, find(CONTACT + rigid_friction().name), scales) if effect.friction_state is not None else grown
-    )
+    rigid = find(CONTACT + rigid_friction().name)
+    plain = grown if effect.friction_state is None else with_effect(base, rigid, scales)
     found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), SMALL)
     if effect.friction_state is not None:
         # Fitted without slip, the contact values compensate for slips: start from the default values too.

@@ -27,7 +27,7 @@ from sysid.experiment.history import read_history
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
-from sysid.prediction.friction_drive.record import FrictionDriveRecord, with_voltages
+from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
@@ -270,30 +270,17 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
     """
     first = problem.fit_records[0]
     n = next(iter(motion.signals.values())).size
-    time = np.arange(n) * motion.step
-    scored = np.arange(n) >= 1
     if isinstance(first, TipRecord | FrictionDriveRecord):
         bias = problem.experiment.rig.known.get("bias_voltage")
         drives = [motion.signals[f"voltage_{k + 1}"] - (bias.value if bias else 0.0) for k in range(len(first.drives))]
-        if isinstance(first, FrictionDriveRecord):
-            return with_voltages(first, motion.name, motion.step, drives), _independent(problem, first, motion.step)
-        record: PreparedRecord = replace(
-            first,
-            name=motion.name,
-            step=motion.step,
-            time=time,
-            drives=drives,
-            measured={c: np.zeros(n) for c in first.measured},
-            valid=dict.fromkeys(first.measured, scored),
-        )
-        return record, _independent(problem, first, motion.step)
+        return first.driven_by(motion.name, motion.step, drives), _independent(problem, first, motion.step)
     position = motion.signals["position"]
     velocity = np.gradient(position, motion.step)
     acceleration = np.gradient(velocity, motion.step)
     load = motion.signals.get("normal_load", np.full(n, problem.scales.load_mean))
     warmth = np.full(n, problem.scales.temperature_mean)
     rest = 1e-6 * float(np.max(np.abs(velocity)))
-    axis = make_axis(time, position, velocity, acceleration, load, warmth, rest)
+    axis = make_axis(np.arange(n) * motion.step, position, velocity, acceleration, load, warmth, rest)
     channel = first.force_channel
     width = first.filter_width
     margin = int(np.ceil(4.0 * width / motion.step)) + 1

@@ -10,7 +10,7 @@ with one offset per channel. The prediction is of the measured output itself, so
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -56,7 +56,6 @@ class TipRecord(CommonRecord):
 
     @property
     def size(self) -> int:
-        """Number of samples."""
         return self.time.size
 
     @property
@@ -65,13 +64,19 @@ class TipRecord(CommonRecord):
         return max((_first_reversal(drive) for drive in self.drives), default=0)
 
     def scales(self) -> dict[str, float]:
-        """Scales of the record, by their names in `Scales`."""
         return {
             "time": float(self.time[-1]),
             "sample": self.step,
             "input": max(float(np.ptp(u)) for u in self.drives),
             "channel": max(float(np.ptp(y)) for y in self.measured.values()),
         }
+
+    def driven_by(self, name: str, step: float, drives: list[np.ndarray]) -> TipRecord:
+        """The record as if the rig had been driven by other voltages, V, each (n,)."""
+        n = drives[0].size
+        measured, valid = dict.fromkeys(self.measured, np.zeros(n)), dict.fromkeys(self.measured, np.arange(n) >= 1)
+        time = np.arange(n) * step
+        return replace(self, name=name, step=step, time=time, drives=drives, measured=measured, valid=valid)
 
 
 def _first_reversal(drive: np.ndarray) -> int:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
 from sysid.signals.gaussian_filter import GaussianFilter
+
+LONGEST_START = 0.1
+"""Largest part of a record that is left out at its start."""
 
 
 class Scored(NamedTuple):
@@ -21,7 +25,7 @@ class Scored(NamedTuple):
 
 
 @dataclass(eq=False, kw_only=True)
-class CommonRecord:
+class CommonRecord(ABC):
     """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
 
     Args:
@@ -65,3 +69,36 @@ class CommonRecord:
             phases = self.stick_phases
             out[STICK_DISPLACEMENT] = Scored(phases.displacement, phases.scored, phases.noise)
         return out
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Number of samples."""
+
+    @property
+    @abstractmethod
+    def settled_from(self) -> int:
+        """First row whose prediction does not depend on a state that was not recorded.
+
+        Stretched bristles, plays and creep begin in a state that the motion before the first row has left. It is
+        forgotten once the motion has reversed, or once a driven mass has slid, which takes it far beyond the stretch of
+        bristles.
+        """
+
+    @abstractmethod
+    def scales(self) -> dict[str, float]:
+        """Scales of the record, by their names in `Scales`."""
+
+    @property
+    def settled_rows(self) -> np.ndarray:
+        """Rows (n,) from `settled_from` on; at most a tenth of the rows is left out."""
+        return np.arange(self.size) >= min(self.settled_from, int(LONGEST_START * self.size))
+
+    def without_start(self) -> Self:
+        """The record without the rows before `settled_from` in any comparison, the same for all models."""
+        rows, phases = self.settled_rows, self.stick_phases
+        if phases is not None:
+            phases = replace(phases, scored=phases.scored & rows)
+            phases = replace(phases, displacement=phases.centred(phases.displacement))
+        valid = {channel: scored & rows for channel, scored in self.valid.items()}
+        return replace(self, valid=valid, stick_phases=phases)

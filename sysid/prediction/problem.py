@@ -21,7 +21,6 @@ from sysid.prediction.channel_scales import put_scales
 from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
 from sysid.prediction.rig_model import RigModel
 from sysid.prediction.rig_models import RIG_MODELS
-from sysid.prediction.settling import without_start
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,7 @@ def build_problem(
     setup = replace(experiment.rig, input_hold=hold)
     noise = noise_of_means(noise, k) if k > 1 else noise
     own = rig.parameters(setup, records, noise)
-    prepared = [without_start(p) for p in rig.prepare(setup, records, noise, own.values)]
+    prepared = [p.without_start() for p in rig.prepare(setup, records, noise, own.values)]
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
             raise InputError(

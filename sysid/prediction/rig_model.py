@@ -97,9 +97,9 @@ class RigModel(ABC):
     restarts: ClassVar[bool] = False
     predict: ClassVar[Callable[..., Channels]]
 
-    @abstractmethod
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
         """The rig's own parameters; their starts are estimated from the records."""
+        return RigParameters(rig.known)
 
     @abstractmethod
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[Any]:
@@ -125,9 +125,10 @@ class RigModel(ABC):
         """What is wrong with records in which nothing moves; empty if something does."""
         return "nothing moves; give a record of motion" if scales.position == 0.0 or scales.velocity == 0.0 else ""
 
-    @abstractmethod
     def simulate(self, rig: Rig, record: Record, effects: Effects, values: Values, start: Start | None) -> Channels:
-        """Measured channels (n,) of a record that has the inputs alone, at a uniform step and without gaps."""
+        """Measured channels (n,) of a record that has the inputs alone, at a uniform step and without gaps; the
+        prediction itself where that is a simulation."""
+        return self.predict_along(rig, record, dict.fromkeys(rig.declaration.measured_channels, 0.0), effects, values)
 
     def predict_along(
         self, rig: Rig, record: Record, channels: Mapping[str, Any], effects: Effects, values: Values

@@ -21,7 +21,7 @@ from sysid.prediction.force_balance.measured_motion import (
 )
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, integral, make_axis, optional_channel
-from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
+from sysid.prediction.rig_model import Noises, RigModel
 from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
@@ -147,9 +147,6 @@ class VelocityDrive(RigModel):
     name = "velocity-drive"
     predict = staticmethod(predict_balance)
 
-    def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
-        return RigParameters(rig.known)
-
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:
         return [velocity_drive(record, noise) for record in records]
 
@@ -158,6 +155,3 @@ class VelocityDrive(RigModel):
         if effect.between_rows or effect.acts_on in ("drive", "piezo"):
             return False
         return effect.acts_on != "structure" or effect.memory is not None
-
-    def simulate(self, rig: Rig, record: Record, effects: Effects, values: Values, start: Start | None) -> Channels:
-        return self.predict_along(rig, record, {"friction_force": 0.0}, effects, values)

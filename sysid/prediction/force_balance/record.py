@@ -90,7 +90,6 @@ class ForceBalanceRecord(CommonRecord):
 
     @property
     def size(self) -> int:
-        """Number of samples."""
         return self.axis.time.size
 
     @property
@@ -108,7 +107,6 @@ class ForceBalanceRecord(CommonRecord):
         return min(first, slid) if self.stick_fraction is not None else first
 
     def scales(self) -> dict[str, float]:
-        """Scales of the record, by their names in `Scales`."""
         axis, force = self.axis, self.force
         y = force if self.is_free else self.measured[self.force_channel]
         # The force of rigid friction has two values: its median is one of them, and the middle lies between.

@@ -91,9 +91,24 @@ class FrictionDriveRecord(ForceBalanceRecord):
         return 0
 
     def scales(self) -> dict[str, float]:
-        """Scales of the record, by their names in `Scales`."""
         swing = max(float(np.ptp(u)) for u in self.drives)
         return {**super().scales(), "force": self.force_scale, "input": swing, "sliding": sliding_speed(self)}
+
+    def driven_by(self, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
+        """The record as if the rig had been driven by other voltages, its stage following the tip; V, each (n,)."""
+        n, position = drives[0].size, -self.lever * (drives[1] - drives[0])
+        load, temperature = (np.full(n, np.mean(values)) for values in (self.axis.load, self.axis.temperature))
+        velocity = np.gradient(position, step)
+        return replace(
+            self,
+            name=name,
+            step=step,
+            axis=make_axis(np.arange(n) * step, position, velocity, np.zeros(n), load, temperature, 1e-9),
+            drives=drives,
+            complementary_filter=GaussianFilter(0.0, step, n),
+            measured={"position": np.zeros(n)},
+            valid={"position": np.arange(n) >= 1},
+        )
 
 
 def friction_drive_record(record: Record, rig: Rig, noise: Mapping[str, Noise]) -> FrictionDriveRecord:
@@ -253,24 +268,6 @@ def leading_segment(record: FrictionDriveRecord, rows: int) -> FrictionDriveReco
         measured={"position": record.measured["position"][:rows]},
         valid={"position": record.valid["position"][:rows]},
         complementary_filter=GaussianFilter(0.0, record.step, rows),
-    )
-
-
-def with_voltages(record: FrictionDriveRecord, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
-    """A record as if the rig had been driven by other voltages, its stage following the tip; V, each (n,)."""
-    n = drives[0].size
-    position = -record.lever * (drives[1] - drives[0])
-    load, temperature = (np.full(n, np.mean(values)) for values in (record.axis.load, record.axis.temperature))
-    velocity = np.gradient(position, step)
-    return replace(
-        record,
-        name=name,
-        step=step,
-        axis=make_axis(np.arange(n) * step, position, velocity, np.zeros(n), load, temperature, 1e-9),
-        drives=drives,
-        complementary_filter=GaussianFilter(0.0, step, n),
-        measured={"position": np.zeros(n)},
-        valid={"position": np.arange(n) >= 1},
     )
 
 

@@ -12,7 +12,6 @@ from sysid.compare import compare
 from sysid.estimation.misfit import misfit
 from sysid.prediction.model import PreparedRecord, predict, with_effect
 from sysid.prediction.problem import Problem, load_problem
-from sysid.prediction.settling import settled_rows
 
 ROWS, STEP, NOISE = 4000, 1e-3, 0.01
 TIME = STEP * np.arange(ROWS)
@@ -81,7 +80,7 @@ def test_the_state_of_bristles_before_the_first_row_does_not_count(tmp_path: Pat
     model = model.at({"presliding.force": level, "presliding.stretch": stretch, "presliding.curvature": 1.0})
     record = problem.fit_records[0]
     wrong = np.abs(force - predict(record, model.effects, model.values)["friction_force"]) > 5.0 * NOISE
-    assert wrong.any() and not wrong[settled_rows(record)].any()
+    assert wrong.any() and not wrong[record.settled_rows].any()
     assert misfit(model, problem.fit_records)["friction_force"].rms == pytest.approx(NOISE, rel=0.05)
 
 
