@@ -98,7 +98,16 @@ def _best_of(
     def passed(evaluation: Evaluation) -> bool:
         return not evaluation.refused and name in evaluation.margins and name not in evaluation.unmet
 
-    best = max((evaluator.at(evaluator.start, (name,)), *sampled), key=margin)
+    start = evaluator.at(evaluator.start, (name,))
+    best = max((start, *sampled), key=margin)
+    if passed(best):
+        return best, True
+    moved = _moved_alone(evaluator, sampled)
+    axes = [axis for axis in axes if axis not in moved or any(margin(one) != margin(start) for one in moved[axis])]
+    together = evaluator.start.copy()
+    for axis in axes:
+        together[axis] = max((start, *moved.get(axis, ())), key=margin).point[axis]
+    best = max((best, evaluator.at(together, (name,))), key=margin)
     if passed(best):
         return best, True
     for _ in range(passes):
@@ -115,6 +124,16 @@ def _best_of(
         if margin(best) <= before:
             break
     return best, passed(best)
+
+
+def _moved_alone(evaluator: Evaluator, sampled: Sequence[Evaluation]) -> dict[int, list[Evaluation]]:
+    """The sampled designs that differ from the present one in a single parameter, by its axis."""
+    found: dict[int, list[Evaluation]] = {}
+    for one in sampled:
+        differ = np.flatnonzero(one.point != evaluator.start)
+        if differ.size == 1:
+            found.setdefault(int(differ[0]), []).append(one)
+    return found
 
 
 def irreducible(

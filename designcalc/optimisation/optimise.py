@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from designcalc.optimisation.conflicts import (
     Conflict,
@@ -19,7 +21,7 @@ from designcalc.optimisation.conflicts import (
     sample,
 )
 from designcalc.optimisation.evaluation import Evaluation, Evaluator, OutOfBudgetError
-from designcalc.optimisation.search import Best, search, take_back
+from designcalc.optimisation.search import Best, round_values, search, take_back
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json
 
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 
 CONFLICT_BUDGET = 150
 """Evaluations of each search of a design for a part of the requirements."""
+_COMPROMISES = 3
+"""Searches that find no design, each with the requirements too that the one before has broken."""
 _SAMPLES, _FINISH = 6, 30
 """Sampled designs, and evaluations to take changes back, for each free parameter."""
 MOST_CONFLICTS = 8
@@ -216,7 +220,12 @@ class _Run:
         complete = [one for one in self.evaluator.archive if one.complete and not one.violated]
         if not complete:
             return
-        design = min(complete, key=lambda one: one.shortfall(self.kept))
+        design = min(complete, key=lambda one: (len(one.unmet.intersection(self.kept)), one.shortfall(self.kept)))
+        with suppress(OutOfBudgetError, KeyboardInterrupt):
+            self.tell("requirements that one change meets")
+            for one in _repaired(self.evaluator, design, self.kept):
+                design = one
+                self.progress(self.evaluator.count)
         self.outcome.left_out = tuple(name for name in self.kept if name in design.unmet)
         self.kept = [name for name in self.kept if name not in design.unmet]
         self.best = Best(self.kept, design)
@@ -226,8 +235,30 @@ class _Run:
         inner = Best(part, design)
         with suppress(OutOfBudgetError, KeyboardInterrupt):
             take_back(self.evaluator, inner, part, self.progress)
+        self.evaluator.most = self.evaluator.deadline = None
+        with suppress(KeyboardInterrupt):
+            round_values(self.evaluator, inner, part)
         assert inner.evaluation is not None
         self.best.offer(self.evaluator.of(inner.evaluation.values, limited=False))
+
+
+def _repaired(evaluator: Evaluator, design: Evaluation, names: Collection[str]) -> Iterator[Evaluation]:
+    """Designs that fail ever fewer of these requirements, each by the change of one parameter of the one before."""
+    for name in [one for one in names if one in design.unmet]:
+        for axis in evaluator.axes(name):
+            for place in sorted(np.linspace(0, 1, 9), key=lambda place: abs(place - design.point[axis])):
+                trial = design.point.copy()
+                trial[axis] = place
+                alone = evaluator.at(trial, (name,))
+                if name in alone.unmet or alone.refused or alone.violated:
+                    continue
+                whole = evaluator.at(trial)
+                if whole.unmet.intersection(names) < design.unmet.intersection(names):
+                    design = whole
+                    yield design
+                break
+            if name not in design.unmet:
+                break
 
 
 def _nearest(
@@ -240,7 +271,8 @@ def _nearest(
     for known in evaluator.archive:
         best.offer(known)
     part = [name for name in names if name in evaluator.at(evaluator.start).unmet]
-    while True:
+    compromises = 0
+    while compromises < _COMPROMISES:
         inner = Best(part)
         try:
             search(evaluator, part, budget, seed=seed, best=inner, progress=progress, subset=True)
@@ -249,9 +281,8 @@ def _nearest(
             if inner.evaluation is not None:
                 whole = evaluator.of(inner.evaluation.values, limited=False)
                 best.offer(whole)
-        if whole is None or not inner.satisfied:
-            return
-        new = [name for name in names if name in whole.unmet and name not in part]
+        compromises += not inner.satisfied
+        new = [name for name in names if whole is not None and name in whole.unmet and name not in part]
         if not new:
             return
         part += new

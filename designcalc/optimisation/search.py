@@ -112,6 +112,7 @@ def search(
                 break
     if best.satisfied and not first:
         take_back(evaluator, best, run, progress)
+        round_values(evaluator, best, run)
     return best
 
 
@@ -122,7 +123,7 @@ def take_back(
     progress: Callable[[int], None] = lambda done: None,
     halvings: int = 5,
 ) -> None:
-    """Take each change of a satisfying design back: wholly if possible, else by bisection; then round the values."""
+    """Take each change of a satisfying design back: wholly if possible, else by bisection."""
     assert best.evaluation is not None
     for _ in range(3):
         before = best.evaluation.distance
@@ -132,9 +133,12 @@ def take_back(
             progress(evaluator.count)
         if best.evaluation.distance > 0.98 * before:
             break
+
+
+def round_values(evaluator: Evaluator, best: Best, run: Collection[str] | None = None) -> None:
+    """Round the changed values of a satisfying design to the fewest digits with which it still satisfies all."""
     for one in evaluator.free:
         _round(evaluator, best, one, run)
-        progress(evaluator.count)
 
 
 def _take_back_one(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | None, halvings: int) -> None:

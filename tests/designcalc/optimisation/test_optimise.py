@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from designcalc.optimisation.conflicts import irreducible
 from designcalc.optimisation.evaluation import Evaluator
 from designcalc.optimisation.optimise import optimise, required_checks
 from designcalc.optimisation.space import free_parameters, read_range, start_point, values_at
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
 from stagecad.parameters.rules.registry import violations
@@ -142,3 +143,55 @@ def test_required_checks_by_name_and_pattern() -> None:
     assert len(required_checks(checks, [])) == len(checks)
     with pytest.raises(InputError, match="did you mean 'piezo stroke of the drive'"):
         required_checks(checks, ["piezo strok of the drive"])
+
+
+@pytest.mark.parametrize(
+    "overrides, freed, required, inside",
+    [
+        # 2 A <= 17 um, from both sides of the region.
+        (
+            ["actuator.stroke_amplitude=11 um"],
+            ["actuator.stroke_amplitude=4 um:12 um"],
+            [STROKE],
+            lambda d: d.si("actuator.stroke_amplitude") <= 8.5e-6,
+        ),
+        # 4 Ra <= t/4.
+        (
+            ["bearing.way_roughness=2 um", "bearing.film_thickness=2 um"],
+            ["bearing.way_roughness=10 nm:2 um", "bearing.film_thickness=1 um:3 um"],
+            ["way roughness against the PTFE film"],
+            lambda d: 4 * d.si("bearing.way_roughness") <= 0.25 * d.si("bearing.film_thickness") * (1 + 1e-9),
+        ),
+        # mu (1 + p) g >= 1 G, and a pad of two to one, a rule that the start violates.
+        (
+            ["preload.ratio=0.2", "pads.length=30 mm"],
+            ["preload.ratio=0.1:4", "pads.length=20 mm:32 mm"],
+            ["acceleration of 1 G with the preload asked for"],
+            lambda d: 0.3 * (1 + d.value("preload.ratio")) >= 1 - 1e-9 and abs(d.pads.length / d.pads.width - 2) <= 0.1,
+        ),
+    ],
+)
+def test_three_starting_designs_with_a_known_feasible_region(
+    overrides: list[str], freed: list[str], required: list[str], inside: Callable[[Design], bool]
+) -> None:
+    evaluator = _evaluator(freed, *overrides)
+    assert not inside(evaluator.base)
+    found = optimise(evaluator, required, 60)
+    assert found.feasible and found.design is not None
+    design = evaluator.design(found.design.values)
+    assert inside(design) and violations(design) == []
+
+
+def test_ends_within_its_evaluations_and_leaves_out_what_the_best_compromise_fails() -> None:
+    """A light stage against a stiff one, and the stroke, which one change meets."""
+    freed = ["stage.thickness=10 mm:30 mm", "actuator.stroke_amplitude=4 um:12 um"]
+    evaluator = _evaluator(freed)
+    found = optimise(evaluator, [LIFT, BENDING, STROKE], 40, evaluations=110)
+    assert not found.complete and not found.feasible
+    assert set(found.left_out) in ({LIFT}, {BENDING})
+    assert found.design is not None and found.design.satisfies({LIFT, BENDING, STROKE}.difference(found.left_out))
+    assert STROKE in {name for change in found.changes for name in (word.strip("'") for word in change.needed_by)}
+    # What rounds the values and states the reasons is not limited.
+    assert found.evaluations <= 110 + 40
+    late = optimise(_evaluator(freed), [LIFT, BENDING, STROKE], 40, seconds=1e-3)
+    assert not late.complete
