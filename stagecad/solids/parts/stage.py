@@ -27,7 +27,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.derived import Derived
-from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import (
     DOWN,
     DimensionDeclarations,
@@ -146,6 +146,13 @@ def _with_pads(design: Any, body: cq.Solid) -> cq.Solid:
         )
 
     return body.fillet(pads.root_fillet, edges_where(body, at_root)).Solids()[0]
+
+
+def defined_by_note(design: Any, point: Point) -> str:
+    """What defines faces beside the dimensions: the height of the target holes."""
+    s = design.stage
+    in_end = s.length / 2 - abs(point[0]) < s.target_drill_depth and abs(abs(point[1]) - s.target_spacing / 2) < 1e-3
+    return "note: at mid-thickness" if in_end and abs(point[2] - s.thickness / 2) < 1e-3 else ""
 
 
 def material(design: Any) -> str:
