@@ -1,4 +1,4 @@
-"""Optimisers compared on the search for the nearest design: python -m benchmarks.optimisers [EVALUATIONS] [SEEDS]
+"""Optimisers compared on the search for the nearest design: python -m benchmarks.optimisers [EVALUATIONS] [SEEDS] [NAME...]
 
 Each one minimises the same merit (distance of a satisfying design; 100 and more for another one) from the present
 design, with the same number of evaluations. The requirements are failing checks of the packaged design that can be met.
@@ -101,11 +101,11 @@ def merit_of(method: str, budget: int, seed: int) -> float:
 
 
 def main() -> None:
-    budget, seeds = (int(word) for word in (sys.argv[1:] + ["400", "3"][len(sys.argv) - 1 :]))
+    budget, seeds = (int(word) for word in (sys.argv[1:3] + ["400", "3"][len(sys.argv[1:3]) :]))
     warnings.simplefilter("ignore")
     print(f"{budget} evaluations, {seeds} seeds: merit of the best design (below 100: all requirements are met)")
     print(f"{'optimiser':12}{'median':>10}{'worst':>10}{'s':>8}")
-    for method in METHODS:
+    for method in sys.argv[3:] or METHODS:
         began = time.perf_counter()
         found = [merit_of(method, budget, seed) for seed in range(1, seeds + 1)]
         print(f"{method:12}{np.median(found):10.3f}{max(found):10.3f}{time.perf_counter() - began:8.1f}")
