@@ -1,4 +1,4 @@
-"""Optimisers compared on the search for the nearest design: python -m benchmarks.optimisers [EVALUATIONS] [SEEDS] [NAME...]
+"""Optimisers compared on the search for the nearest design: python -m benchmarks.optimisers [COUNT] [SEEDS] [NAME...]
 
 Each one minimises the same merit (distance of a satisfying design; 100 and more for another one) from the present
 design, with the same number of evaluations. The requirements are failing checks of the packaged design that can be met.
