@@ -86,7 +86,7 @@ export class Overlay {
   async overTime(lines) {
     const { one, job } = this.source;
     const whole = [one.from, one.to];
-    const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => {} };
+    const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => this.load().catch((error) => say(error.message, 'bad')) };
     const measured = { label: 'measured', ink: 'measured', width: 2.4 };
     const { factor, unit } = scaleOf(one.largest, one.unit);
     const usual = one.usual || one.noise;

@@ -65,6 +65,7 @@ export class LinePlot {
   build() {
     const { x, y, series, band, xFactor = 1, yFactor = 1, sync, yRange, onzoom, oncursor } = this.options;
     this.plot?.destroy();
+    this.letters = rem();
     const { width, height } = this.size();
     this.plot = new uPlot({
       width, height, legend: { show: false }, pxAlign: 0,
@@ -143,6 +144,8 @@ export class LinePlot {
   resize() {
     const { width, height } = this.size();
     if (width === this.plot.width && height === this.plot.height) return;
+    // Another size of letters: axes and labels are made anew.
+    if (this.letters !== rem()) { this.build(); this.options.onresize?.(); return; }
     this.plot.setSize({ width, height });
     this.options.onresize?.();
   }
@@ -153,7 +156,8 @@ export class LinePlot {
   set(data, range = null) {
     this.data = data;
     this.range = range;
-    this.dense = data.slice(1).map((y) => y.length > 400 && isDense(y));
+    // Extremes of pixel columns come in pairs; fewer values are the samples themselves, and a line.
+    this.dense = data.slice(1).map((y) => y.length > 1.9 * this.columns && isDense(y));
     this.plot.setData(data, false);
     this.plot.setScale('x', { min: range?.[0] ?? data[0][0], max: range?.[1] ?? data[0].at(-1) });
   }
