@@ -169,9 +169,11 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
             pair = _of_pair(reference, models, model)
             if pair is not None:
                 first, partner, ties = pair
+                ties = _with_form_error(compared, models.ranked, first, ties, partner)
                 return _missing(compared, first, ties, f"explains its share; {partner} explains the rest", shares)
         elif named is not None:
             chosen, ties = equivalent(reference, models.ranked, named)
+            ties = _with_form_error(compared, models.ranked, chosen, ties)
             return _missing(compared, chosen, ties, "explains the residual", shares)
     return _insufficient(compared, model, curve, shares)
 
@@ -232,6 +234,23 @@ def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate)
     chosen = min(group, key=lambda c: (c.parameter_count, c.held_out.loss))
     rivals = [c for c in group if c is not chosen and (c is best or c.parameter_count <= chosen.parameter_count)]
     return chosen, tuple(c.public_name for c in rivals)[:2]
+
+
+def _with_form_error(
+    compared: _Comparison, ranked: Sequence[Candidate], chosen: Candidate, ties: tuple[str, ...], partner: str = ""
+) -> tuple[str, ...]:
+    """The ties of an effect, at most two: also the effects, no less simple, that are behind it by less than what the
+    form of the laws added before may leave."""
+    behind = [
+        c.public_name
+        for c in ranked
+        if c.implausible is None
+        and compared.certain(c)
+        and c.parameter_count <= chosen.parameter_count
+        and c.held_out.loss - chosen.held_out.loss < compared.noise.form_error
+    ]
+    names = dict.fromkeys([*ties, *behind])
+    return tuple(name for name in names if name not in (chosen.public_name, partner))[:2]
 
 
 def _insufficient(

@@ -225,6 +225,15 @@ def test_form_error_of_added_laws_is_a_floor_of_the_gain() -> None:
     assert case.decide(NoiseLevel(form_error=1.0, adequate_loss=exact)).verdict == "adequate"
 
 
+def test_gains_within_the_form_error_of_added_laws_are_tied() -> None:
+    case = Case(NOISE + 3.0 * ONE).effect("cable_spring", NOISE + 0.5 * ONE).effect("constant_bias", NOISE + 0.8 * ONE)
+    case.effect("viscous", NOISE + 1.5 * ONE).effect("presliding", NOISE + 0.6 * ONE, count=3)
+    assert case.decide().ties == ()
+    found = case.decide(NoiseLevel(1.6, 0.6, 9.0))
+    assert found.best is not None
+    assert (found.best.public_name, found.ties) == ("cable_spring", ("constant_bias",))
+
+
 def test_implausible_candidate_is_neither_named_nor_tied() -> None:
     case = Case(NOISE + 2.0 * ONE).effect("sensor_lag", NOISE).effect("viscous", NOISE + 0.1 * ONE)
     case.ranked[0] = replace(case.ranked[0], implausible="sensor_lag.time_constant is at its upper bound, 0.05 s")
