@@ -153,10 +153,10 @@ def _within(key: str, name: str, value: float, low: float, high: float) -> None:
 @lru_cache(maxsize=256)
 def _spectrum(half_width: float, functions: int) -> tuple[Array, Array, Array]:
     """Mouth functions in Fourier modes of a unit pitch: k (n,), and R of even and odd functions (functions, n)."""
-    k = 2 * np.pi * np.arange(1, _MODES + 1)
+    k = 2 * np.pi * np.arange(1.0, _MODES + 1)
     omega = k * half_width
     table = _bessel_table(2 * functions, omega) / omega**_EDGE
-    return k.astype(float), table[0::2], table[1::2]
+    return k, table[0::2], table[1::2]
 
 
 def _bessel_table(count: int, x: Array) -> Array:
