@@ -13,6 +13,7 @@ pytestmark = pytest.mark.xdist_group("cluster")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_effect"
 
 
+@pytest.mark.slow
 def test_refits_on_a_cluster_are_those_of_the_local_cores(capsys, tmp_path, cluster):
     """With an effect whose file the workers do not have."""
     for name in ("bellows.py", "fit.csv", "validate.csv"):

@@ -224,6 +224,7 @@ def test_check_sweeps_with_a_figure(capsys, tmp_path):
     assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_check_draws_its_figures_into_one_page(capsys, tmp_path):
     status, *_ = answer(capsys, "check", "--no-solids", "--figures", "--out", str(tmp_path))
     assert status == 1

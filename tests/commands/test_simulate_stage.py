@@ -13,6 +13,7 @@ from stagecad.solids.assembly.machine import body_masses
 from workbench.cli import run
 
 
+@pytest.mark.slow
 def test_steps_and_coupling_with_data_and_figures(tmp_path):
     target = tmp_path / "stage.json"
     chosen = ["--study", "steps", "--study", "coupling"]

@@ -123,6 +123,9 @@ BENCHES = {
         beyond=frozenset(("bristle_damping:spread", "dwell_strengthening:fading")),
     ),
 }
+RIGS = [b if "drive" in name else pytest.param(b, marks=pytest.mark.slow) for name, b in BENCHES.items()]
+"""The others take a quarter of a minute each."""
+
 ALONG_RECORDS = {"frictional_lag:relaxation", "dwell_strengthening:fading"}
 """Laws defined along a whole record only."""
 
@@ -245,7 +248,7 @@ def compared(bench: Bench, folder: Path, variants: bool) -> tuple[dict[str, dict
 
 
 @pytest.mark.parametrize("variants", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["effects", "variants"])
-@pytest.mark.parametrize("bench", BENCHES.values(), ids=BENCHES)
+@pytest.mark.parametrize("bench", RIGS, ids=BENCHES)
 def test_error_is_the_noise(bench: Bench, variants: bool, tmp_path: Path) -> None:
     table, refused = compared(bench, tmp_path, variants)
     wrong = {name: row for name, row in table.items() if any(abs(v - 1.0) > 0.03 for v in row.values())}

@@ -46,6 +46,7 @@ def test_nearest_stroke_by_the_closed_form() -> None:
     assert below.feasible and not below.changes
 
 
+@pytest.mark.slow
 def test_nearest_nose_by_bisection() -> None:
     """The contact pressure falls with the radius of the nose: the least one, found independently."""
 

@@ -208,6 +208,7 @@ def test_places_are_spread_in_their_order() -> None:
     assert spread([], 10.0, 0.0, 1.0) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["exploded", "from below"])
 def test_by_mesh_the_machine_looks_the_same(
     name: str, shown: Callable[..., Picture], pictures: dict[str, Picture]

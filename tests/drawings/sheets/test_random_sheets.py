@@ -82,6 +82,7 @@ def faults(design: Design) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.xdist_group("sheets of random designs")
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_sheets_of_some_random_designs_are_free_of_hits(seed: int) -> None:

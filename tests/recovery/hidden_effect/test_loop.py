@@ -48,7 +48,7 @@ def _over_noise(stage: dict[str, Any]) -> float:
         ("velocity-drive", "stribeck", 2),
         pytest.param("velocity-drive", "load_dependent_friction", 3, marks=pytest.mark.slow),
         pytest.param("velocity-drive", "cable_spring", 4, marks=pytest.mark.slow),
-        ("spring-pull", "magnetic_cogging", 5),
+        pytest.param("spring-pull", "magnetic_cogging", 5, marks=pytest.mark.slow),
         pytest.param("spring-pull", "direction_asymmetry", 6, marks=pytest.mark.slow),
         pytest.param("force-drive", "constant_bias", 7, marks=pytest.mark.slow),
         ("force-drive", "temperature_dependent_friction", 8),

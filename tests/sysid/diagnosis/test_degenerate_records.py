@@ -73,6 +73,7 @@ def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
     assert load_problem(tmp_path).noise["drive_force"].quantisation_step is None
 
 
+@pytest.mark.slow
 def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> None:
     slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
     step = 10.0 * NOISE

@@ -26,6 +26,7 @@ def _search(folder: Path) -> ModelSearch:
     return ModelSearch(problem, fit_stated_model(problem))
 
 
+@pytest.mark.slow
 def test_wrong_effect_is_replaced_by_the_true_one(tmp_path: Path) -> None:
     rig = write(tmp_path, _viscous, '"coulomb"')
     add_effects(rig, ["quadratic_drag"])

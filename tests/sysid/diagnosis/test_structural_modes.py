@@ -82,6 +82,7 @@ def test_no_mode_is_detected_without_one_on_a_vibrating_floor(tmp_path: Path, vi
     assert detect_structural_mode(problem, base.fitted) is None
 
 
+@pytest.mark.slow
 def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
     assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0

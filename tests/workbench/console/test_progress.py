@@ -29,6 +29,7 @@ def test_a_bar_counts_what_is_done_and_then_runs_on() -> None:
     assert seen == [("effect 0", 0, 2, 5.0), ("effect 1", 1, 2, 10.0), ("afterwards", 0, None, 15.0)]
 
 
+@pytest.mark.slow
 def test_a_diagnosis_knows_from_the_first_step_how_many_it_counts(tmp_path: Path) -> None:
     steps: list[tuple[str, int, int]] = []
     found = diagnose(fresh_copy(tmp_path / "rig"), progress=lambda *step: steps.append(step))

@@ -54,6 +54,7 @@ def test_the_first_slip_of_each_machine_comes_when_the_spring_reaches_its_own_br
         assert (tmp_path / "simulate" / picture).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_else(capsys, tmp_path, cluster):
     words = (
         *("presliding", "tip", "--model", "lugre", "--draws", "20", "--no-figures", "--format", "none"),
