@@ -8,7 +8,7 @@ import click
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "A design": ("load_design", "Design", "checks", "Checks", "parts", "Parts", "drawings", "Drawings"),
-    "An experiment": ("Experiment", "Record", "Rig", "Model", "Effect", "Parameter", "Scan"),
+    "An experiment": ("Experiment", "Record", "Rig", "RigKind", "Model", "Effect", "Parameter", "Scan"),
     "A measurement and its model": (
         "compare",
         "Comparison",
