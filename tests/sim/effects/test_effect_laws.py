@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sim.effects.catalogue import find, library
@@ -63,6 +63,8 @@ def test_every_core_of_the_library_is_among_those_held_here():
 @given(v=speeds, g=levels, stress=stresses)
 def test_slopes_of_a_core_are_those_of_its_law(name, v, g, stress):
     core, p = find(name).friction_state, values(name)
+    # At the stretch of break-away the elasto-plastic law has a kink, and its slopes differ on the two sides.
+    assume(not hasattr(p, "breakaway") or abs(abs(stress) - p.breakaway) > 1e-3)
     for k in range(core.elements(p)):
         z = stretched(name, stress, g, p, k)
         slopes = core.slopes(k, z, v, math.copysign(1.0, v), g, p)
