@@ -124,8 +124,8 @@ class Reference:
         A value of the rig that the fit drives to its bound is held at that of the base model: what the effect explains
         must not depend on it.
         """
-        fitted = self._with_held_rig(fitted)
         found = held_out(fitted, self.problem.validate_records, self.base.weights, self.base.fitted.model)
+        fitted, found = self._with_held_rig(fitted, found)
         if not np.isfinite(found.loss):
             return None
         before = root_mean_huber(self.base.fitted.fit.residual)
@@ -142,17 +142,19 @@ class Reference:
             implausible=implausible(fitted, [effect.name for effect in added]),
         )
 
-    def _with_held_rig(self, fitted: FittedModel) -> FittedModel:
-        base, model = self.base.fitted, fitted.model
-        driven = rig_values_at_bound(fitted, base)
-        if not driven:
-            return fitted
-        held = replace(
-            model,
-            values={**model.values, **{key: base.model.values[key] for key in driven}},
-            unknowns=tuple(u for u in model.unknowns if u.key not in driven),
-        )
-        return fit_model(held, self.problem.fit_records, base.weights)
+    def _with_held_rig(self, fitted: FittedModel, found: HeldOut) -> tuple[FittedModel, HeldOut]:
+        """The fit and its residual, refitted with the driven values held while there are any; unchanged without a gain,
+        which holding a value does not bring."""
+        problem, base = self.problem, self.base.fitted
+        while found.loss < self.held_out.loss and (driven := rig_values_at_bound(fitted, base)):
+            held = replace(
+                fitted.model,
+                values={**fitted.model.values, **{key: base.model.values[key] for key in driven}},
+                unknowns=tuple(u for u in fitted.model.unknowns if u.key not in driven),
+            )
+            fitted = fit_model(held, problem.fit_records, base.weights)
+            found = held_out(fitted, problem.validate_records, self.base.weights, base.model)
+        return fitted, found
 
 
 def one_per_family(candidates: Sequence[Candidate]) -> list[Candidate]:

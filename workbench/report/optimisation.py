@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from designcalc.checks.analysis.report import counted, shown, shown_margin
+from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
@@ -29,7 +29,7 @@ def optimisation_report(outcome: Outcome, before: Sequence[Check], after: Sequen
         lines += ["", "## Changes", ""]
         rows = [(change.key, change.before, change.after, change.reason) for change in outcome.changes]
         lines += _table(("parameter", "from", "to", "reason"), rows)
-    lines += _not_met(outcome)
+    lines += _not_met(outcome, after if after is not None else before)
     if after is not None:
         lines += ["", "## Margins before and after", ""]
         new = {check.name: check for check in after}
@@ -42,20 +42,28 @@ def optimisation_report(outcome: Outcome, before: Sequence[Check], after: Sequen
     return "\n".join(lines) + "\n"
 
 
-def _not_met(outcome: Outcome) -> list[str]:
+def _not_met(outcome: Outcome, checks: Sequence[Check]) -> list[str]:
+    """Table of the requirements that are not met: the best value reached with the others of their conflict satisfied,
+    or else the value in the design of `checks`."""
     rows: list[tuple[str, str, str, str]] = []
+    present = {check.name: check for check in checks}
     reached = {(one.name, one.keeping): one for one in outcome.relax}
+
+    def add(name: str, why: str, others: tuple[str, ...] = ()) -> None:
+        check, relaxed = present[name], reached.get((name, others))
+        value = check.value if relaxed is None else relaxed.needed
+        rows.append((name, shown_limit(check), shown(value, check.unit), why))
+
     for conflict in outcome.conflicts:
         for member in conflict.names:
             others = tuple(other for other in conflict.names if other != member)
-            one = reached.get((member, others))
             why = "reads no free parameter" if conflict.fixed else "; ".join(others) or "none: not met by itself"
-            limit, best = ("", "") if one is None else (shown(one.limit, one.unit), shown(one.needed, one.unit))
-            rows.append((member, limit, best, why))
-    rows += [(name, "", "", "left out of the best compromise") for name in outcome.left_out]
+            add(member, why, others)
+    for name in outcome.left_out:
+        add(name, "left out of the best compromise")
     if not rows:
         return []
-    return ["", "## Not met", "", *_table(("requirement", "limit", "best reached", "together with"), rows)]
+    return ["", "## Not met", "", *_table(("requirement", "limit", "reached", "together with"), rows)]
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

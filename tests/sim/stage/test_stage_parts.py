@@ -136,8 +136,13 @@ def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt(
     assert np.abs(fine.error[-500:].mean()) < 1e-9
     assert fine.within(1e-9, 0.01) is not None
     lost = move_to((machine, 8.5e-6, math.pi / 2, 5000.0, LOOPS["lvdt_and_probe"]))
-    # The error of the LVDT, not the range of the probe, says where it stops.
-    assert np.abs(lost.error[-500:]).min() > 10 * machine.sensors.filtered_range
+    # The LVDT hands over where its reading is within a count of the target, rounded to half a count: at its own error.
+    assert lost.taken_over is not None
+    handed = np.searchsorted(lost.run.time, lost.taken_over)
+    sensors = machine.sensors
+    assert abs(lost.error[handed]) == pytest.approx(sensors.lvdt_linearity_error, abs=1.5 * sensors.lvdt_count)
+    # While the ellipse is taken away the stage moves on; the probe never sees the target.
+    assert np.abs(lost.error[handed:]).min() > 10 * sensors.filtered_range
     assert lost.within(1e-9) is None
 
 

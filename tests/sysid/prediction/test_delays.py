@@ -12,6 +12,7 @@ from sim.effects.catalogue import find, library
 from sim.library.effect import Effect
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate import Reference
+from sysid.diagnosis.held_out import HeldOut
 from sysid.estimation.fit import fit_model, root_mean_huber
 from sysid.estimation.plausibility import implausible, rig_values_at_bound
 from sysid.estimation.reference_fit import reference_fit
@@ -84,7 +85,11 @@ def test_a_mass_that_an_effect_drives_to_its_bound_is_held_at_that_of_the_model_
     at_bound = replace(
         fitted, model=fitted.model.at({"rig.mass": low}), fit=replace(fitted.fit, at_bound=("rig.mass",))
     )
-    found = Reference.of(problem, base).evaluate(at_bound, [find("cable_spring")])
+    reference = Reference.of(problem, base)
+    without_gain = reference.evaluate(at_bound, [find("cable_spring")])
+    assert without_gain is not None and without_gain.gain.loss < 0.0
+    worse = replace(reference, held_out=HeldOut(10.0 * reference.held_out.residual, reference.held_out.block))
+    found = worse.evaluate(at_bound, [find("cable_spring")])
     assert found is not None and found.implausible is None
     assert found.fitted.model.values["rig.mass"] == base.fitted.model.values["rig.mass"]
     assert "rig.mass" not in found.fitted.fit.keys
