@@ -199,8 +199,9 @@ class Effect:
 
     @property
     def energy(self) -> str:
-        """Whether the effect can return energy over a closed cycle; empty where no force is its own."""
-        if self.dissipation or self.acts_on not in ("friction", "axis", "memory"):
+        """Whether the effect can return energy over a closed cycle; empty where that is not stated."""
+        level_alone = self.force is None and self.friction_state is None and self.parallel_element is None
+        if self.dissipation or not level_alone or self.acts_on not in ("friction", "axis", "memory"):
             return self.dissipation
         return "Changes the friction level alone: whether energy is returned depends on the state model."
 
