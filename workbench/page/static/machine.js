@@ -89,6 +89,7 @@ class Machine {
   drag(key, text) {
     if (!this.dragged) this.checks.rebase();
     this.dragged = { ...this.changes, [key]: text };
+    this.draggedKey = key;
     this.preview();
   }
 
@@ -140,27 +141,26 @@ class Machine {
   async preview() {
     if (this.asking) { this.again = true; return; }
     this.asking = true;
-    try {
-      let limit = QUICK;
-      do {
-        this.again = false;
+    let limit = QUICK;
+    do {
+      this.again = false;
+      try {
         const changes = this.dragged ?? this.changes;
         const found = await post('/api/machine/preview', { changes, limit, since: this.version ?? 0 });
         this.version = found.version;
         this.checks.update(found);
-        this.parameters.show(found.changed, changes);
+        this.parameters.show(found.changed, changes, this.dragged ? this.draggedKey : null);
         this.showViolations(found.violations);
+        if (this.wasBad) { this.wasBad = false; say(''); }
         // What took too long for one answer comes with the next, unless the value has moved on.
-        limit = found.pending.length ? 0.25 : QUICK;
-        if (this.again) limit = QUICK; else if (found.pending.length) this.again = true;
-      } while (this.again);
-      if (this.wasBad) { this.wasBad = false; say(''); }
-    } catch (error) {
-      this.wasBad = true;
-      say(error.message, 'bad');
-    } finally {
-      this.asking = false;
-    }
+        limit = found.pending.length && !this.again ? 0.25 : QUICK;
+        if (found.pending.length) this.again = true;
+      } catch (error) {
+        this.wasBad = true;
+        say(error.message, 'bad');
+      }
+    } while (this.again);
+    this.asking = false;
   }
 
   showViolations(violations) {

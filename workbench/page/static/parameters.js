@@ -97,8 +97,9 @@ export class ParameterList {
       const range = sliderRange(p);
       slider = h('input', { type: 'range', 'aria-label': `${p.key}, slider`, tabindex: '-1' });
       Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: p.number });
-      slider.addEventListener('input', () => { field.value = valueText(p, slider.valueAsNumber, range.step); this.on.drag(p.key, field.value); });
-      slider.addEventListener('change', () => this.on.commit(p.key, field.value));
+      const position = () => valueText(p, slider.valueAsNumber, range.step);
+      slider.addEventListener('input', () => { field.value = position(); this.on.drag(p.key, field.value); });
+      slider.addEventListener('change', () => this.on.commit(p.key, position()));
       slider.addEventListener('dblclick', () => this.on.commit(p.key, null));
       field.addEventListener('keydown', (event) => {
         const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
@@ -119,14 +120,19 @@ export class ParameterList {
     return row;
   }
 
-  /** Texts by key that differ from the saved file (set or computed), and the keys that were set. */
-  show(texts, changes) {
+  /**
+   * Texts by key that differ from the saved file (set or computed), and the keys that were set. The value of the key
+   * that is being dragged stays: the texts may be those of an earlier position of its slider.
+   */
+  show(texts, changes, held = null) {
     this.texts = texts;
     this.changes = changes;
     for (const [key, { p, row, field, slider }] of this.rows) {
       const text = texts[key] ?? p.text;
-      if (document.activeElement !== field || field.tagName === 'SELECT') field.value = text;
-      if (slider && document.activeElement !== slider) slider.value = Number.parseFloat(text);
+      if (key !== held) {
+        if (document.activeElement !== field || field.tagName === 'SELECT') field.value = text;
+        if (slider) slider.value = Number.parseFloat(text);
+      }
       row.classList.toggle('set', key in changes);
       row.classList.toggle('computed', key in texts && !(key in changes));
     }
