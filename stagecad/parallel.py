@@ -31,6 +31,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, TypeVar
 
+from stagecad import blas_threads
 from stagecad.cluster import map_on_cluster
 from stagecad.parameters.errors import LostProcessError
 
@@ -43,7 +44,6 @@ MAX_FORKED = 4
 """Largest number of processes of `fork_map`: each has its own copy of the memory that it changes."""
 POLL = 0.5
 """Interval at which the processor time of the workers is read, s."""
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 PR_SET_PDEATHSIG = 1
 """Option of prctl(2): the signal that the kernel sends to a process when its parent dies."""
 
@@ -346,7 +346,7 @@ def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
     _inside_worker = True
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent(parent)
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    os.environ.update(dict.fromkeys(blas_threads.VARIABLES, "1"))
     threadpool_limits(1, user_api="blas")
     # Exclude the loaded objects from garbage collection and collect rarely: it would take a fifth of the time.
     gc.freeze()

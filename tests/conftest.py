@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-import stagecad.cluster
-from stagecad.parameters.design import Design
-from stagecad.parameters.load import load_design
+from stagecad.blas_threads import use_one_thread
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+# Before a test imports NumPy.
+use_one_thread(os.environ)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -21,11 +26,15 @@ def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def short_wait_for_a_cluster() -> None:
     """A cluster on this machine answers at once; one that is not there is not waited for."""
+    import stagecad.cluster
+
     stagecad.cluster.ANSWER_TIME = 1.0
 
 
 @pytest.fixture(scope="session")
 def design() -> Design:
+    from stagecad.parameters.load import load_design
+
     return load_design()
 
 

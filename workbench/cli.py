@@ -28,8 +28,11 @@ def main() -> None:
     import os
     import sys
 
+    from stagecad.blas_threads import use_one_thread
+
     # Processes started from here import nothing from the working folder, which may hold somebody else's files.
     os.environ.setdefault("PYTHONSAFEPATH", "1")
+    use_one_thread(os.environ)
     # Closed streams (`>&-`) are None, and what is printed goes nowhere.
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:

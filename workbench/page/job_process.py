@@ -11,7 +11,8 @@ from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any
 
-from stagecad.parallel import THREAD_VARIABLES, end_with_parent
+from stagecad import blas_threads
+from stagecad.parallel import end_with_parent
 from stagecad.parameters.errors import InputError
 
 Report = Callable[[str, int, int], None]
@@ -42,7 +43,7 @@ def serve(pipe: Connection, parent: int, folder: str) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent(parent)
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    os.environ.update(dict.fromkeys(blas_threads.VARIABLES, "1"))
     os.environ.setdefault("MPLBACKEND", "Agg")
     os.chdir(folder)
     with contextlib.suppress(EOFError, OSError):

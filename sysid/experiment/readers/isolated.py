@@ -80,12 +80,12 @@ def _ask(
     Raises:
         InputError: its own line, or that the file is damaged, or exceeds a limit.
     """
-    from stagecad.parallel import THREAD_VARIABLES
+    from stagecad import blas_threads
 
     request = json.dumps([module, str(path.resolve()), name, asdict(settings), indices, os.getpid()])
     environment = {
         **os.environ,
-        **dict.fromkeys(THREAD_VARIABLES, "1"),
+        **dict.fromkeys(blas_threads.VARIABLES, "1"),
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
     }
     environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"

@@ -68,9 +68,9 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(tmp_path: Path) ->
         # The answer for an earlier position of the slider may arrive between its last movement and its release.
         field = page.get_by_label("stage.thickness", exact=True)
         slider = page.get_by_label("stage.thickness, slider").element_handle()
-        release = '''([slider, field]) => {
+        release = """([slider, field]) => {
             slider.value = '13'; slider.dispatchEvent(new Event('input', { bubbles: true }));
-            field.value = '12.5 mm'; slider.dispatchEvent(new Event('change', { bubbles: true })); }'''
+            field.value = '12.5 mm'; slider.dispatchEvent(new Event('change', { bubbles: true })); }"""
         with page.expect_response("**/api/machine/commit") as committed:
             page.evaluate(release, [slider, field.element_handle()])
         assert committed.value.json()["changes"] == {"stage.thickness": "13 mm"}
