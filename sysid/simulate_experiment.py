@@ -3,7 +3,8 @@
     logged = sensed channel + noise,   noise_k = r noise_(k-1) + sqrt(1 - r^2) e_k,   r = exp(-step / correlation time)
 
 with the stated or estimated standard deviation of each measured channel, rounded to the quantisation step where
-`sensor_quantisation` is in the model. The inputs are exact, but for those whose noise is stated.
+`sensor_quantisation` is in the model. The inputs are exact, but for those whose noise is stated. Channels of the
+records whose scale is fitted are in the unit that the fitted scale gives, and so is their noise.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from sysid.experiment.record import Record, load_record, load_whole_records
 from sysid.experiment.record_spec import RecordSpec
 from sysid.experiment.rigs import CHANNELS
 from sysid.noise.estimate import LEAST, Noise, noise_by_channel, with_quantisation
+from sysid.prediction.channel_scales import is_scale, noise_of_scale, scale_ratio, unscaled
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
@@ -186,7 +188,7 @@ def simulate_experiment(
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     experiment = problem.experiment
     given = {key for key, setting in experiment.parameters.items() if setting.start is not None}
-    free = tuple(u for u in problem.start.unknowns if u.key not in given and u.prior is None)
+    free = tuple(u for u in problem.start.unknowns if u.key not in given and (u.prior is None or is_scale(u.key)))
     model, fitted = problem.start, ()
     if any(not _is_auxiliary(problem, u.key) for u in free):
         held = replace(problem, start=replace(problem.start, unknowns=free))
@@ -195,10 +197,11 @@ def simulate_experiment(
     advance("fit")
     own = motion is None
     inputs = load_whole_records(experiment) if motion is None else [read_motion(experiment, motion)]
-    noise, exact = _noise(problem)
+    noise, exact = _noise(problem, model)
     records = []
     for record in inputs:
-        record = _true_motion(record, noise) if own else record
+        if own:
+            record = _true_motion(replace(record, channels=unscaled(record.channels, model.values)), noise)
         records.append(_simulated(problem, model, record, _start(problem, record) if own else None))
         advance(record.name)
     return SimulatedExperiment(problem, model, fitted, tuple(records), noise, exact)
@@ -260,7 +263,7 @@ def _is_auxiliary(problem: Problem, key: str) -> bool:
     return effect is not None and (effect.parameter(parameter).fixed or effect.parameter(parameter).role == "reference")
 
 
-def _noise(problem: Problem) -> tuple[dict[str, Noise], tuple[str, ...]]:
+def _noise(problem: Problem, model: Model) -> tuple[dict[str, Noise], tuple[str, ...]]:
     """Noise to be added by channel, and the channels with an estimated noise to which none is added.
 
     An input is exact unless its noise is stated; in the experiment's own records its log has that noise already, and
@@ -270,6 +273,7 @@ def _noise(problem: Problem) -> tuple[dict[str, Noise], tuple[str, ...]]:
     # That of the rows as logged: long records are prepared as means over many rows.
     noise, _ = noise_by_channel(problem.experiment, problem.records)
     noise = with_quantisation(noise, rounding_effects(problem.experiment.effects, problem.custom))
+    noise = {n: noise_of_scale(found, scale_ratio(model.values, n)) for n, found in noise.items()}
     added = {n: found for n, found in noise.items() if n in rig.measured_channels or n in stated}
     return added, tuple(name for name in noise if name not in added)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.units import parse_quantity, to_si, unit_dimension
+from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
 from sysid.experiment.columns.settings import ChannelSettings, ColumnSetting
 from sysid.experiment.columns.units import column_unit
 from sysid.experiment.readers.base import Header
@@ -44,7 +45,8 @@ class Column:
 @dataclass(frozen=True)
 class Term:
     """A column and the conversion of its cells to the SI unit of a channel (value * factor + offset), with the
-    relative standard deviation of the factor (infinite: it is fitted) and its text where it is uncertain."""
+    relative standard deviation of the factor (infinite: it is fitted) and its text where it is uncertain. Cells that
+    are increments are summed from the first row on."""
 
     column: Column
     unit: str
@@ -52,20 +54,24 @@ class Term:
     offset: float = 0.0
     deviation: float = 0.0
     scale: str = ""
+    increments: bool = False
 
 
 @dataclass(frozen=True)
 class Source:
-    """Columns of a channel, whose converted values are added; none for a time that is made of the sampling rate."""
+    """Columns of a channel, whose converted values are added; none for a time that is made of the sampling rate, and
+    for a channel of which the experiment states the value of all rows, or the step from row to row, SI."""
 
     channel: str
     terms: tuple[Term, ...]
     si_unit: str
+    value: float | None = None
+    step: float | None = None
 
     @property
     def label(self) -> str:
         """The columns as written, for a message."""
-        return " + ".join(term.column.label.strip() for term in self.terms)
+        return " + ".join(term.column.label.strip() for term in self.terms) or self.channel
 
 
 def parse_label(index: int, label: str) -> Column:
@@ -157,21 +163,26 @@ def choose_columns(
         if channel not in rig.channels and channel not in names:
             raise InputError(f"{where}.units: '{channel}' is no channel of {rig.name}{nearest(channel, rig.channels)}")
     chosen: dict[str, list[tuple[Column, ColumnSetting]]] = {}
+    sources: dict[str, Source] = {}
+    rotary: dict[str, bool] = {}
     for channel in rig.channels:
         if channel == "time" and untimed:
             continue
         for setting in settings.get(channel, (ColumnSetting(),)):
+            if setting.stated is not None:
+                sources[channel] = _stated_source(rig.declared(channel), setting, rotary, notes)
+                continue
             found = _find(channel, setting, columns, rig, file, notes)
             if found is not None:
                 chosen.setdefault(channel, []).append((found, setting))
-    _check_present(chosen, rig, columns, file, header.numbered, untimed)
+    _check_present({**chosen, **sources}, rig, columns, file, header.numbered, untimed)
+    if not chosen:
+        raise InputError(f"{file}: no channel has a column; how many rows it has is not known")
     used = {column.index: channel for channel, terms in chosen.items() for column, _ in terms}
     for column in columns:
         if column.index not in used and column.name and column.name not in chosen:
             what = "is not used by this kind of rig" if column.name in rig.all_channels else "is not known"
             notes.append(f"column '{column.label.strip()}' {what}; left out")
-    sources: dict[str, Source] = {}
-    rotary: dict[str, bool] = {}
     if untimed:
         sources["time"] = Source("time", (), "s")
     for channel, terms in chosen.items():
@@ -181,9 +192,34 @@ def choose_columns(
             unlike = " and ".join(unit for _, unit, _ in converted)
             raise InputError(f"{terms[0][1].where}: the columns of '{channel}' are {unlike}, which cannot be added")
         sources[channel] = Source(channel, tuple(term for term, _, _ in converted), converted[0][1])
+        summed = [term.column.label.strip() for term in sources[channel].terms if term.increments]
+        notes += [f"'{channel}' is the sum of the increments in column '{label}'" for label in summed]
         if converted[0][2] is not None and declared.shows_axis:
             rotary[channel] = converted[0][2]
     return sources, rotary, notes
+
+
+def _stated_source(declared: Channel, setting: ColumnSetting, rotary: dict[str, bool], notes: list[str]) -> Source:
+    """A channel without a column; whether the axis is rotary is put into `rotary` where its unit determines it."""
+    stated, sign = setting.stated, setting.sign or 1
+    assert stated is not None
+    torque = "N*m" if declared.name == "normal_load" else declared.rotary_unit
+    problem = ""
+    for si_unit, turns in dict.fromkeys(((declared.unit, False), (torque, True))):
+        try:
+            value = sign * parse_quantity(stated.text, si_unit, setting.where)
+        except InputError as error:
+            problem = problem or str(error)
+            continue
+        if declared.shows_axis and declared.unit != torque:
+            rotary[declared.name] = turns
+        if not math.isfinite(value) or (stated.per_row and value == 0.0):
+            raise InputError(f"{setting.where}: '{stated.text}' must be finite, and a step from row to row not zero")
+        if stated.per_row:
+            notes.append(f"'{declared.name}' moves by {format_quantity(value, si_unit)} from row to row")
+            return Source(declared.name, (), si_unit, step=value)
+        return Source(declared.name, (), si_unit, value=value)
+    raise InputError(problem)
 
 
 def _find(
@@ -259,7 +295,9 @@ def _term(
     if setting.scale is None:
         si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
         factor, offset = conversion(unit, si_unit)
-        return Term(column, unit, sign * factor, sign * offset), si_unit, is_rotary
+        if setting.increments:
+            offset = 0.0
+        return Term(column, unit, sign * factor, sign * offset, increments=bool(setting.increments)), si_unit, is_rotary
     try:
         dimension = tuple(a + b for a, b in zip(unit_dimension(unit), setting.scale.dimension, strict=True))
     except InputError as error:
@@ -269,7 +307,8 @@ def _term(
             factor = sign * to_si(1.0, unit) * setting.scale.value
             deviation = (setting.scale.std or 0.0) / abs(setting.scale.value)
             told = None if declared.unit == torque else is_rotary
-            return Term(column, unit, factor, 0.0, deviation, setting.scale.text if deviation else ""), si_unit, told
+            text, summed = setting.scale.text if deviation else "", bool(setting.increments)
+            return Term(column, unit, factor, 0.0, deviation, text, summed), si_unit, told
     raise InputError(
         f"{setting.where}: '{unit}' times scale = '{setting.scale.text}' is no '{declared.unit}'"
         + (f" or '{torque}'" if torque != declared.unit else "")

@@ -160,6 +160,7 @@ def _read_columns(
             # No rounding for a factor of one: the values are those logged.
             part = part if term.factor == 1.0 else part * term.factor
             part = part + term.offset if term.offset else part
+            part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
             values[channel] = values[channel] + part if channel in values else part
             if channel == "time" and column.origin:
                 origin = column.origin * term.factor
@@ -168,8 +169,14 @@ def _read_columns(
             if last[term.column.index] == channel:
                 # Long columns are not kept twice.
                 columns.pop(term.column.index, None)
+    rows = next(iter(values.values())).size
+    for channel, source in spec.sources.items():
+        if source.step is not None:
+            values[channel] = source.step * np.arange(1.0, rows + 1.0)
+        elif source.value is not None:
+            values[channel] = np.full(rows, source.value)
     if spec.settings.sample_rate is not None:
-        values["time"] = np.arange(next(iter(values.values())).size) / spec.settings.sample_rate
+        values["time"] = np.arange(rows) / spec.settings.sample_rate
         notes.append(f"time of a sampling rate of {spec.settings.sample_rate:g} Hz")
     time = values.pop("time")
     if time.size and not origin and abs(time[0]) > LONG_AGO:
@@ -177,6 +184,17 @@ def _read_columns(
         time = time - origin
         notes.append(f"time is counted from its first row, {origin:.6f} s")
     return time, values, origin
+
+
+def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile, name: str) -> np.ndarray:
+    """The channel (n,) whose change from the row before is given; it counts from the row before the first."""
+    empty = np.flatnonzero(np.isnan(increments))
+    if empty.size:
+        raise InputError(
+            f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': is empty; '{channel}' is the sum of this "
+            "column, so every row needs its increment"
+        )
+    return np.cumsum(increments)
 
 
 def _check_time(
@@ -257,7 +275,7 @@ def _check_values(
             continue
         if gaps:
             notes.append(f"column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
-        elif np.ptp(array) == 0.0:
+        elif np.ptp(array) == 0.0 and (channel not in spec.sources or spec.sources[channel].value is None):
             notes.append(f"column '{label}' never changes")
         kept[channel] = array
     for group in (*rig.inputs, *rig.measured):

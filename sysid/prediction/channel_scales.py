@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.unknowns import Prior, Unknown
+from sysid.noise.estimate import Noise
 
 PREFIX = "rig.scale_"
 WIDEST = 1e3
@@ -67,9 +69,28 @@ def _nominal(stated: str) -> str:
     return stated.replace("fit", "1", 1) if stated.startswith("fit") else stated
 
 
+def is_scale(key: str) -> bool:
+    """Whether a parameter is the scale of a channel."""
+    return key.startswith(PREFIX)
+
+
+def noise_of_scale(noise: Noise, ratio: float) -> Noise:
+    """The noise of a channel whose true scale is `ratio` times that by which it was found."""
+    if ratio == 1.0:
+        return noise
+    other = {name: getattr(noise, name) for name in ("quantisation_step", "without_quantisation")}
+    scales = {name: value if value is None else abs(ratio) * value for name, value in other.items()}
+    return replace(noise, value=abs(ratio) * noise.value, **scales)
+
+
 def scale_ratio(values: Mapping[str, float], channel: str) -> float:
     """True scale of a channel over the stated one."""
     return values.get(f"{PREFIX}{channel}", 1.0)
+
+
+def unscaled(channels: Mapping[str, np.ndarray], values: Mapping[str, float]) -> dict[str, np.ndarray]:
+    """Logged channels (n,) by their true scales; the inverse of `scaled`."""
+    return {name: logged * scale_ratio(values, name) for name, logged in channels.items()}
 
 
 def scaled(predicted: dict[str, np.ndarray], values: Mapping[str, float]) -> dict[str, np.ndarray]:

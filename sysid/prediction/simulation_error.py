@@ -21,6 +21,7 @@ from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
+from sysid.prediction.channel_scales import scaled, unscaled
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, values_of
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -179,9 +180,10 @@ def _driven_mass_runs(
 
     def simulated(first: int, stop: int) -> Run:
         rows = slice(first, stop)
-        window = {name: values[rows] for name, values in inputs.items()}
+        window = unscaled({name: values[rows] for name, values in inputs.items()}, model.values)
         try:
             found = simulate_driven_mass(rig, time[rows], window, model.effects, model.values, states(first), TOLERANCE)
+            found = scaled(found, model.values)
         except SimulationError:
             found = dict.fromkeys(measured, np.full(stop - first, np.nan))
         return {name: (logged[name][rows], found[name]) for name in measured}

@@ -74,6 +74,25 @@ def test_columns_without_names_are_told_by_their_numbers(tmp_path):
     assert "QUESTION: which column is it? friction_force" in text
 
 
+def test_one_column_of_intervals_is_asked_for_its_pulses(tmp_path):
+    steps = 0.02 + 0.005 * np.sin(0.1 * np.arange(200))
+    (tmp_path / "coast.csv").write_text("\n".join(f"{step:.9f}" for step in steps))
+    document, text = _new(tmp_path / "rig", tmp_path / "coast.csv", kind="force-drive")
+    assert any("is it the time from pulse to pulse" in question for question in document["questions"])
+    answers = {
+        'unit = "?"': 'unit = "s"',
+        "# QUESTION: how far is it from pulse to pulse? position": "position",
+        '# QUESTION: which column is it? drive_force = {column = 1, unit = "N"}': 'drive_force = {value = "0 N*m"}',
+    }
+    for question, answer in answers.items():
+        assert question in text
+        text = text.replace(question, answer)
+    (tmp_path / "rig" / "experiment.toml").write_text(text)
+    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    assert np.allclose(record.time, np.cumsum(steps)[: record.size], rtol=1e-6)
+    assert np.allclose(record.channels["position"], 2.0 * np.pi * np.arange(1, record.size + 1))
+
+
 def test_an_experiment_is_never_overwritten(tmp_path, capsys):
     _write(tmp_path / "a.csv", "time [s],position [m],friction_force [N]", TIME, ANGLE, FORCE)
     _new(tmp_path / "rig", tmp_path / "a.csv")

@@ -156,6 +156,8 @@ class Record:
         units: unit by channel or column.
         columns: column by channel, where the names differ.
         sign: 1 or -1 by channel.
+        channels: what `[channels]` of a file says: by channel its column, a table with `column`, `unit`, `scale`,
+            `increments`, `pitch`, `pulses_per_turn` or `value`, or a list of those that are added.
         window: first and last instant, such as `("2 s", "20 s")`; None for an open end.
         continues: name of the record that this one continues.
         noise: standard deviation by channel, where it differs from that of the experiment.
@@ -169,6 +171,7 @@ class Record:
     window: tuple[str | None, str | None] = (None, None)
     continues: str | None = None
     noise: Mapping[str, str] = field(default_factory=dict)
+    channels: Mapping[str, Any] = field(default_factory=dict)
 
     def table(self, name: str) -> dict[str, Any]:
         """The table `[[record]]` of an `experiment.toml`, for the record called `name`."""
@@ -176,7 +179,13 @@ class Record:
         start, stop = self.window
         optional = {"from": start, "to": stop, "continues": self.continues}
         table |= {key: value for key, value in optional.items() if value is not None}
-        maps = {"units": self.units, "columns": self.columns, "sign": self.sign, "noise": self.noise}
+        maps: dict[str, Mapping[str, Any]] = {
+            "units": self.units,
+            "columns": self.columns,
+            "sign": self.sign,
+            "noise": self.noise,
+            "channels": self.channels,
+        }
         return table | {key: dict(value) for key, value in maps.items() if value}
 
     def arrays(self, name: str) -> MemoryTable:

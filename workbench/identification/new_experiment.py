@@ -83,7 +83,12 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
     lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
     lines.append("[channels]    # for all records")
     lines += [_channel_line(column, opened[0].header.numbered) for column in proposal.columns if column.channel]
+    pulses = any(column.increments for column in proposal.columns)
     for name, unit in missing_channels(proposal).items():
+        if pulses and name == "position or velocity":
+            lines.append(f"# {QUESTION} how far is it from pulse to pulse? position = {{pulses_per_turn = 1}}")
+            lines.append('# or: position = {pitch = "20 um"}')
+            continue
         lines.append(f'# {QUESTION} which column is it? {name} = {{column = 1, unit = "{unit}"}}')
     left = [f"{column.number} '{column.label}'" for column in proposal.columns if column.channel is None]
     lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
@@ -106,6 +111,7 @@ def _channel_line(column: Proposal, numbered: bool) -> str:
     entries = [f"column = {name}"]
     entries += [f'unit = "{column.unit}"'] if column.unit else []
     entries += [f'scale = "? {column.scale}"'] if column.scale else []
+    entries += ["increments = true"] if column.increments else []
     value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
     # A load or temperature of unknown unit is left out until the question is answered; no fit needs it.
     optional = column.channel in ALWAYS_ALLOWED and column.channel != "time"

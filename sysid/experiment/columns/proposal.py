@@ -72,6 +72,7 @@ class Proposal:
         unit: as it will be written; None if the header has it in brackets, `?` if it is not known.
         scale: unit of the scale that is needed; None if the unit is that of the channel.
         question: what the user should decide; empty if it is certain.
+        increments: whether each cell is the change from the row before.
     """
 
     number: int
@@ -80,6 +81,7 @@ class Proposal:
     unit: str | None = None
     scale: str | None = None
     question: str = ""
+    increments: bool = False
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,19 @@ def propose(opened: RecordFile, columns: Mapping[int, np.ndarray], kind: str | N
         _proposal(index, opened, found.get(index, (None, "")), guesses.get(index, ("", "", None))[2], rig, rotary)
         for index in range(len(header.labels))
     ]
+    if _holds_intervals(columns, proposals):
+        why = "is it the time from pulse to pulse, each of them a row?"
+        question = "; ".join(part for part in (why, "what is its unit?" if guesses[0][2] is None else "") if part)
+        proposals = [Proposal(1, proposals[0].label, "time", guesses[0][2] or "?", None, question, True)]
     return ExperimentProposal(chosen, question, tuple(proposals), rotary)
+
+
+def _holds_intervals(columns: Mapping[int, np.ndarray], proposals: Sequence[Proposal]) -> bool:
+    """Whether the only column may be the time from pulse to pulse: above zero, now longer, now shorter."""
+    if len(proposals) != 1 or proposals[0].channel not in (None, "time") or 0 not in columns:
+        return False
+    values = columns[0][:SAMPLE]
+    return bool(values.size > 2 and np.all(values > 0.0) and np.any(np.diff(values) <= 0.0))
 
 
 def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]) -> tuple[str, str]:

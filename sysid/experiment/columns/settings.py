@@ -33,6 +33,15 @@ class Scale:
 
 
 @dataclass(frozen=True)
+class Stated:
+    """A quantity of a channel that no column holds, as written: one value for all rows, or (`per_row`) the step from
+    row to row."""
+
+    text: str
+    per_row: bool
+
+
+@dataclass(frozen=True)
 class ColumnSetting:
     """What the experiment says of one column of a channel; None is left to the file.
 
@@ -42,6 +51,8 @@ class ColumnSetting:
         sign: 1 or -1.
         scale: from the column's quantity to the channel's.
         where: place in the experiment file, for messages.
+        increments: whether a cell holds the change from the row before; the channel is their sum.
+        stated: in place of a column.
     """
 
     column: str | int | None = None
@@ -49,15 +60,21 @@ class ColumnSetting:
     sign: int | None = None
     scale: Scale | None = None
     where: str = ""
+    increments: bool | None = None
+    stated: Stated | None = None
 
     def over(self, other: ColumnSetting) -> ColumnSetting:
         """These settings, and those of `other` where these have none."""
+        sign = self.sign if self.sign is not None else other.sign
+        if self.stated is not None or (other.stated is not None and self.column is None):
+            return ColumnSetting(sign=sign, where=self.where or other.where, stated=self.stated or other.stated)
         return ColumnSetting(
             self.column if self.column is not None else other.column,
             self.unit if self.unit is not None else other.unit,
-            self.sign if self.sign is not None else other.sign,
+            sign,
             self.scale if self.scale is not None else other.scale,
             self.where or other.where,
+            self.increments if self.increments is not None else other.increments,
         )
 
 
@@ -69,7 +86,9 @@ def read_channel_settings(table: TomlTable, kind: RigKind) -> dict[str, tuple[Co
     """The settings in a table `[channels]`.
 
     An entry is the column's name or number, a table, or a list of tables whose columns are added:
-    `position = "x"`, `position = 3`, `drive_force = {column = "i", unit = "A", scale = "0.113 N*m/A", sign = -1}`.
+    `position = "x"`, `position = 3`, `drive_force = {column = "i", unit = "A", scale = "0.113 N*m/A", sign = -1}`;
+    `time = {column = 1, unit = "s", increments = true}`, `position = {pulses_per_turn = 3}`, `{pitch = "20 um"}`, or
+    `drive_force = {value = "0 N"}`.
 
     Raises:
         InputError: no channel of this kind of rig, or a setting that is not allowed.
@@ -81,6 +100,8 @@ def read_channel_settings(table: TomlTable, kind: RigKind) -> dict[str, tuple[Co
         if not items:
             raise InputError(f"{table.where(channel)}: the list is empty; a column or a list of columns is wanted")
         settings[channel] = tuple(_setting(table, channel, item) for item in items)
+        if len(items) > 1 and any(setting.stated is not None for setting in settings[channel]):
+            raise InputError(f"{table.where(channel)}: columns are added; a value or a step of each row stands alone")
     return settings
 
 
@@ -130,7 +151,10 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
             '{column = "NAME", unit = "A", scale = "0.113 N*m/A", sign = -1}'
         )
     inner = TomlTable(table.file, f"{table.name}.{channel}", value)
-    inner.allow(("column", "unit", "sign", "scale"))
+    inner.allow(("column", "unit", "sign", "scale", "increments", *STATED))
+    if stated := _stated(inner, channel):
+        sign = _sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None
+        return ColumnSetting(sign=sign, where=where, stated=stated)
     for key in ("unit", "scale"):
         if isinstance(inner.data.get(key), str) and inner.text(key).lstrip().startswith("?"):
             raise InputError(f"{inner.where(key)}: {shown(inner.data[key])} is still a question; write what it is")
@@ -145,7 +169,31 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
         sign=_sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None,
         scale=_scale(inner) if "scale" in inner.data else None,
         where=where,
+        increments=inner.flag("increments") if "increments" in inner.data else None,
     )
+
+
+STATED = ("value", "pitch", "pulses_per_turn")
+"""Keys of a channel without a column: its value in all rows, or how far it is from row to row, a pulse in each."""
+
+
+def _stated(table: TomlTable, channel: str) -> Stated | None:
+    """The quantity that stands in place of a column; None without one."""
+    given = [key for key in STATED if key in table.data]
+    if not given:
+        return None
+    key = given[0]
+    beside = [other for other in table.data if other not in (key, "sign")]
+    if beside:
+        raise InputError(f"{table.where(key)}: stands in place of a column; leave out '{beside[0]}'")
+    if channel == "time":
+        raise InputError(f'{table.where(key)}: the time needs a column, or a rate: [format] sample_rate = "1 kHz"')
+    if key != "pulses_per_turn":
+        return Stated(table.text(key), key == "pitch")
+    pulses = table.data[key]
+    if isinstance(pulses, bool) or not isinstance(pulses, int | float) or not 0.0 < pulses < math.inf:
+        raise InputError(f"{table.where(key)}: {shown(pulses)} is not allowed; a number above zero is wanted")
+    return Stated(f"{2.0 * math.pi / pulses!r} rad", True)
 
 
 def _column_number(value: int, where: str) -> int:

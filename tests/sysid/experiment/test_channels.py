@@ -148,6 +148,77 @@ def test_jitter_is_reported(tmp_path):
     assert any(note.startswith("rows are unevenly spaced in time: 8.09 ms to 11.9 ms (99 %), median") for note in notes)
 
 
+TURN = 2.0 * np.pi
+SUMMED = 'position = {{pitch = "1 um"}}\ntime = {{column = "{}", unit = "s", increments = true}}'
+COAST = 'drive_force = {value = "0 N*m"}\n'
+
+
+def _pulses() -> np.ndarray:
+    """Instants at which a wheel that slows down, angle 12 t - 0.4 t^2, has turned by whole thirds of a turn."""
+    angle = TURN / 3.0 * np.arange(41)
+    return (12.0 - np.sqrt(144.0 - 1.6 * angle)) / 0.8
+
+
+def test_intervals_between_pulses_give_time_and_angle(tmp_path):
+    """One column without a header, as a counter writes it; drive torque zero, since the wheel coasts."""
+    instants = _pulses()
+    (tmp_path / "a.csv").write_text("\n".join(repr(float(step)) for step in np.diff(instants)) + "\n")
+    channels = '[channels]\ntime = {column = 1, unit = "s", increments = true}\n' + COAST
+    both = '[[record]]\nfile = "a.csv"\nrole = "fit"\nfrom = "1 s"\n[[record]]\nfile = "a.csv"\nrole = "validate"\n'
+    for position in ("pulses_per_turn = 3", 'pitch = "120 deg"'):
+        cut, record = _load(tmp_path, f"{channels}position = {{{position}, sign = -1}}\n{both}")
+        assert record.rotary and record.units == {"position": "rad", "drive_force": "N*m"}
+        np.testing.assert_allclose(record.time, instants[1:] - instants[0], rtol=1e-13)
+        angle = 12.0 * record.time - 0.4 * record.time**2
+        np.testing.assert_allclose(record.channels["position"], -angle, rtol=1e-12)
+        assert not record.channels["drive_force"].any()
+        assert cut.time[0] == record.time[np.searchsorted(record.time, 1.0)]
+        assert cut.channels["position"][0] == record.channels["position"][record.size - cut.size]
+        assert "'time' is the sum of the increments in column 'column 1'" in record.notes
+
+
+def test_increments_of_a_scale_and_times_of_pulses(tmp_path):
+    """A logger that clears its counter in each row; and a scale with a line each 20 um, whose instants are logged."""
+    counts = np.round(1e4 * np.diff(ANGLE, prepend=0.0))
+    _write(tmp_path, "a.csv", "time [ms],count,friction_force [N]", 1e3 * TIME, counts, CURRENT)
+    channels = '[channels]\nposition = {column = "count", scale = "0.5 um", increments = true}\n'
+    one = '[[record]]\nfile = "a.csv"\nrole = "fit"\n'
+    record = _load(tmp_path, channels + one, "velocity-drive")[0]
+    assert np.allclose(record.channels["position"], 0.5e-6 * np.cumsum(counts)[: record.size], atol=1e-15)
+    record = _load(tmp_path, '[channels]\nposition = {pitch = "20 um"}\n' + one, "velocity-drive")[0]
+    assert np.allclose(record.channels["position"], 2e-5 * np.arange(1, record.size + 1))
+    assert "'position' moves by 20 um from row to row" in record.notes
+
+
+@pytest.mark.parametrize(
+    "channels, message",
+    [
+        (
+            'position = {pitch = "20 um", column = 2}',
+            r"position.pitch: stands in place of a column; leave out 'column'",
+        ),
+        ("position = {pulses_per_turn = 0}", "position.pulses_per_turn: 0 is not allowed; a number above zero"),
+        ('position = {pitch = "20 s"}', "position: '20 s' has the wrong dimension"),
+        ('position = {pitch = "0 um"}', "position: '0 um' must be finite, and a step from row to row not zero"),
+        (
+            'position = ["count", {pitch = "20 um"}]',
+            "position: columns are added; a value or a step of each row stands",
+        ),
+        ('time = {value = "2 s"}', r"time.value: the time needs a column, or a rate: \[format\] sample_rate"),
+        ("position = {pulses_per_turn = 3}", "position.* has a rotary unit, .*friction_force.* a linear one"),
+        (SUMMED.format("count"), "row 4, column 'count': is empty; 'time' is the sum"),
+        (SUMMED.format("back"), "row 5, column 'back': time .* falls below the row"),
+    ],
+)
+def test_a_wrong_pulse_or_interval_is_one_line(tmp_path, channels, message):
+    count, back = np.full(ROWS, 0.01), np.full(ROWS, 0.01)
+    count[2], back[3] = np.nan, -0.01
+    _write(tmp_path, "a.csv", "time [s],count,back,friction_force [N]", TIME, count, back, CURRENT)
+    with pytest.raises(InputError, match=message) as caught:
+        _load(tmp_path, f'[channels]\n{channels}\n[[record]]\nfile = "a.csv"\nrole = "fit"\n', "velocity-drive")
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     "written, unit",
     [("Nm", "N*m"), ("mNm", "mN*m"), ("sec", "s"), ("m/s2", "m/s^2"), ("m/s²", "m/s²"), ("U/min", "rpm"),

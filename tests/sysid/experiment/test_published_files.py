@@ -156,6 +156,15 @@ MACHINES = {
         'friction_force = {column = "q7_tau_J_compensate", unit = "N*m"}',
         {"friction_force": "q7_tau_J_compensate", "velocity": "dq7"},
     ),
+    "oartec": Machine(
+        "oartec_coast_forcedrive/coast_01.csv",
+        "Oartec_Slider.csv",
+        _text("", "", lambda c: np.append(0.9358429999999771, np.diff(c["time"]))),
+        'kind = "force-drive"\n[rig.known]\nmass = "0.1057 kg*m^2"',
+        'time = {column = 1, unit = "s", increments = true}\nposition = {pulses_per_turn = 3}\n'
+        'drive_force = {value = "0 N*m"}',
+        {},
+    ),
 }  # fmt: skip
 
 SI = {"mm": 1e-3, "ms": 1e-3, "um": 1e-6}
@@ -179,6 +188,11 @@ def test_a_published_file_is_read_as_it_is(name: str, tmp_path: Path) -> None:
     )
     record = load_records(load_experiment(tmp_path))[0]
     assert record.size == len(table)
+    np.testing.assert_allclose(np.diff(record.time), np.diff(columns["time"]), rtol=0, atol=1e-9)
+    if name == "oartec":
+        # Time and angle count from the pulse before the first row.
+        np.testing.assert_allclose(np.diff(record.channels["position"]), np.diff(columns["position"]), atol=2e-4)
+        assert record.rotary and not record.channels["drive_force"].any()
     for channel, column in machine.compared.items():
         expected = columns[column]
         size = np.max(np.abs(expected))

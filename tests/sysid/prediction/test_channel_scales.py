@@ -9,8 +9,10 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from sysid.compare import compare
+from sysid.experiment.readers.memory import MemoryTable
 from sysid.ladder import add_effects
 from sysid.report import comparison_json
+from sysid.simulate_experiment import simulate_experiment
 
 SCALE, INERTIA = 0.12, 0.02
 """Torque constant, N*m/A, and inertia, kg*m^2, of the rig."""
@@ -65,6 +67,34 @@ def test_a_scale_stays_a_parameter_when_effects_are_added(tmp_path: Path) -> Non
     step = add_effects(folder, ["constant_bias"])
     assert step.base.fitted.model.values["rig.scale_drive_force"] == pytest.approx(1.2, rel=0.01)
     assert 'scale = "0.1 +- 0.03 N*m/A"' in (folder / "experiment.toml").read_text()
+
+
+def test_simulations_use_the_fitted_scale(tmp_path: Path) -> None:
+    """As if the true scale had been stated: the free run, the horizons, and the records that are simulated."""
+    runs, simulated = [], []
+    for scale in ("0.1 +- 0.03 N*m/A", f"{SCALE} N*m/A"):
+        folder = _write(tmp_path, scale)
+        document = comparison_json(compare(folder))
+        runs.append([document[name] for name in ("free_run", "horizon")])
+        simulated.append(simulate_experiment(folder))
+    stated = runs[1][0]["validate"]["position"]
+    assert runs[0][0]["validate"]["position"]["rms"]["value"] == pytest.approx(stated["rms"]["value"], rel=0.1)
+    horizons = [found[1]["0.1 s"]["validate"]["position"]["rms"]["value"] for found in runs]
+    assert horizons[0] == pytest.approx(horizons[1], rel=0.1)
+    current = np.genfromtxt(tmp_path / "fit.csv", delimiter=",", skip_header=1)[:, 2]
+    fitted, true = (found.records[0].channels for found in simulated)
+    assert "rig.scale_drive_force" in simulated[0].fitted
+    np.testing.assert_allclose(fitted["drive_force"], SCALE * current, rtol=0.01)
+    travel = np.ptp(true["position"])
+    assert np.abs(fitted["position"] - true["position"]).max() < 0.02 * travel
+    # A motion of another file is in its own units.
+    motion = {"time [s]": np.arange(400) * 1e-3, "drive_force [N*m]": np.full(400, 0.5)}
+    other = simulate_experiment(folder_of(tmp_path), motion=MemoryTable("motion", motion))
+    assert other.records[0].channels["drive_force"] == pytest.approx(0.5)
+
+
+def folder_of(folder: Path) -> Path:
+    return _write(folder, "0.1 +- 0.03 N*m/A")
 
 
 @pytest.mark.parametrize(
