@@ -96,9 +96,9 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     from drawings.artefacts.names import chosen_sheets
     from drawings.artefacts.tasks import build_all_sheets
     from drawings.sheets.overrides import FILE
-    from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
+    from stagecad.solids.artefacts.outputs import write_manifest, write_stored
     from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.machine.artefacts import procedure_values
+    from workbench.machine.artefacts import procedure_values, with_repair
 
     design = with_sheet_overrides(run)
     wanted = chosen_sheets(names, design)
@@ -117,13 +117,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
         return sheets, write_stored(run.out, {file: sheet.artefact for sheet in sheets for file in _files(sheet)})
 
-    try:
-        sheets, changed = draw()
-    except DamagedError as damage:
-        # A damaged cache entry is built again.
-        store.drop(damage.entry)
-        run.note("a stored result was damaged; it is made again")
-        sheets, changed = draw()
+    sheets, changed = with_repair(run, store, draw)
     hashes = {file: sheet.artefact.hashes[file] for sheet in sheets for file in _files(sheet)}
     write_manifest(run.out / MANIFEST, hashes)
     for sheet in sheets:

@@ -15,6 +15,7 @@ from workbench.options import Run, common_options
 if TYPE_CHECKING:
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+    from stagecad.solids.assembly.machine import Machine
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 STAMP = "made_from.json"
@@ -32,18 +33,15 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     from designcalc.checks.analysis.report import counted
     from drawings.procedure.procedure import procedure
     from stagecad.parameters.mass_properties import BodyMasses
-    from stagecad.solids.artefacts.outputs import write_stored
     from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
-    from stagecad.solids.assembly.machine import find_machine
-    from stagecad.solids.assembly.pictures import build_pictures
     from stagecad.solids.modelling.registry import chosen
     from workbench.commands.check import trust_own_checks
     from workbench.commands.design.declared import WHAT, run_declared
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
-    from workbench.machine.artefacts import stored_values
+    from workbench.machine.artefacts import built_machine, stored_values, with_repair
     from workbench.machine.declared_machine import declared_machine
     from workbench.machine.margin_studies import evaluated_checks
     from workbench.report.checks import write_check_files
@@ -58,14 +56,9 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     document = write_parts(run, chosen((), design))
     run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
     store = ArtefactStore()
-    machine = find_machine(design, store)
-    assert machine is not None
-    with run.progress() as progress:
-        task = progress.add_task("pictures", total=len(machine.parts) + 2)
-        files = build_pictures(store, machine, lambda name: progress.update(task, advance=1, description=name))
-        write_stored(run.out / "pictures", files)
-        pictures = {Path(name).stem: run.out / "pictures" / name for name in files}
-        progress.update(task, description="interference")
+    machine = built_machine(run, store)
+    pictures = with_repair(run, store, lambda: _pictures(run, store, machine))
+    with run.busy("interference"):
         interferences = build_interferences(store, machine.parts, design)
     pairs, found = len(interferences), len(clashes(interferences))
     run.echo(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
@@ -104,6 +97,18 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
         }
     )
     return 0
+
+
+def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Path]:
+    """Pictures of the parts and of the assembly, by name."""
+    from stagecad.solids.artefacts.outputs import write_stored
+    from stagecad.solids.assembly.pictures import build_pictures
+
+    with run.progress() as progress:
+        task = progress.add_task("pictures", total=len(machine.parts) + 1)
+        files = build_pictures(store, machine, lambda name: progress.update(task, advance=1, description=name))
+    write_stored(run.out / "pictures", files)
+    return {Path(name).stem: run.out / "pictures" / name for name in files}
 
 
 def _stamped(folder: Path, inputs: object, files: list[Path]) -> bool:

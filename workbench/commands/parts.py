@@ -38,19 +38,11 @@ def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
 
 def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Make what is missing, write the files of `wanted` that differ, and return the document of the command."""
-    from stagecad.solids.artefacts.outputs import DamagedError
     from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.machine.artefacts import built_machine
+    from workbench.machine.artefacts import built_machine, with_repair
 
     store = ArtefactStore()
-    machine = built_machine(run, store)
-    try:
-        return _write(run, machine, wanted)
-    except DamagedError as damage:
-        # A damaged cache entry is built again.
-        store.drop(damage.entry)
-        run.note("a stored result was damaged; it is made again")
-        return _write(run, built_machine(run, store), wanted)
+    return with_repair(run, store, lambda: _write(run, built_machine(run, store), wanted))
 
 
 def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any]:

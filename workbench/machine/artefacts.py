@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from workbench.options import Run
 
@@ -16,6 +17,27 @@ if TYPE_CHECKING:
     from stagecad.solids.assembly.machine import Machine
 
 VALUES = "procedure_values.json"
+Result = TypeVar("Result")
+
+
+def with_repair(run: Run, store: ArtefactStore, write: Callable[[], Result]) -> Result:
+    """`write()`, begun again after each damaged artefact that it meets, which the store then makes again.
+
+    Raises:
+        OSError: an artefact made again is damaged too.
+    """
+    from stagecad.solids.artefacts.outputs import DamagedError
+
+    dropped: set[str] = set()
+    while True:
+        try:
+            return write()
+        except DamagedError as damage:
+            if damage.entry.key in dropped:
+                raise OSError(f"the cache in {store.folder} does not keep what is written to it") from None
+            dropped.add(damage.entry.key)
+            store.drop(damage.entry)
+            run.note("a stored result was damaged; it is made again")
 
 
 def built_machine(run: Run, store: Any = None) -> Machine:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
+from stagecad.solids.artefacts.part import CRASHED
 
 MOST_NAMED = 6
 """Largest number of parameters named."""
@@ -12,7 +13,10 @@ SHARED = ("threads", "screws", "making", "teeth", "actuator")
 
 
 def refusal_line(error: PartError) -> str | None:
-    """The parameters that may be at fault, those of the part first; None where all are the packaged design's."""
+    """The parameters that may be at fault, those of the part first.
+
+    Where all are the packaged design's, the kernel may have been ended for lack of memory; None if it was not ended.
+    """
     packaged = {entry.key: entry for entry in load_design().entries}
     changed = [
         entry
@@ -20,7 +24,7 @@ def refusal_line(error: PartError) -> str | None:
         if isinstance(entry.value, float | int) and entry.key in packaged and entry.value != packaged[entry.key].value
     ]
     if not changed:
-        return None
+        return f"part '{error.part}': {error.reason}; is there enough memory?" if error.reason == CRASHED else None
     changed.sort(key=lambda entry: ((error.part, *SHARED) + (entry.key.split(".")[0],)).index(entry.key.split(".")[0]))
     shown = ", ".join(
         f"{entry.key} = {entry.text} (packaged: {packaged[entry.key].text})" for entry in changed[:MOST_NAMED]

@@ -12,7 +12,7 @@ from stagecad.solids.artefacts.store import Artefact, sha256
 
 
 class DamagedError(Exception):
-    """The files of an artefact differ from those that were stored."""
+    """The files of an artefact differ from those that were stored, or are gone."""
 
     def __init__(self, entry: Artefact) -> None:
         super().__init__(entry.key)
@@ -27,7 +27,7 @@ def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
         files: the artefact of each file name.
 
     Raises:
-        DamagedError: a file in the cache does not match its hash; no damaged file has been written.
+        DamagedError: a file in the cache is missing or does not match its hash; no damaged file has been written.
     """
     written: list[str] = []
     # Hashing releases the interpreter lock: the files are read in parallel.
@@ -37,7 +37,10 @@ def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
         target = out / name
         if present[name] == entry.hashes[name]:
             continue
-        data = entry.data(name)
+        try:
+            data = entry.data(name)
+        except FileNotFoundError:
+            raise DamagedError(entry) from None
         if sha256(data) != entry.hashes[name]:
             raise DamagedError(entry)
         atomic_write_bytes(target, data)

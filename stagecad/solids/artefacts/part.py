@@ -10,7 +10,8 @@ properties, datums), and ``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -117,13 +118,9 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
 
     def make(tracked: Any, folder: Path) -> None:
         part: Any = part_definition(name)
-        try:
+        with kernel_errors(name, design):
             solid = part.build(tracked)
             _require_solid(name, solid)
-        except InputError:
-            raise
-        except Exception as error:  # the kernel raises a dozen kinds
-            raise PartError(name, design, f"{type(error).__name__}: {error}") from error
         material = part.material(tracked)
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
         geometry = geometry_of(solid)
@@ -141,6 +138,17 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
         _export(name, solid, geometry.volume, colour_of(material), folder)
 
     return BuiltPart(name, store.make(name, design, _modules(name), make))
+
+
+@contextmanager
+def kernel_errors(name: str, design: Any) -> Iterator[None]:
+    """Errors of the CAD kernel as PartError of `name`."""
+    try:
+        yield
+    except (InputError, PartError):
+        raise
+    except Exception as error:  # the kernel raises a dozen kinds
+        raise PartError(name, design, f"{type(error).__name__}: {error}") from error
 
 
 def _first_line(module: Any) -> str:
@@ -226,13 +234,38 @@ def build_parts(
         if found[name] is not None:
             advance(name)
     missing = [name for name in names if found[name] is None]
-    count = 1 if len(missing) <= FEW else workers
-    run = partial(_build, store.folder, design)
+    in_processes(partial(_build, store.folder, design), missing, design, advance, workers, isolate=isolate)
+    return {name: found[name] or build_part(store, name, design) for name in names}
+
+
+def in_processes(
+    run: Callable[[str], object],
+    names: Sequence[str],
+    design: Any,
+    advance: Callable[[str], None] = lambda name: None,
+    workers: int | None = None,
+    requires: Mapping[str, Collection[str]] | None = None,
+    isolate: bool = True,
+) -> None:
+    """`run` for each of `names` with the CAD kernel, in other processes; one is enough for few.
+
+    Args:
+        run: makes what has a name, and stores it.
+        names: of parts, of the assembly.
+        design: that they are made of.
+        advance: called with each name once it is made.
+        workers: number of processes; default: that of the processors.
+        requires: names that must be made before another.
+        isolate: in another process even where one is enough, so that a crash of the CAD kernel does not end this one.
+
+    Raises:
+        PartError: the CAD kernel makes no valid solid, or ends its process.
+    """
+    count = 1 if len(names) - len(requires or {}) <= FEW else workers
     try:
-        parallel_map(run, missing, progress=advance, workers=count, isolate=isolate)
+        parallel_map(run, names, progress=advance, workers=count, requires=requires, isolate=isolate)
     except LostProcessError as error:
         raise PartError(str(error.item), design, CRASHED) from None
-    return {name: found[name] or build_part(store, name, design) for name in names}
 
 
 def _build(folder: Path, design: Any, name: str) -> None:

@@ -6,8 +6,9 @@ are read is known only after the artefact has been made once; so the store also 
 sets of access paths recorded so far. Making is deterministic: designs with equal values at all paths of such a set give
 the same artefact.
 
-Several runs may use one store: an artefact is a folder that appears by renaming, and the first to finish is kept. The
-least recently used artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
+Several runs may use one store: an artefact is a folder that appears by renaming, and the first to finish is kept. A
+damaged one is repaired file by file, so that a run that has found it still finds its files. The least recently used
+artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
 """
 
 from __future__ import annotations
@@ -36,8 +37,12 @@ LARGEST = 1_000_000_000
 """Default size limit of a store, bytes."""
 MINIMUM_AGE = 600.0
 """Time for which an artefact is kept whatever the size of the store, since another run may be reading it, s."""
+ABANDONED = 3600.0
+"""Age at which an unfinished artefact is that of an aborted run, s."""
 SETS_KEPT = 24
 """Number of sets of access paths kept for each name and source."""
+MOST_READS = 2000
+"""Number of files of such sets kept."""
 RECORD = "entry.json"
 
 
@@ -129,8 +134,7 @@ class ArtefactStore:
             except OSError:
                 # Another run has made the same artefact meanwhile, or a damaged one has this name.
                 if self._entry(key) is None:
-                    self._discard(target)
-                    folder.rename(target)
+                    _repair(target, folder)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
         self._keep_paths(root, tuple(sorted(reads, key=repr)))
@@ -141,8 +145,8 @@ class ArtefactStore:
         return entry
 
     def drop(self, entry: Artefact) -> None:
-        """Remove a damaged artefact."""
-        self._discard(entry.folder)
+        """Have a damaged artefact made again by the next `make`; its files stay for runs that read them."""
+        entry.path(RECORD).unlink(missing_ok=True)
 
     @staticmethod
     def _root(name: str, modules: Sequence[str], depends: Iterable[str]) -> str:
@@ -162,7 +166,7 @@ class ArtefactStore:
                 return None
             os.utime(folder)
             return Artefact(key, folder, record["hashes"], tuple(record["reads"]))
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError):
             return None
 
     def _path_sets(self, root: str) -> list[tuple[AccessPath, ...]]:
@@ -192,20 +196,36 @@ class ArtefactStore:
             with suppress(OSError):
                 age = now - folder.stat().st_mtime
                 if folder.name.startswith("."):
-                    if age > 24 * 3600:
+                    if age > ABANDONED:
                         shutil.rmtree(folder, ignore_errors=True)
                     continue
                 found.append((age, sum(path.stat().st_size for path in folder.iterdir()), folder))
         total = sum(size for _, size, _ in found)
-        for age, size, folder in sorted(found, reverse=True):
+        for _, size, folder in sorted(found, reverse=True):
             if total <= largest:
                 break
-            if age > MINIMUM_AGE and folder.name != keep:
+            # The age now: another run may have found the artefact since the ages were collected.
+            if folder.name != keep and _age(folder) > MINIMUM_AGE:
                 self._discard(folder)
                 total -= size
-        reads = sorted((path for path in (self.folder / "reads").glob("*")), key=lambda path: path.stat().st_mtime)
-        for path in reads[: max(0, len(reads) - 2000)]:
+        reads = sorted((self.folder / "reads").glob("*"), key=_age)
+        for path in reads[MOST_READS:]:
             path.unlink(missing_ok=True)
+
+
+def _age(path: Path) -> float:
+    """Time since the last use or change, s; 0 for what another run has just removed."""
+    try:
+        return time.time() - path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+def _repair(damaged: Path, made: Path) -> None:
+    """Replace the files of an artefact one by one, its record last: none of them is missing at any time."""
+    damaged.mkdir(mode=0o700, exist_ok=True)
+    for path in sorted(made.iterdir(), key=lambda path: path.name == RECORD):
+        path.replace(damaged / path.name)
 
 
 def _size_limit() -> int:

@@ -15,18 +15,23 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.solids.artefacts.part import BuiltPart
-from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.modelling.frame import Box, Frame, Vector, dot, subtract, transformed_box
+from stagecad.solids.modelling.registry import ASSEMBLY
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+NAME = "interference"
+"""Of the artefact."""
 
 TOUCH = 1e-2
 """Common volume below which two parts only touch, mm^3: a face of 10 000 mm^2 pressed in by a nanometre."""
@@ -147,14 +152,24 @@ def find_interferences(
 
 
 def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
-    """All interference pairs at the ends and middles, from the cache or computed now."""
-
-    def make(tracked: Any, folder: Path) -> None:
-        found = [asdict(pair) for pair in find_interferences(parts, tracked)]
-        (folder / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
-
-    entry = store.make("interference", design, (__name__,), make, [part.entry.key for part in parts.values()])
+    """All interference pairs at the ends and middles, from the cache or computed now, in another process."""
+    depends = [part.entry.key for part in parts.values()]
+    if store.find(NAME, design, (__name__,), depends) is None:
+        # Without the loaded solids and meshes, which do not pickle.
+        stored = {name: BuiltPart(name, part.entry) for name, part in parts.items()}
+        in_processes(partial(_compute, store.folder, stored, design), [ASSEMBLY], design)
+    entry = _compute(store.folder, parts, design)
     return [Interference(**document) for document in entry.document("interferences.json")]
+
+
+def _compute(folder: Path, parts: Mapping[str, BuiltPart], design: Any, _: str = ASSEMBLY) -> Artefact:
+    def make(tracked: Any, made: Path) -> None:
+        with kernel_errors(ASSEMBLY, design):
+            found = [asdict(pair) for pair in find_interferences(parts, tracked)]
+        (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
+
+    depends = [part.entry.key for part in parts.values()]
+    return ArtefactStore(folder).make(NAME, design, (__name__,), make, depends)
 
 
 def clashes(found: Sequence[Interference]) -> list[Interference]:

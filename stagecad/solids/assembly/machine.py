@@ -8,12 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
-from stagecad.solids.artefacts.part import BuiltPart, build_parts, find_part
+from stagecad.solids.artefacts.part import BuiltPart, build_part, build_parts, find_part, in_processes, kernel_errors
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import Instance
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
@@ -113,18 +114,40 @@ def find_machine(design: Any, store: ArtefactStore | None = None) -> Machine | N
 def build_machine(
     design: Any, store: ArtefactStore | None = None, advance: Callable[[str], None] = lambda name: None
 ) -> Machine:
-    """The machine; parts and assembly are built if the cache lacks them.
+    """The machine; parts and assembly are built, in other processes, if the cache lacks them.
 
     Args:
         design: the design.
         store: the cache; the user's own when left out.
         advance: called with the name of each finished part, and finally of the assembly.
+
+    Raises:
+        PartError: the CAD kernel makes no valid solid of a part, or ends its process.
     """
     store = store or ArtefactStore()
-    parts = build_parts(store, part_names(design), design, advance)
-    assembly = build_assembly(store, parts, design)
-    advance(ASSEMBLY)
-    return Machine(design, parts, assembly)
+    found = {name: find_part(store, name, design) for name in part_names(design)}
+    present = {name: part for name, part in found.items() if part is not None}
+    for name in present:
+        advance(name)
+    missing = [name for name in found if name not in present]
+    if missing or find_assembly(store, present, design) is None:
+        # In the same processes: each needs seconds to load the kernel.
+        run = partial(_build, store.folder, design)
+        in_processes(run, [*missing, ASSEMBLY], design, advance, requires={ASSEMBLY: missing})
+    else:
+        advance(ASSEMBLY)
+    parts = {name: present.get(name) or build_part(store, name, design) for name in found}
+    return Machine(design, parts, build_assembly(store, parts, design))
+
+
+def _build(folder: Path, design: Any, name: str) -> None:
+    store = ArtefactStore(folder)
+    if name == ASSEMBLY:
+        parts = {part: build_part(store, part, design) for part in part_names(design)}
+        with kernel_errors(ASSEMBLY, design):
+            build_assembly(store, parts, design)
+    else:
+        build_part(store, name, design)
 
 
 def body_masses(design: Any) -> BodyMasses:

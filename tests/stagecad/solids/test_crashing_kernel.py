@@ -1,8 +1,9 @@
-"""A crash of the CAD kernel ends the process that builds the part, and the command in one line."""
+"""A crash of the CAD kernel ends the process that builds the part or the assembly, and the command in one line."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,19 +14,25 @@ from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import CRASHED, build_parts
 from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.assembly.interference import build_interferences
+from stagecad.solids.assembly.machine import Machine, build_machine
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 CRASH = """
 import multiprocessing, os, sys
 if "--multiprocessing-fork" in sys.argv or "spawn_main" in " ".join(sys.orig_argv):
     import stagecad.solids.artefacts.part as part
-    part.build_part = lambda *rest: os.kill(os.getpid(), 11)
+    import stagecad.solids.assembly.interference as interference
+    import stagecad.solids.assembly.machine as machine
+    crash = lambda *rest: os.kill(os.getpid(), 11)
+    machine.build_assembly = interference.find_interferences = crash
+    part.build_part = machine.build_part = lambda *one: part.find_part(*one) or crash()
 """
 
 
 @pytest.fixture
 def crashing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Processes started by `multiprocessing` crash in the construction of any part."""
+    """Processes started by `multiprocessing` crash in the construction of any part and of the assembly."""
     (tmp_path / "sitecustomize.py").write_text(CRASH)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(Path.cwd())]))
     return tmp_path
@@ -36,6 +43,19 @@ def test_one_part_whose_construction_crashes_is_refused(crashing: Path) -> None:
     with pytest.raises(PartError) as caught:
         build_parts(ArtefactStore(crashing / "cache"), ["tip"], design)
     assert (caught.value.part, caught.value.reason) == ("tip", CRASHED)
+
+
+def test_an_assembly_whose_construction_crashes_is_refused(
+    crashing: Path, machine: Machine, store: ArtefactStore
+) -> None:
+    own, design = ArtefactStore(crashing / "cache"), machine.design
+    shutil.copytree(store.folder / "reads", own.folder / "reads", ignore=shutil.ignore_patterns(".*"))
+    for part in machine.parts.values():
+        shutil.copytree(part.entry.folder, own.folder / "entries" / part.entry.key, copy_function=os.link)
+    for build in (lambda: build_machine(design, own), lambda: build_interferences(own, machine.parts, design)):
+        with pytest.raises(PartError) as caught:
+            build()
+        assert (caught.value.part, caught.value.reason) == ("assembly", CRASHED)
 
 
 def test_the_command_names_part_and_parameters(crashing: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
+from stagecad.solids.artefacts.part import CRASHED
 from workbench.cli import run
 from workbench.machine.refusal import MOST_NAMED, refusal_line
 
@@ -32,6 +33,7 @@ def test_many_changes_are_counted() -> None:
 
 def test_the_packaged_design_is_a_fault_of_the_program(design: Design) -> None:
     assert refusal_line(PartError("tip", design, "failed")) is None
+    assert refusal_line(PartError("tip", design, CRASHED)) == f"part 'tip': {CRASHED}; is there enough memory?"
 
 
 def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ import pytest
 from stagecad.parameters.tracking import TrackedDesign, path_text
 from stagecad.solids.artefacts import source_digest
 from stagecad.solids.artefacts import store as store_module
-from stagecad.solids.artefacts.store import ArtefactStore, cache_folder
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, cache_folder
 
 MODULES = ("stagecad.solids.modelling.frame",)
 
@@ -169,6 +169,69 @@ def test_damage_is_made_good(store: ArtefactStore, damage: str) -> None:
             path.write_text("nonsense(")
     again = store.make("part", Plan(), MODULES, maker)
     assert again.data("size.txt") == b"25.9"
+
+
+def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: ArtefactStore) -> None:
+    held: list[Artefact] = []
+
+    def make(design: Any, folder: Path) -> None:
+        # The other run's artefact is whole while this one makes it again.
+        assert all(entry.data("good.bin") == b"good" for entry in held)
+        (folder / "damaged.bin").write_bytes(b"right")
+        (folder / "good.bin").write_bytes(b"good")
+
+    held.append(store.make("part", Plan(), MODULES, make))
+    held[0].path("damaged.bin").write_bytes(b"wrong")
+    store.drop(held[0])
+    assert store.find("part", Plan(), MODULES) is None
+    again = store.make("part", Plan(), MODULES, make)
+    assert again == held[0]
+    assert (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
+
+
+def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(
+    store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = store.make("part", Plan(), MODULES, Maker())
+    store.drop(entry)
+    seen: list[bytes] = []
+    for name in ("rename", "replace", "unlink"):
+        real = getattr(Path, name)
+
+        def look(self: Path, *rest: Any, real: Any = real, **named: Any) -> Any:
+            result = real(self, *rest, **named)
+            seen.append(entry.data("size.txt"))
+            return result
+
+        monkeypatch.setattr(Path, name, look)
+    assert store.make("part", Plan(), MODULES, Maker()) == entry
+    assert len(seen) >= 2 and set(seen) == {b"25.9"}
+
+
+def test_what_another_run_finds_meanwhile_is_not_removed(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    plans = [Plan(plate=Table(length=float(index))) for index in range(3)]
+    entries = [store.make("part", plan, MODULES, Maker()) for plan in plans]
+    for index, entry in enumerate(entries):
+        os.utime(entry.folder, (1e9 + index, 1e9 + index))
+    monkeypatch.setenv("STAGECAD_CACHE_MAX", "1")
+    removed, remove = [], ArtefactStore._discard
+
+    def discard(self: ArtefactStore, folder: Path) -> None:
+        # Between the look at all ages and the removal of the next artefact.
+        assert self.find("part", plans[1], MODULES) is not None
+        removed.append(folder)
+        remove(self, folder)
+
+    monkeypatch.setattr(ArtefactStore, "_discard", discard)
+    store.make("another", Plan(), MODULES, Maker())
+    assert removed == [entries[0].folder, entries[2].folder]
+    assert entries[1].data("size.txt")
+
+
+def test_a_file_that_another_run_removes_meanwhile_stops_nothing(store: ArtefactStore) -> None:
+    (store.folder / "reads").mkdir(parents=True)
+    (store.folder / "reads" / "gone").symlink_to("nowhere")
+    assert store.make("part", Plan(), MODULES, Maker()).data("size.txt") == b"25.9"
 
 
 def test_least_recently_used_artefacts_are_removed(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -81,11 +83,20 @@ def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore,
 
 
 def test_command_makes_again_what_is_damaged_in_the_cache(
-    cached: ArtefactStore, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    machine: Machine,
+    store: ArtefactStore,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    stored = machine.parts["magnet"].entry.path("magnet.stl")
-    good = stored.read_bytes()
-    stored.write_bytes(good[:-1] + b"x")
+    # A cache of its own: other tests read the common one meanwhile.
+    shutil.copytree(store.folder, tmp_path / "cache", ignore=shutil.ignore_patterns(".*"), copy_function=os.link)
+    monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "cache"))
+    common = machine.parts["magnet"].entry.path("magnet.stl")
+    good = common.read_bytes()
+    own = tmp_path / "cache" / common.relative_to(store.folder)
+    own.unlink()
+    own.write_bytes(good[:-1] + b"x")
     assert run(["parts", "magnet", "--out", str(tmp_path)]) == 0
     assert (tmp_path / "magnet.stl").read_bytes() == good
     assert "damaged" in capsys.readouterr().err
