@@ -68,7 +68,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
     checks = evaluated_checks(run, masses)
     run.echo(f"checks: {counted(checks)}")
-    check_figures = _check_figures(run, store, masses)
+    check_figures = with_repair(run, store, lambda: _check_figures(run, store, masses))
     write_check_files(checks, design, masses, run.out / "checks", check_figures)
     figures = _simulate(run) if simulations else []
     bill = machine.bill_of_materials
