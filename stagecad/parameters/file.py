@@ -15,6 +15,7 @@ from typing import Any
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
 from stagecad.parameters.tables.iso286 import in_range, is_class
+from stagecad.parameters.tables.project_tables import HARDWARE, ProjectTable, read_project_tables
 from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import from_si, parse_uncertain, quoted
 
@@ -33,7 +34,7 @@ class FileEntry:
     """One key of a parameter file.
 
     Args:
-        value: as written: text, number or truth value.
+        value: as written: text, number or truth value; or a `ByRow`.
         place: file and key, for messages.
         tolerance, origin: as written; None for a bare value.
         free: range or choices in which an optimisation may change the value, as written; empty for none.
@@ -55,6 +56,25 @@ class ParameterFile:
     extends: str | None = None
     machine: Mapping[str, Any] | None = None
     """The table `[machine]`, as parsed (`stagecad.solids.assembly.machine_declaration`)."""
+    tables: tuple[ProjectTable, ...] = ()
+    """The project's tables of hardware."""
+
+
+@dataclass(frozen=True)
+class ByRow:
+    """The value of a key that a row of a project's table has.
+
+    Args:
+        key: of the row's name.
+        file: of the table.
+        rows: the entry in each row by the row's name; None where its cell is empty.
+        otherwise: entry of the parameter file, for an empty cell or no row.
+    """
+
+    key: str
+    file: str
+    rows: Mapping[str, FileEntry | None]
+    otherwise: FileEntry | None
 
 
 def packaged_text() -> str:
@@ -84,7 +104,7 @@ def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
     except OSError as error:
         raise InputError(f"{name}: cannot be read ({error.strerror})") from None
     try:
-        return parse_parameter_text(data.decode("utf-8-sig"), name)
+        return parse_parameter_text(data.decode("utf-8-sig"), name, Path(path).parent)
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         raise InputError(f"{name}: line {line}: not UTF-8 text; save the file as UTF-8") from None
@@ -95,8 +115,14 @@ def _packaged() -> ParameterFile:
     return parse_parameter_text(packaged_text(), f"{PACKAGED}.toml")
 
 
-def parse_parameter_text(text: str, name: str) -> ParameterFile:
-    """As `read_parameter_file`, from text; `name` is the file's name in messages."""
+def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> ParameterFile:
+    """As `read_parameter_file`, from text.
+
+    Args:
+        text: of the file.
+        name: of the file, for messages.
+        folder: in which its tables of hardware are; that of `name` when left out.
+    """
     try:
         document = load_toml(text, name)
     except tomllib.TOMLDecodeError as error:
@@ -107,6 +133,10 @@ def parse_parameter_text(text: str, name: str) -> ParameterFile:
     machine = document.pop("machine", None)
     if machine is not None and not isinstance(machine, dict):
         raise InputError(f"{name}: machine = {_value_text(machine)}: write a table [machine]")
+    named = document.pop(HARDWARE, {})
+    if not isinstance(named, dict):
+        raise InputError(f"{name}: {HARDWARE} = {_value_text(named)}: write a table [{HARDWARE}]")
+    tables = read_project_tables(named, Path(name).parent if folder is None else folder, name)
     entries: dict[str, FileEntry] = {}
     for table, content in document.items():
         if not isinstance(content, dict):
@@ -114,7 +144,7 @@ def parse_parameter_text(text: str, name: str) -> ParameterFile:
                 f"{name}: {table} = {_value_text(content)} is outside a table; write it in a table like [stage]"
             )
         _collect(name, table, content, entries)
-    return ParameterFile(name, entries, extends, machine)
+    return ParameterFile(name, entries, extends, machine, tables)
 
 
 def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str, FileEntry]) -> None:

@@ -12,17 +12,22 @@ from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, ViolationsError
 from stagecad.parameters.file import (
+    ByRow,
     Entry,
     FileEntry,
     ParameterFile,
     parse_parameter_text,
+    read_entry,
     read_parameter_file,
     require_origin,
 )
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
 from stagecad.parameters.schema import Declaration
+from stagecad.parameters.tables.hardware import NO_ROW
 from stagecad.parameters.tables.machine import MATERIALS, nearest_key, schema
+from stagecad.parameters.tables.project_tables import HARDWARE, ROW, ProjectTable, kinds, slot_kinds
+from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
 
 
@@ -40,9 +45,11 @@ def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *
     return _design(read_parameter_file(path), overrides, rules)
 
 
-def design_from_text(text: str, name: str, overrides: Sequence[str] = (), *, rules: bool = True) -> Design:
-    """As `load_design`, from the text of a parameter file; `name` is the file's name in messages."""
-    return _design(parse_parameter_text(text, name), overrides, rules)
+def design_from_text(
+    text: str, name: str, overrides: Sequence[str] = (), *, rules: bool = True, folder: Path | None = None
+) -> Design:
+    """As `load_design`, from the text of a parameter file; `name` and `folder` as of `parse_parameter_text`."""
+    return _design(parse_parameter_text(text, name, folder), overrides, rules)
 
 
 def load_variations(path: str | Path | None = None, overrides: Sequence[str] = ()) -> Variations:
@@ -50,9 +57,9 @@ def load_variations(path: str | Path | None = None, overrides: Sequence[str] = (
     return Variations(_source(read_parameter_file(path), overrides))
 
 
-def variations_from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Variations:
+def variations_from_text(text: str, name: str, overrides: Sequence[str] = (), folder: Path | None = None) -> Variations:
     """As `load_variations`, from the text of a parameter file."""
-    return Variations(_source(parse_parameter_text(text, name), overrides))
+    return Variations(_source(parse_parameter_text(text, name, folder), overrides))
 
 
 def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Design:
@@ -82,19 +89,68 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
     given = dict(file.entries)
     if file.extends is not None:
         given = {**read_parameter_file().entries, **given}
+    given.update(_plain_rows(file.tables))
     materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
     keys = schema(materials)
+    _check_rows(file.tables, materials)
     for key in given:
         if key not in keys:
             raise InputError(f"{file.name}: no parameter '{key}'{nearest_key(key, keys)}")
+    given.update(_chosen_rows(file.tables, given))
     for text in overrides:
         key, entry = _override(text, keys, given)
         given[key] = entry
+    for slot, kind in slot_kinds().items():
+        entry = given.get(f"{slot}.{ROW}")
+        if entry and entry.value != NO_ROW and kind not in {table.kind for table in file.tables}:
+            raise InputError(
+                f"{entry.place} = {quoted(entry.value)}: there is no table of {kind.replace('_', ' ')}; "
+                f'name its file in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"'
+            )
     for key, declaration in keys.items():
         if key not in given and declaration.default is not None:
             given[key] = FileEntry(declaration.default, f"{file.name}: {key}", origin="assumed: default")
     overridden = tuple(text.partition("=")[0].strip() for text in overrides)
     return Source(given, keys, materials, file.name, overridden)
+
+
+def _plain_rows(tables: Sequence[ProjectTable]) -> dict[str, FileEntry]:
+    """Entries of the tables whose rows are all used: materials and threads."""
+    found: dict[str, FileEntry] = {}
+    for table in tables:
+        prefix, joint = {"materials": (MATERIALS, "."), "threads": ("threads", "_")}.get(table.kind, ("", ""))
+        for row in table.rows if prefix else ():
+            for column, cell in row.cells.items():
+                found[f"{prefix}.{row.name}{joint}{column}"] = FileEntry(cell.text, cell.place, None, row.origin)
+    return found
+
+
+def _chosen_rows(tables: Sequence[ProjectTable], given: Mapping[str, FileEntry]) -> dict[str, FileEntry]:
+    """Entries of the parts that choose a row; what no row has stays that of the file."""
+    found: dict[str, FileEntry] = {}
+    for table in tables:
+        for slot in kinds()[table.kind].slots:
+            for column in {column: None for row in table.rows for column in row.cells}:
+                key = f"{slot}.{column}"
+                present = given.get(key) or COMPUTED.get(key)
+                tolerance = present.tolerance if present else None
+                rows = {
+                    row.name: FileEntry(cell.text, cell.place, tolerance, row.origin) if cell else None
+                    for row in table.rows
+                    for cell in [row.cells.get(column)]
+                }
+                value = ByRow(f"{slot}.{ROW}", table.file, rows, given.get(key))
+                found[key] = FileEntry(value, f"{table.file}: {key}", tolerance)
+    return found
+
+
+def _check_rows(tables: Sequence[ProjectTable], materials: Sequence[str]) -> None:
+    """Check every cell of every table, also of rows that are not chosen."""
+    for table in tables:
+        columns = kinds()[table.kind].columns
+        for row in table.rows:
+            for column, cell in row.cells.items():
+                read_entry(column, FileEntry(cell.text, cell.place, None, row.origin), columns[column], materials)
 
 
 def _override(text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry]) -> tuple[str, FileEntry]:
@@ -155,8 +211,13 @@ def check_values(path: str | Path, changes: Mapping[str, tuple[str | float | boo
     return changed_text(text, str(path), changes)
 
 
-def changed_text(text: str, name: str, changes: Mapping[str, tuple[str | float | bool, str]]) -> str:
-    """Text of a parameter file with values and origins replaced, checked as a whole; `name` is for messages."""
+def changed_text(
+    text: str, name: str, changes: Mapping[str, tuple[str | float | bool, str]], folder: Path | None = None
+) -> str:
+    """Text of a parameter file with values and origins replaced, checked as a whole.
+
+    `name` and `folder` as of `parse_parameter_text`.
+    """
     import tomlkit
     from tomlkit.items import InlineTable
 
@@ -177,5 +238,5 @@ def changed_text(text: str, name: str, changes: Mapping[str, tuple[str | float |
         parent[last]["value"] = value
         parent[last]["origin"] = origin
     changed = tomlkit.dumps(document)
-    design_from_text(changed, name)
+    design_from_text(changed, name, folder=folder)
     return changed

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stagecad.parameters.derived import COMPUTED
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import (
+    ByRow,
     Entry,
     FileEntry,
     attribute_value,
@@ -18,8 +19,9 @@ from stagecad.parameters.file import (
 )
 from stagecad.parameters.formula import SIGN, FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.schema import Declaration
+from stagecad.parameters.tables.hardware import NO_ROW
 from stagecad.parameters.tables.machine import nearest_key
-from stagecad.parameters.units import to_si, unit_dimension
+from stagecad.parameters.units import quoted, to_si, unit_dimension
 
 
 class Resolver:
@@ -77,6 +79,8 @@ class Resolver:
 
     def _resolved(self, key: str) -> Entry:
         declaration, given = self._keys[key], self._given.get(key)
+        if given is not None and isinstance(given.value, ByRow):
+            given = self._of_row(given.value)
         if given is not None:
             if is_formula(given.value):
                 return self._from_formula(key, given, declaration)
@@ -87,6 +91,16 @@ class Resolver:
                 'or begin the file with extends = "thesis" to take missing values from the packaged design'
             )
         return self._computed(key, declaration)
+
+    def _of_row(self, value: ByRow) -> FileEntry | None:
+        """The entry that the chosen row of a project's table has, or else that of the file."""
+        row = str(self.read(value.key).value)
+        if row == NO_ROW:
+            return value.otherwise
+        if row not in value.rows:
+            place = self._given[value.key].place
+            raise InputError(f"{place} = {quoted(row)}: no such row in {value.file}{nearest(row, value.rows)}")
+        return value.rows[row] or value.otherwise
 
     def _from_formula(self, key: str, given: FileEntry, declaration: Declaration) -> Entry:
         if declaration.kind not in ("number", "count"):

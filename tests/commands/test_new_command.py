@@ -84,3 +84,23 @@ def test_nothing_is_overwritten(capsys: pytest.CaptureFixture[str]) -> None:
     assert stagecad(["new", "part", "bracket"]) == 0
     assert stagecad(["new", "part", "bracket"]) == 2
     assert "is there already" in capsys.readouterr().err
+
+
+def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert stagecad(["new", "hardware", "piezos"]) == 0
+    assert 'piezos = "piezos.csv"' in capsys.readouterr().out
+    table = Path("piezos.csv").read_text("utf-8").replace("20,17", "20,38")
+    table = table.replace("ASB170C801NP0,ASB170C801NP0", "mine,P-1")
+    Path("piezos.csv").write_text(table, "utf-8")
+    Path("stage.toml").write_text(
+        'extends = "thesis"\n[hardware]\npiezos = "piezos.csv"\n[piezo]\nrow = "mine"\n', "utf-8"
+    )
+    assert stagecad(["check", "--no-solids", "--json"]) == 1
+    stroke = next(one for one in json.loads(capsys.readouterr().out) if one["name"] == "piezo stroke of the drive")
+    assert stroke["limit"]["value"] == pytest.approx(38e-6) and stroke["verdict"] == "passes"
+    assert stagecad(["parts", "piezo", "assembly"]) == 0
+    assert ",P-1," in Path("build/bill_of_materials.csv").read_text("utf-8")
+    assert stagecad(["new", "hardware", "bolts"]) == 2
+    assert "no such kind of table; allowed: materials, piezos, screws" in capsys.readouterr().err

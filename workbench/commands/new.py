@@ -105,6 +105,25 @@ def effect(name: str) -> None:
     _write(Path(f"{name}.py"), _template("effect", name))
 
 
+@command.command("hardware")
+@click.argument("kind")
+@common_options
+def hardware(run: Run, kind: str) -> None:
+    """KIND.csv: a table of piezos, screws, set_screws, springs, threads or materials, with those of the present design.
+
+    `[hardware]` of the parameter file names it; a part chooses a row by its key `row`.
+    """
+    from stagecad.parameters.tables.project_tables import HARDWARE, ROW, kinds
+    from workbench.machine.hardware_table import table_text
+
+    if kind not in kinds():
+        raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds())}")
+    _write(Path(f"{kind}.csv"), table_text(run.design, kind))
+    click.echo(f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"')
+    for slot in kinds()[kind].slots[:1]:
+        click.echo(f"and the name of a row as {slot}.{ROW}")
+
+
 @command.command("machine")
 @click.argument("name")
 def machine(name: str) -> None:

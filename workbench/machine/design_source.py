@@ -22,6 +22,8 @@ class DesignSource:
     overrides: tuple[str, ...]
     own: tuple[str, ...] = ()
     """files of own checks, which run in every process that loads the design"""
+    folder: Path | None = None
+    """in which tables of hardware are; that of `name` when left out"""
 
     def design(self, *more: str, rules: bool = True) -> Design:
         """The design with `more` overrides `KEY=VALUE`."""
@@ -34,7 +36,7 @@ class DesignSource:
         overrides = (*self.overrides, *more)
         if self.text is None:
             return load_design(None, overrides, rules=rules)
-        return design_from_text(self.text, self.name, overrides, rules=rules)
+        return design_from_text(self.text, self.name, overrides, rules=rules, folder=self.folder)
 
 
 def source_of(run: Run) -> DesignSource:
@@ -44,4 +46,5 @@ def source_of(run: Run) -> DesignSource:
         path = Path("stage.toml")
     if path is None:
         return DesignSource(None, "", run.overrides)
-    return DesignSource(path.read_text("utf-8"), path.name, run.overrides, own_check_files(path))
+    folder = path.parent.absolute()
+    return DesignSource(path.read_text("utf-8"), path.name, run.overrides, own_check_files(path), folder)

@@ -42,7 +42,7 @@ def evaluator_of(source: DesignSource, free: Sequence[Free], masses: BodyMasses 
     if source.text is None:
         variations = load_variations(None, source.overrides)
     else:
-        variations = variations_from_text(source.text, source.name, source.overrides)
+        variations = variations_from_text(source.text, source.name, source.overrides, source.folder)
     return Evaluator(variations, free, masses, SAFETY if masses is not None else 0.0)
 
 

@@ -7,6 +7,7 @@ import re
 import threading
 from contextlib import suppress
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
@@ -70,7 +71,7 @@ class MachineSession:
             if file not in (None, self._first, *self.project.parameter_files()):
                 raise InputError(f"{file}: no parameter file of this folder")
             text = self._read(file)
-            design_from_text(text, file or "thesis.toml", rules=False)
+            design_from_text(text, file or "thesis.toml", rules=False, folder=self._folder(file))
             self.file, self._text, self._history, self._place = file, text, [{}], 0
             self._keep()
 
@@ -109,13 +110,15 @@ class MachineSession:
         overrides = tuple(f"{key}={text}" for key, text in changes.items())
         if self.file is None:
             return load_design(None, overrides, rules=False)
-        return design_from_text(self._text, self.file, overrides, rules=False)
+        return design_from_text(self._text, self.file, overrides, rules=False, folder=self._folder(self.file))
 
     def source(self, changes: Changes | None = None) -> dict[str, Any]:
         """Arguments from which another process makes the design."""
         changes = self.changes if changes is None else changes
         overrides = [f"{key}={text}" for key, text in changes.items()]
-        return {"text": None if self.file is None else self._text, "name": self.file or "", "overrides": overrides}
+        # Another process works in another folder.
+        name = "" if self.file is None else str(self._folder(self.file) / self.file)
+        return {"text": None if self.file is None else self._text, "name": name, "overrides": overrides}
 
     def preview(self, changes: Changes, limit: float, since: int) -> dict[str, Any]:
         """What the page shows while a value is dragged: checks evaluated within `limit` seconds, violated rules.
@@ -142,7 +145,9 @@ class MachineSession:
 
     def differences(self, other: str | None = None) -> list[dict[str, Any]]:
         """Keys in which the design differs from its saved file, or from another file of the project."""
-        base = self.saved if other is None else design_from_text(self._read(other), other, rules=False)
+        base = self.saved
+        if other is not None:
+            base = design_from_text(self._read(other), other, rules=False, folder=self._folder(other))
         return [
             {"key": one.key, "before": _entry_json(one.before), "after": _entry_json(one.after)}
             for one in diff(base, self.design())
@@ -167,13 +172,18 @@ class MachineSession:
             entry = design.entry(key)
             plain = not entry.unit and not isinstance(entry.value, str)
             changes[key] = (entry.value if plain else entry.text, CHANGED)
-        return changed_text(text, name, changes) if changes else text
+        return changed_text(text, name, changes, self._folder(self.file)) if changes else text
 
     def _read(self, file: str | None) -> str:
         if file is None:
             return packaged_text()
         path = self.project.params if self.project.params and self.project.params.name == file else None
         return (path or self.project.inside(file)).read_text("utf-8-sig")
+
+    def _folder(self, file: str | None) -> Path:
+        """Folder of a parameter file of the page, in which its tables of hardware are."""
+        params = self.project.params
+        return params.absolute().parent if params is not None and params.name == file else self.project.folder
 
     def _keep(self) -> None:
         document = {"file": self.file, "text": self._text, "history": self._history, "place": self._place}

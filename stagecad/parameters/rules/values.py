@@ -33,6 +33,27 @@ def ordered(d: Design) -> Iterator[str]:
             yield f"{given(d, small)} is more than {given(d, large)}"
 
 
+_HOLES = {
+    "screws.way": ("3/8-16 UNC", "threads.unc_3_8_pitch"),
+    "screws.clamp_long": ("3/8-16 UNC", "threads.unc_3_8_pitch"),
+    "screws.clamp_short": ("3/8-16 UNC", "threads.unc_3_8_pitch"),
+    "screws.bar": ("M5x0.8", "threads.m5_pitch"),
+    "set_screw": ("1-8 UNC", "threads.unc_1_pitch"),
+}
+"""Thread that the base has for each screw, and the key of its pitch."""
+
+
+@rule
+def screws_in_their_threads(d: Design) -> Iterator[str]:
+    """Screws have the threads of their tapped holes."""
+    for screw, (designation, pitch) in _HOLES.items():
+        thread = str(d.value(f"{screw}.thread"))
+        if thread.replace(" ", "") != designation.replace(" ", ""):
+            yield f"{screw}.thread = '{thread}' does not go into its hole in the base, which is tapped {designation}"
+        elif abs(d.value(f"{screw}.pitch") - d.value(pitch)) > 0.01:
+            yield f"{given(d, f'{screw}.pitch')} is not that of its tapped hole: {given(d, pitch)}"
+
+
 @rule
 def purchased_shapes(d: Design) -> Iterator[str]:
     """Purchased parts have the shape of their kind: heads wider than shanks, coils wider than wire."""

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from stagecad.parameters.schema import mm, number, of_material, text
+
+NO_ROW = "none"
+"""Value of the key `row` of a part whose values are those of the parameter file."""
+
+
+def _row(table: str) -> Any:
+    return text(f"of the project's table of {table}, by its name", default=NO_ROW)
 
 
 @dataclass(frozen=True)
 class Piezo:
     """The piezo stacks, three to an actuator."""
 
+    row: str = _row("piezos")
     part_number: str = text("of the catalogue")
     description: str = text("for the bill of materials")
     material: str = of_material()
@@ -35,6 +44,7 @@ class Piezo:
 class Screw:
     """A socket cap screw."""
 
+    row: str = _row("screws")
     part_number: str = text("of the catalogue")
     description: str = text("for the bill of materials")
     material: str = of_material()
@@ -69,6 +79,7 @@ class Screws:
 class SetScrew:
     """The screw that pushes height pin 1."""
 
+    row: str = _row("set screws")
     part_number: str = text("of the catalogue")
     description: str = text("for the bill of materials")
     material: str = of_material()
@@ -83,6 +94,7 @@ class SetScrew:
 class Spring:
     """The spring that holds height pin 1 against its set screw."""
 
+    row: str = _row("springs")
     part_number: str = text("of the catalogue")
     description: str = text("for the bill of materials")
     material: str = of_material()

@@ -111,6 +111,8 @@ BREAKS = [
     ("bars", ["teeth.bar_spacing=80 mm"], "into the tip, whose foot reaches"),
     ("bars", ["screws.bar.length=12 mm"], "engages 2 mm, and 5 mm is needed"),
     ("ordered", ["shim.thinnest=1 mm"], "is more than shim.thickest"),
+    ("screws_in_their_threads", ["screws.bar.thread=M4x0.7"], "which is tapped M5x0.8"),
+    ("screws_in_their_threads", ["screws.way.pitch=1.5 mm"], "is not that of its tapped hole"),
     ("purchased_shapes", ["piezo.end_radius=4 mm"], "too small for an end"),
 ]
 

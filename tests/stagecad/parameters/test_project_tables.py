@@ -1,0 +1,141 @@
+"""Hardware tables of a project: what their rows give to a design, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design, load_variations
+from stagecad.parameters.tables.project_tables import kinds
+from workbench.machine.hardware_table import table_text
+
+PIEZOS = """name,part_number,description,material,diameter [mm],length [mm],end_radius [mm],stroke [um],\
+blocking_force [N],highest_voltage [V],capacitance [uF],element_area [mm^2],moving_mass [g],source
+# stacks of the same height
+long stroke,P-1,"stack, long",pzt,10,36,20,38,950,120,3.1,25,3,maker A 2024
+short stroke,P-2,stack,pzt,10,36,20,12,1.2 kN,120,1.9,25,3,assumed: as told by the maker
+"""
+STAGE = """extends = "thesis"
+[hardware]
+piezos = "piezos.csv"
+[piezo]
+row = {value = "long stroke", origin = "assumed: stroke", free = "long stroke | short stroke"}
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    (tmp_path / "piezos.csv").write_text(PIEZOS, "utf-8")
+    (tmp_path / "stage.toml").write_text(STAGE, "utf-8")
+    return tmp_path / "stage.toml"
+
+
+def test_the_chosen_row_gives_the_values_with_their_origin(project: Path, design) -> None:
+    mine = load_design(project)
+    assert (mine.piezo.stroke, mine.piezo.part_number) == (38e-6, "P-1")
+    assert mine.piezo.stiffness == pytest.approx(950 / 38e-6)  # computed from the row
+    assert mine.entry("piezo.stroke").origin == "catalogue maker A 2024"
+    # A column that the table does not have, and the tolerance of the assembly, are those of the file.
+    assert mine.entry("piezo.creep") == design.entry("piezo.creep")
+    assert mine.tolerance("piezo.length") == design.tolerance("piezo.length")
+    other = load_design(project, ["piezo.row=short stroke", "piezo.capacitance=2 uF"])
+    assert (other.piezo.stroke, other.piezo.blocking_force, other.piezo.capacitance) == (12e-6, 1200.0, 2e-6)
+    assert other.entry("piezo.stroke").origin == "assumed: as told by the maker"
+    plain = load_design(project, ["piezo.row=none"])
+    assert {entry.key for entry in plain.entries if entry.value != design.value(entry.key)} == set()
+
+
+def test_a_changed_row_changes_all_that_follows_from_it(project: Path) -> None:
+    variations = load_variations(project)
+    changed = variations.changed({"piezo.row": "short stroke"})
+    again = load_design(project, ["piezo.row=short stroke"])
+    assert {entry.key: entry.value for entry in changed.entries} == {entry.key: entry.value for entry in again.entries}
+    assert changed.piezo == again.piezo
+
+
+def test_tables_of_the_packaged_hardware_give_the_packaged_design(tmp_path: Path, design) -> None:
+    named = []
+    for kind in kinds():
+        (tmp_path / f"{kind}.csv").write_text(table_text(design, kind), "utf-8")
+        named.append(f'{kind} = "{kind}.csv"')
+    slots = [slot for kind in kinds().values() for slot in kind.slots]
+    rows = [f'[{slot}]\nrow = "{design.value(f"{slot}.part_number")}"' for slot in slots]
+    (tmp_path / "s.toml").write_text('extends = "thesis"\n[hardware]\n' + "\n".join([*named, *rows]) + "\n", "utf-8")
+    mine = load_design(tmp_path / "s.toml")
+    values = {entry.key: entry.value for entry in design.entries if not entry.key.endswith(".row")}
+    assert {key: mine.value(key) for key in values} == pytest.approx(values, rel=1e-9)
+    assert mine.entry("materials.sic.density").origin == "assumed: as in thesis.toml"
+
+
+def test_materials_and_threads_of_a_table_are_used_without_a_row(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text(
+        "name, description, density [g/cm^3], youngs_modulus [GPa], poisson_ratio, expansion [1/K], strength [MPa], "
+        "strength_kind, magnetic\n\nzerodur, Zerodur, 2.53, 90.3, 0.24, 2e-8, 50, fracture, FALSE\n",
+        "utf-8",
+    )
+    (tmp_path / "t.csv").write_text("name,tap_drill [mm],pitch [mm]\nm6,5.1,1\n", "utf-8")
+    file = tmp_path / "s.toml"
+    text = 'extends = "thesis"\n[hardware]\nmaterials = "m.csv"\nthreads = "t.csv"\n[stage]\nmaterial = "zerodur"\n'
+    file.write_text(text, "utf-8")
+    design = load_design(file)
+    material = design.material("stage.material")
+    assert (material.density, material.magnetic, material.treatment) == (pytest.approx(2530.0), False, "none")
+    assert design.threads.m6_tap_drill == 5.1 and design.threads.m5_tap_drill == load_design().threads.m5_tap_drill
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        (",10,36,20,38,", ",10 kg,36,20,38,", "piezos.csv: row 3, column diameter: '10 kg' has the wrong dimension"),
+        ("stroke [um]", "strok [um]", "piezos.csv: row 1: no column 'strok'; did you mean 'stroke'?"),
+        ("stroke [um]", "stroke [kg]", "row 1: column 'stroke [kg]': '1 kg' has the wrong dimension; wanted 'm'"),
+        ("stroke [um]", "length [um]", "row 1: the column 'length' is there twice"),
+        (",stroke [um]", "", "row 1: the column 'stroke [m]' is missing; add it"),
+        (",950,", ",,", "row 3, column blocking_force: is empty; give 'long stroke' a value"),
+        (",950,", ",=2*3 N,", "formulas are for the parameter file"),
+        (",950,", ",-950,", "row 3, column blocking_force: '-950 N' must be positive"),
+        (",950,", ",0,950,", "row 3: 15 cells, but there are 14 columns"),
+        ("long stroke,P-1", "short stroke,P-1", "row 4: 'short stroke' is in row 3 already"),
+        ("long stroke,P-1", "|,P-1", "row 3, column name: '|': write a line of text without '|'"),
+        ("long,pzt", "long,pzzt", "row 3, column material: no material"),
+        (",", ";", "row 1: no column"),
+        ("long stroke,P-1", "longer stroke,P-1", "no such row in piezos.csv; did you mean 'longer stroke'?"),
+    ],
+)
+def test_a_mistake_in_a_table_is_one_line_with_row_and_column(project: Path, old: str, new: str, message: str) -> None:
+    text = PIEZOS.replace('"stack, long"', "long")
+    assert old in text
+    (project.parent / "piezos.csv").write_text(text.replace(old, new), "utf-8")
+    with pytest.raises(InputError) as error:
+        load_design(project)
+    assert message in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["../piezos.csv", "/etc/passwd", "link.csv", "."])
+def test_tables_are_read_from_the_project_folder_alone(project: Path, tmp_path_factory, name: str) -> None:
+    outside = tmp_path_factory.mktemp("outside") / "piezos.csv"
+    outside.write_text(PIEZOS, "utf-8")
+    (project.parent / "link.csv").symlink_to(outside)
+    project.write_text(STAGE.replace("piezos.csv", name), "utf-8")
+    with pytest.raises(InputError, match="outside the folder of the parameter file"):
+        load_design(project)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ('[hardware]\nscrews_ = "s.csv"\n', "no such kind of table; did you mean 'screws'?"),
+        ('[hardware]\nscrews = "s.csv"\n', "no such file in the folder of the parameter file"),
+        ("[hardware]\nscrews = 3\n", "write the name of a CSV file"),
+        ("hardware = 3\n", "write a table [hardware]"),
+        ('[screws.way]\nrow = "x"\n', "there is no table of screws"),
+        ('[screws.way]\nthread = "M10x1.5"\n', "does not go into its hole in the base, which is tapped 3/8-16 UNC"),
+    ],
+)
+def test_a_mistake_in_the_parameter_file_names_what_is_allowed(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "s.toml").write_text(f'extends = "thesis"\n{text}', "utf-8")
+    with pytest.raises(InputError) as error:
+        load_design(tmp_path / "s.toml")
+    assert message in str(error.value)
