@@ -16,7 +16,7 @@ LEAST_GAIN = 0.03
 """Least gain, over the loss of the model without the effect."""
 
 SUFFICIENT_SHARE = 0.5
-"""Share of the excess from which a model is a sufficient explanation."""
+"""Share of the excess from which a model is a sufficient explanation: it explains more than it leaves."""
 
 CLEAR_MARGIN = 0.07
 """Share of the excess by which a free curve, or a second effect, must exceed a single named effect."""
@@ -29,7 +29,8 @@ NOTABLE_SHARE = 0.2
 
 FORM_ERROR = 0.04
 """Relative error of the form of a law: each further effect must gain more than its square, and where a model is judged
-adequate, it is part of the variance of the residual."""
+adequate, it is part of the variance of the residual. The published laws of one effect leave about as much of each other
+(median and quartiles: benchmarks/form_errors.py)."""
 
 NOISE_FACTOR = 2.0
 """Factor by which the level of the noise may be wrong, either way, where no model gains."""
