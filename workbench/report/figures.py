@@ -151,9 +151,9 @@ def new_panels(rows: int, columns: int, width: float, height: float, **options: 
     return figure, figure.subplots(rows, columns, squeeze=False, gridspec_kw={**frame, **grid})
 
 
-def add_legend(figure: Any, panel: Any) -> None:
+def add_legend(figure: Any, panel: Any, markerscale: float = 1.0) -> None:
     handles, labels = panel.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper right", ncols=4, borderaxespad=0.1)
+    figure.legend(handles, labels, loc="upper right", ncols=4, borderaxespad=0.1, markerscale=markerscale)
 
 
 def as_svg(figure: Any, name: str) -> str:
@@ -239,17 +239,19 @@ def draw_loops(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
     every = max(1, curve.time.size // LOOP_POINTS)
     words = curve.channel.replace("_", " ")
     with report_style():
-        figure, axes = new_panels(1, 2, 9.6, 3.4)
+        figure, axes = new_panels(1, 2, 9.6, 3.4, wspace=0.22)
+        figure.set_dpi(200)
         for panel, (name, (values, of_motion)) in zip(axes[0], curve.motion.items()):
             scale, shown = axis_scale(values, of_motion)
             x = values[::every] * scale
-            dots = {"linestyle": "none", "marker": ".", "markeredgewidth": 0.0}
+            # As an image: thousands of dots as elements of SVG are slow to write and to show.
+            dots = {"linestyle": "none", "marker": ".", "markeredgewidth": 0.0, "rasterized": True}
             panel.plot(x, curve.measured[::every] * factor, color=MEASURED, markersize=3.5, label="measured", **dots)
             for (label, predicted), ink in zip(curve.predicted.items(), inks):
                 panel.plot(x, predicted[::every] * factor, color=ink, markersize=2.0, label=label, **dots)
             panel.set(xlabel=f"{name} ({shown})", ylabel=f"{words} ({unit})")
         axes[0, 0].set_title(f"{words} against the motion, record {curve.record}")
-        add_legend(figure, axes[0, 0])
+        add_legend(figure, axes[0, 0], markerscale=3.0)
         return as_svg(figure, f"loops {curve.record} {curve.channel}")
 
 

@@ -10,6 +10,7 @@ import re
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,12 @@ _STAMP = re.compile(r"\d+[./-]\d+[./-]\d+|\d:\d\d")
 def read_header(path: Path, name: str, settings: Format) -> Header:
     """The labels of a text file; its form is `layout`, a `Dialect`."""
     head, more = read_head(path, name)
+    return _header_of(head, more, is_gzip(path), name, settings)
+
+
+@lru_cache(maxsize=8)
+def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Format) -> Header:
+    """The labels of a file that begins with `head`; a command opens each of its files several times."""
     encoding = encoding_of(head, settings, name)
     text = head.decode(encoding, errors="replace")
     lines = re.split(r"\r\n|\r|\n", text)
@@ -43,7 +50,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         if unit:
             units[label] = unit
     units |= {found.labels[k]: "s" for k in found.stamps}
-    remarks = (*(["gzip"] if is_gzip(path) else []), *found.remarks)
+    remarks = (*(["gzip"] if gzipped else []), *found.remarks)
     return Header(found.labels, units, remarks, found.texts, found.numbered, found)
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from scipy.optimize import root_scalar
 
 from sim.library.effect import Axis, Effect
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -13,10 +16,10 @@ FIRST_ROWS = 50
 """Rows, filter widths apart, over which the first force is averaged where the record does not begin at rest."""
 
 MOST_ROWS = 400
-"""Largest number of rows up to the end of those, as their path is evaluated at every step of the bisection."""
+"""Largest number of rows up to the end of those, as their path is evaluated at every step of the search."""
 
-BISECTIONS = 28
-"""Steps of the bisection for the preceding motion."""
+ACCURACY = 1e-8
+"""Relative accuracy of the preceding motion: its error is far below the steps of numerical derivatives."""
 
 
 def first_rows(balance: ForceBalanceRecord) -> slice:
@@ -53,31 +56,38 @@ def friction_from_initial_state(
     measured = balance.inputs.get("spring_force", balance.measured[balance.force_channel])
     wanted = measured[rows] - other[rows]
 
-    def preceded(before: np.ndarray, size: int) -> np.ndarray:
-        """Force (size,) in the first rows after a motion `before` them (k,), m from the first position."""
-        count = before.size
-        return along(
-            np.concatenate([axis.position[0] + before, axis.position[:size]]),
-            np.concatenate([np.gradient(before, balance.step), axis.velocity[:size]]),
-            np.concatenate([axis.time[0] + balance.step * np.arange(-count, 0), axis.time[:size]]),
-            np.concatenate([np.full(count, level[0]), level[:size]]),
-            p,
-        )[count:]
-
     side = 1.0 if float(np.median(wanted)) >= 0.0 else -1.0
     far = 1e3 * max(float(np.ptp(axis.position)), 1e-9)
-    low, high = 1e-9 * far, far
 
-    def motion(beyond: float) -> np.ndarray:
-        return side * np.array([-far, beyond, 0.0])
+    def with_motion(size: int) -> Callable[[float], np.ndarray]:
+        """Force (size,) in the first rows, as a function of the distance that the motion goes beyond the start, m."""
+        count = 3
+        position = np.concatenate([np.full(count, axis.position[0]), axis.position[:size]])
+        velocity = np.concatenate([np.zeros(count), axis.velocity[:size]])
+        time = np.concatenate([axis.time[0] + balance.step * np.arange(-count, 0), axis.time[:size]])
+        levels = np.concatenate([np.full(count, level[0]), level[:size]])
 
-    def too_high(beyond: float) -> bool:
-        return float(np.median(side * (preceded(motion(beyond), rows.stop)[rows] - wanted))) > 0.0
+        def force(beyond: float) -> np.ndarray:
+            motion = side * np.array([-far, beyond, 0.0])
+            position[:count] = axis.position[0] + motion
+            velocity[:count] = np.gradient(motion, balance.step)
+            return along(position, velocity, time, levels, p)[count:]
 
-    # The force falls as the reversal lies further beyond the initial position.
-    if too_high(0.0):
-        for _ in range(BISECTIONS):
-            middle = float(np.sqrt(low * high))
-            low, high = (middle, high) if too_high(middle) else (low, middle)
-        return preceded(motion(high), axis.time.size)
-    return preceded(motion(0.0), axis.time.size)
+        return force
+
+    first = with_motion(rows.stop)
+
+    def excess(logarithm: float) -> float:
+        """Median force above the measured one; it falls as the reversal lies further beyond the initial position."""
+        return float(np.median(side * (first(math.exp(logarithm))[rows] - wanted)))
+
+    low, high = math.log(1e-9 * far), math.log(far)
+    beyond = 0.0
+    if float(np.median(side * (first(0.0)[rows] - wanted))) > 0.0:
+        if excess(low) <= 0.0:
+            beyond = math.exp(low)
+        elif excess(high) > 0.0:
+            beyond = far
+        else:
+            beyond = math.exp(root_scalar(excess, bracket=(low, high), xtol=ACCURACY).root)
+    return with_motion(axis.time.size)(beyond)
