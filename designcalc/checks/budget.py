@@ -17,11 +17,12 @@ from designcalc.errors.error_budget import Contribution, budget
 from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import floor_motion
 from designcalc.machine.body import moving_body
+from designcalc.machine.driven_plate import at_payload
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
 from designcalc.machine.position_loop import air_error
-from designcalc.machine.stage_plate import give_at, payload_place
+from designcalc.machine.stage_plate import payload_place
 from designcalc.machine.tip_dynamics import holding_stiffness, tip_noise
 from stagecad.parameters.design import Design
 
@@ -86,7 +87,9 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
     pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
     way = rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
-    give = float(give_at(r, [payload_place(r)[:2]])[0]) + 1 / (2 * float(total_stiffness(way, M, tau)))
+    corner = at_payload(r, pulse)
+    bent = float(corner.static[0]) + pulse / (2 * float(total_stiffness(way, M, tau)))
+    shaken = float(corner.vibration[0])
     floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
     turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
     return [
@@ -96,8 +99,9 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
         Contribution("waves of the way, pitch", "pads unlike", rotation=(0, wave * np.sqrt(2) / lever, 0)),
         Contribution("floor", "stage on its pads", (0, 0, floor)),
         Contribution(
-            "the tip's pulsation", "change of the load bends stage, pads and ways", (0, 0, pulse * give), random=False
+            "the tip's pulsation", "change of the load bends stage, pads and ways", (0, 0, bent), random=False
         ),
+        Contribution("the tip's pulsation, modes", "its pulses shake the plate", (0, 0, shaken), random=False),
         Contribution("the tip's pulsation, pitch", "its side force", rotation=(0, turn, 0), random=False),
     ]
 

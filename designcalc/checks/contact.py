@@ -6,9 +6,9 @@ import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
+from designcalc.machine.driven_plate import above_tip
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
-from designcalc.machine.stage_plate import give_at_tip
 from designcalc.machine.tip_contact import tip_contact
 from designcalc.machine.tip_dynamics import peak_tip_force, stack_stiffness, usable_ellipse
 from stagecad.parameters.design import Design
@@ -75,18 +75,22 @@ def _coating(r: DesignInputs, quantity: str) -> float:
 
 def swallowed_stroke(r: DesignInputs) -> Check:
     contact = tip_contact(r, tip_load(r))
-    rise, bent = usable_ellipse(r)[1], tip_load(r) * give_at_tip(r)
-    lost = float(contact.approach) + bent
+    rise, stage = usable_ellipse(r)[1], above_tip(r, tip_load(r))
+    bent, lifted = float(stage.static[0]), float(stage.at_peak_force[0] - stage.static[0])
+    lost = float(contact.approach) + bent + max(lifted, 0.0)
     # The printed deflection is the law of the semi-axes, ~F^(1/3); as a force's potential it must go as F^(2/3).
     # On a flat, Re = R/2 and lambda = 0.75.
     printed = printed_approach(float(contact.load), r("tip.nose_radius"), float(contact.approach))
     return Check(
         "tip stroke swallowed by contact",
         at_most(lost, 0.2 * rise, "m"),
-        source=_JOHNSON + "; stage as a plate on its pads; a fifth of the rise left as rule of thumb",
-        formula="delta + F/K_stage <= 0.2 Y, delta = 3 F K/(2 pi a E*), Y the rise of the ellipse",
+        source=_JOHNSON
+        + "; stage as a plate on its pads, its modes shaken by the pulses of the tip; a fifth of the rise "
+        "left as rule of thumb",
+        formula="delta + F/K_stage + max(sum_k F_k Re G(k f), 0) <= 0.2 Y, delta = 3 F K/(2 pi a E*), Y the rise of "
+        "the ellipse, G the stage's compliance above the tip",
         substituted=f"F = {show(float(contact.load), 'N')}: delta = {show(float(contact.approach), 'm')}, stage "
-        f"{show(bent, 'm')}, Y = {show(rise, 'm')}",
+        f"{show(bent, 'm')}, at the peak of the force {show(lifted, 'm')} more, Y = {show(rise, 'm')}",
         proposal="less preload, a stiffer stage, or a larger nose radius",
         thesis=f"appendix A prints delta = lambda (3 F Re/(2 Ee))^(1/3), which gives {show(printed, 'm')}; right is "
         f"lambda (2 F^2/(3 Re Ee^2))^(1/3), {show(float(contact.approach), 'm')}",

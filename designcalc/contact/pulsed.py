@@ -53,6 +53,26 @@ def peak_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> flo
     Raises:
         InputError: an argument out of its range.
     """
+    depth = _depth_of_mean(mean, rise, rate, stiffness)
+    return float(pressed_force(np.asarray(depth), rate, stiffness))
+
+
+@lru_cache(maxsize=256)
+def pulse_harmonics(mean: float, rise: float, rate: float, stiffness: float, count: int) -> tuple[float, ...]:
+    """Amplitudes F_k of the force of such a tip, ``F(t) = N + sum_k F_k cos(k w t)``, t from its peak, N.
+
+    Arguments and errors as of `peak_of_mean`; `count` of the harmonics.
+    """
+    depth = _depth_of_mean(mean, rise, rate, stiffness)
+    contact = np.pi if depth >= rise else np.arccos(1 - 2 * depth / rise)
+    phase = 0.5 * contact * (1 + _NODES)
+    force = _WEIGHTS * pressed_force(depth - 0.5 * rise * (1 - np.cos(phase)), rate, stiffness)
+    return tuple(float(force @ np.cos(k * phase)) * contact / np.pi for k in range(1, count + 1))
+
+
+@lru_cache(maxsize=256)
+def _depth_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> float:
+    """Depth of the tip at its peak, m, with which the mean force is the given one; arguments as of `peak_of_mean`."""
     if not (mean > 0 and rise >= 0 and rate > 0 and stiffness > 0 and np.isfinite(mean + rise + rate)):
         raise InputError("tip force: mean, contact and stiffness must be above 0, the rise 0 or more")
 
@@ -68,4 +88,4 @@ def peak_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> flo
         high = root_scalar(
             lambda depth: average(depth) / mean - 1, bracket=(static, high), xtol=1e-14 * static, rtol=1e-14
         ).root
-    return float(pressed_force(np.asarray(high), rate, stiffness))
+    return float(high)

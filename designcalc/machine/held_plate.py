@@ -19,7 +19,7 @@ from designcalc.errors.dynamic_budget import Response, resonant_response
 from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import load
 from designcalc.machine.pads import pad_positions, pad_spring_stiffness
-from designcalc.machine.stage_plate import TIP, payload_place, stage_plate
+from designcalc.machine.stage_plate import TIP, modal_damping, payload_place, stage_plate
 from designcalc.machine.tip_contact import contact_stiffness
 from designcalc.machine.tip_dynamics import PIEZOS, stack_stiffness
 
@@ -89,8 +89,7 @@ def held_plate(r: DesignInputs) -> HeldPlate:
     modes = plate.modes(MODES, [TIP, at, *pads.tolist()])
     tip, payload, at_pads = modes.shapes[0], modes.shapes[1], modes.shapes[2:]
     stiffness, rates = pad_spring_stiffness(r)[:, None], (2 * np.pi * modes.frequency) ** 2
-    stored = (stiffness * at_pads**2).sum(axis=0) / rates
-    damping = stored * r("bearing.damping_ratio") + (1 - stored) * r("stage.damping_ratio")
+    damping = modal_damping(r, modes.frequency, at_pads)
     pulled = (stiffness * at_pads).sum(axis=0) + push * tip
     compliance = float(plate.compliance([TIP], [at])[0, 0])
     return HeldPlate(modes.frequency, damping, tip, payload, pulled / rates, push, compliance)

@@ -38,8 +38,11 @@ def payload_place(r: DesignInputs) -> tuple[float, float, float]:
 
 
 @remembered
-def stage_plate(r: DesignInputs, supported: bool = True, tip: float = 0.0) -> SupportedPlate:
-    """The stage on its pads, or free; with `tip`, on a tip of that stiffness as well, N/m."""
+def stage_plate(
+    r: DesignInputs, supported: bool = True, tip: float = 0.0, added: float | None = None
+) -> SupportedPlate:
+    """The stage on its pads, or free; with `tip`, on a tip of that stiffness as well, N/m. `added` is a mass in the
+    middle, kg, by default that of the ballast."""
     length, width, thickness = r("stage.length"), r("stage.width"), r("stage.thickness")
     density = bare_stage(r).mass / (length * width * thickness)
     modulus, poisson = r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")
@@ -47,7 +50,7 @@ def stage_plate(r: DesignInputs, supported: bool = True, tip: float = 0.0) -> Su
     springs += [(*TIP, tip)] if tip > 0 else []
     feet, carried, height = payload_feet(r), r("payload.mass"), r("payload.height") + thickness / 2
     masses = [(foot, carried / len(feet), height) for foot in feet] if carried > 0 else []
-    if (extra := ballast(r)) > 0:
+    if (extra := ballast(r) if added is None else added) > 0:
         masses.append((TIP, extra, 0.0))
     return _supported(
         Plate(length, width, thickness, modulus, poisson, density),
@@ -79,6 +82,17 @@ def stage_modes(r: DesignInputs, count: int, places: ArrayLike = (TIP,)) -> Mode
     return stage_plate(r).modes(count, places)
 
 
+def modal_damping(r: DesignInputs, frequency: Array, at_pads: Array) -> Array:
+    """Damping ratio of modes of mass 1 kg, shape (modes,): of pads and plate in proportion to the energy they store.
+
+    Args:
+        frequency: Hz, shape (modes,).
+        at_pads: deflection of the modes there, kg^-1/2, shape (pads, modes).
+    """
+    stored = (pad_spring_stiffness(r)[:, None] * at_pads**2).sum(axis=0) / (2 * np.pi * frequency) ** 2
+    return stored * r("bearing.damping_ratio") + (1 - stored) * r("stage.damping_ratio")
+
+
 RIGID_MODES = 3
 """Of a free plate: heave, roll, pitch."""
 
@@ -87,15 +101,17 @@ TIP_PLACES = 5
 """Along the travel, at which the deflection under the tip is exact."""
 
 
-def bending_modes(r: DesignInputs, count: int) -> Modes:
+def bending_modes(r: DesignInputs, count: int, added: float | None = None) -> Modes:
     """The lowest bending modes of the stage without pads, on a grid over the plate: (nodes along y, along x, modes).
+    `added` as of `stage_plate`.
 
     Residual modes of the pads and of a tip along the travel complete them. With the motion of the rigid body they are
     the basis of a free body, on which pads and tips act as forces at points.
     """
     reach = r("stage.travel") / 2
     tips = [(x, 0.0) for x in np.linspace(-reach, reach, TIP_PLACES)]
-    modes = stage_plate(r, supported=False).modes_on_grid(RIGID_MODES + count, [*tips, *pad_positions(r).tolist()])
+    plate = stage_plate(r, supported=False, added=added)
+    modes = plate.modes_on_grid(RIGID_MODES + count, [*tips, *pad_positions(r).tolist()])
     return Modes(modes.frequency[RIGID_MODES:], modes.shapes[:, :, RIGID_MODES:])
 
 

@@ -60,7 +60,7 @@ def stage_drive(design: Design, masses: BodyMasses) -> StageDrive:
     machine = flexible_machine(design, masses)
     return StageDrive(
         single=driven_alone(design, machine),
-        triple=driven_by_three(design, machine),
+        triple=driven_by_three(design, machine, masses),
         amplitude=min(design.si("actuator.stroke_amplitude"), 0.5 * machine.piezo.stroke),
         phase=design.si("actuator.phase"),
         frequency=design.si("actuator.frequency"),

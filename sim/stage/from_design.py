@@ -87,16 +87,18 @@ def driven_alone(design: Design, machine: StageMachine) -> StageMachine:
     return dataclasses.replace(machine, actuators=np.array(design.derived.actuator_places[:1]) * 1e-3)
 
 
-def driven_by_three(design: Design, machine: StageMachine) -> StageMachine:
-    """The machine on three actuators, without teeth: the preload asked for is a dead weight, and nothing guides it."""
-    r = DesignInputs(design)
+def driven_by_three(design: Design, machine: StageMachine, masses: BodyMasses) -> StageMachine:
+    """The machine on three actuators, without teeth: the preload asked for is a dead weight, and nothing guides it.
+
+    The weight, a point in the middle, takes part in the bending modes.
+    """
+    r = DesignInputs(design, masses)
     body = MassProperties(0.0, machine.stage.mass, machine.stage.centre, machine.stage.inertia, np.zeros((2, 3)))
     stage = machine.stage
     if design.teeth.fitted:
-        # The ballast moves with the rigid body only, not in the bending modes.
-        stage = dataclasses.replace(
-            _as_stage(with_ballast(body, r("preload.force") / gravity(r))), bending=machine.stage.bending
-        )
+        added = r("preload.force") / gravity(r)
+        bending = _bending(r, added) if len(stage.bending.frequencies) else stage.bending
+        stage = dataclasses.replace(_as_stage(with_ballast(body, added)), bending=bending)
     return dataclasses.replace(machine, stage=stage, actuators=np.array(design.derived.actuator_places) * 1e-3)
 
 
@@ -104,8 +106,8 @@ def _as_stage(body: MassProperties) -> Stage:
     return Stage(mass=body.mass, centre=np.array(body.centre_of_mass), inertia=np.array(body.inertia))
 
 
-def _bending(r: DesignInputs) -> Bending:
-    modes = bending_modes(r, BENDING_MODES)
+def _bending(r: DesignInputs, added: float | None = None) -> Bending:
+    modes = bending_modes(r, BENDING_MODES, added)
     kept = modes.frequency < HIGHEST_MODE
     return Bending(
         modes.frequency[kept],

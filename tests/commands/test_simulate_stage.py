@@ -7,7 +7,9 @@ import json
 
 import pytest
 
+from designcalc.checks import run_checks
 from sim.experiments.stage import stage_drive
+from sim.stage.studies.positioning import LOOPS, move_to
 from stagecad.parameters.load import load_design
 from stagecad.solids.assembly.machine import body_masses
 from workbench.cli import run
@@ -108,3 +110,18 @@ def test_the_studies_have_a_bending_stage_on_swaying_stacks():
         assert machine.stage.bending.frequencies.size > 10
         assert machine.tip.sway_stiffness == pytest.approx(0.5e6, rel=0.02)
         assert machine.tip.sway_play == pytest.approx(32e-6, rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_simulated_move_settles_within_the_time_of_the_check():
+    """From the end of the drive until every period is within the coarse resolution, with the filtered probe."""
+    design = load_design(None, ())
+    masses = body_masses(design)
+    drive = stage_drive(design, masses)
+    move = move_to((drive.single, drive.amplitude, drive.phase, drive.frequency, LOOPS["interferometer_and_probe"]))
+    settled = move.within(design.requirements.resolution_coarse)
+    assert move.taken_over is not None and settled is not None
+    check = next(c for c in run_checks(design, masses) if c.name == "settling after a move")
+    assert check.value is not None and 0.4 * check.value < settled - move.taken_over < check.value < check.limit
+    # Half of the time of a move over the travel at full speed.
+    assert check.limit == pytest.approx(0.5 * 0.2 / 0.2)

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
+from designcalc.machine.driven_plate import driven_modes
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, preload
-from designcalc.machine.stage_plate import give_at_tip, sag, stage_modes
+from designcalc.machine.stage_plate import give_at_tip, sag
 from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
 
 _PLATE = "Kirchhoff plate on its pads by finite elements (Zienkiewicz, Taylor, section 11.3)"
-_MODES = 40
-"""Calculated; for a plate of this size they reach beyond 10 kHz."""
 _TIP_SHARE = 0.1
 """Of the largest motion above the tip among the modes; with less, the tip hardly excites a mode."""
 
@@ -25,7 +24,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 def resonances(r: DesignInputs) -> Check:
     drive = r("actuator.frequency")
-    modes = stage_modes(r, _MODES)
+    modes = driven_modes(r)
     moving = np.abs(modes.shapes[0]) > _TIP_SHARE * np.abs(modes.shapes[0]).max()
     excited = modes.frequency[moving]
     ratios = np.maximum(excited, drive) / np.minimum(excited, drive)

@@ -14,11 +14,11 @@ from designcalc.bearing.fastener import (
 )
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.errors.thermal import preload_change
+from designcalc.machine.driven_plate import at_feet
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass
 from designcalc.machine.pads import rail
 from designcalc.machine.screws import screw_preload
-from designcalc.machine.stage_plate import give_at, payload_feet
 from stagecad.parameters.design import Design
 
 _APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
@@ -86,16 +86,19 @@ def stiffness(r: DesignInputs) -> Check:
 def force_ripple(r: DesignInputs) -> Check:
     way = rail(r)
     M, tau = _ratios(r)
-    feet = give_at(r, payload_feet(r))
-    K = 1 / (1 / (2 * float(total_stiffness(way, M, tau))) + float(feet.max()))
     smooth = r("requirements.smoothness")
     ripple = moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction")
+    feet = at_feet(r, ripple)
+    moved = float((feet.static + feet.vibration).max())
+    K = 1 / (1 / (2 * float(total_stiffness(way, M, tau))) + moved / ripple)
     return Check(
         "smoothness against the tip's own pulsation",
         at_most(ripple, K * smooth, "N"),
-        source="elastic deflection of ways, pads and stage at the payload by what the tip takes off them each cycle",
-        formula="m a/mu <= K x 1 nm, K of ways, pads and bending stage in series",
-        substituted=f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; "
+        source="elastic deflection of ways, pads and stage at the payload by what the tip takes off them each cycle, "
+        "and their vibration by its pulses, by the modes of the plate on its pads",
+        formula="m a/mu <= K x 1 nm, 1/K = 1/K_ways + (static deflection + vibration)/(m a/mu)",
+        substituted=f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; feet moved by "
+        f"{show(float(feet.static.max()), 'm')} and shaken by {show(float(feet.vibration.max()), 'm')}; "
         f"{show(K, 'N/m')} x {show(smooth, 'm')} = {show(K * smooth, 'N')}",
         proposal=f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take "
         "smoothness with the drive at rest",

@@ -15,9 +15,9 @@ from stage_machines import FOUR_PADS, example, ideal_piezos
 from designcalc.bearing.plate import Plate, SupportedPlate
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import pad_positions, pad_spring_stiffness
-from designcalc.machine.stage_plate import give_at_tip
+from designcalc.machine.stage_plate import give_at_tip, payload_feet
 from designcalc.machine.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
-from sim.stage.from_design import driven_alone, flexible_machine
+from sim.stage.from_design import driven_alone, driven_by_three, flexible_machine
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
 from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_with_load
@@ -159,6 +159,24 @@ def test_modes_on_the_grid_are_those_of_ritz(machine, ritz):
 @pytest.fixture(scope="module")
 def of_design(design) -> StageMachine:
     return driven_alone(design, flexible_machine(design, MASSES))
+
+
+def test_the_ballast_of_three_actuators_bends_the_plate(design):
+    """It lowers the modes as one more point mass on Ritz's plate does."""
+    machine = flexible_machine(design, MASSES)
+    found = driven_by_three(design, machine, MASSES).stage
+    weight = 3.0 / 9.80665
+    assert found.mass == pytest.approx(machine.stage.mass + weight)
+    length, width, thickness = SIDES
+    material = (*ALUMINIUM[:2], BODY.mass / (length * width * thickness))
+    radius = design.si("payload.height") + thickness / 2
+    feet = [(x, y, 0.25, radius) for x, y in payload_feet(DesignInputs(design))]
+    points = ([], [(0.0, 0.0, weight, 0.0)])
+    before, after = (free_plate(*SIDES, material, [*feet, *more]).rates[3:9] for more in points)
+    expected = after / before
+    lowered = found.bending.frequencies[:6] / machine.stage.bending.frequencies[:6]
+    assert lowered == pytest.approx(expected, abs=3e-3)
+    assert expected.min() < 0.98
 
 
 def test_rest_bends_the_plate_as_the_finite_elements_do(design, of_design):

@@ -12,7 +12,7 @@ from designcalc.checks import run_checks
 from designcalc.checks.analysis.report import markdown, shown
 from designcalc.machine.assembly_values import assembly_values
 from designcalc.machine.inputs import DesignInputs
-from sim.stage.from_design import stage_machine
+from sim.stage.from_design import flexible_machine, stage_machine
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.identification.design_values import design_values
 from workbench.options import Run
@@ -74,15 +74,25 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     assert row in markdown(list(checks.values()))
 
 
-def test_a_softer_plate_lowers_modes_and_stiffness_in_every_check():
+def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
     found = []
     for overrides in ((), ("materials.al_6061_t6.youngs_modulus=35 GPa",)):
         checks = {c.name: c for c in run_checks(Run(None, overrides, Path("build"), None).design, MASSES)}
         lowest = checks["resonances of the stage on its pads against the drive"].substituted.split("modes ")[1]
-        found.append((float(lowest.split(" ")[0]), checks["bending of the stage above the tip"].value))
+        simulated = flexible_machine(Run(None, overrides, Path("build"), None).design, MASSES).stage.bending
+        found.append(
+            (
+                float(lowest.split(" ")[0]),
+                checks["bending of the stage above the tip"].value,
+                float(simulated.frequencies[0]),
+                float(checks["settling after a move"].substituted.split("first mode ")[1].split(" ")[0]),
+            )
+        )
     # A plate on pads that are stiffer by far: frequencies with the root of the modulus, deflections inversely.
     assert found[1][0] / found[0][0] == pytest.approx(np.sqrt(35 / 68.9), rel=0.03)
     assert found[1][1] / found[0][1] == pytest.approx(68.9 / 35, rel=0.03)
+    assert found[1][2] / found[0][2] == pytest.approx(np.sqrt(35 / 68.9), rel=1e-6)
+    assert found[1][3] / found[0][3] == pytest.approx(np.sqrt(35 / 68.9), rel=0.03)
 
 
 def test_the_tip_of_the_checks_is_the_simulated_one():
