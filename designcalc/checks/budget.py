@@ -17,10 +17,10 @@ from designcalc.errors.error_budget import Contribution, budget
 from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import floor_motion
 from designcalc.machine.body import moving_body
-from designcalc.machine.driven_plate import at_payload
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
+from designcalc.machine.plate_vibration import at_payload
 from designcalc.machine.position_loop import air_error
 from designcalc.machine.stage_plate import payload_place
 from designcalc.machine.tip_dynamics import holding_stiffness, tip_noise

@@ -6,9 +6,9 @@ import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
-from designcalc.machine.driven_plate import above_tip
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
+from designcalc.machine.plate_vibration import above_tip
 from designcalc.machine.tip_contact import tip_contact
 from designcalc.machine.tip_dynamics import peak_tip_force, stack_stiffness, usable_ellipse
 from stagecad.parameters.design import Design

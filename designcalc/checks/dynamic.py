@@ -8,9 +8,9 @@ import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.errors.dynamic_budget import DynamicBudget
-from designcalc.machine.held_plate import held_plate
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
+from designcalc.machine.plate_vibration import held_plate
 from designcalc.machine.position_loop import INTERFEROMETER, PROBE, dynamic_budget, position_loop, suspension
 from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design

@@ -32,10 +32,10 @@ from designcalc.errors.dynamic_budget import (
 from designcalc.errors.sensors import air_index_error, count_size
 from designcalc.errors.thermal import THIRD_OCTAVES
 from designcalc.machine.body import moving_body
-from designcalc.machine.held_plate import held_plate
 from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import load, moved_mass
 from designcalc.machine.pads import pads_stiffness
+from designcalc.machine.plate_vibration import held_plate
 from designcalc.machine.stage_plate import payload_place
 from designcalc.machine.tip_dynamics import PIEZOS, holding_stiffness, tip_noise
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.machine.driven_plate import driven_modes
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, preload
+from designcalc.machine.plate_vibration import driven_modes
 from designcalc.machine.stage_plate import give_at_tip, sag
 from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design

@@ -14,10 +14,10 @@ from designcalc.bearing.fastener import (
 )
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.errors.thermal import preload_change
-from designcalc.machine.driven_plate import at_feet
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass
 from designcalc.machine.pads import rail
+from designcalc.machine.plate_vibration import at_feet
 from designcalc.machine.screws import screw_preload
 from stagecad.parameters.design import Design
 

@@ -8,9 +8,9 @@ from scipy.sparse.linalg import spsolve
 
 from designcalc.checks import run_checks
 from designcalc.contact.pulsed import peak_of_mean, pressed_force, pulse_harmonics
-from designcalc.machine.driven_plate import Shaken, above_tip, at_payload, compliance
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
+from designcalc.machine.plate_vibration import Shaken, above_tip, at_payload, compliance
 from designcalc.machine.stage_plate import TIP, give_at_tip, payload_feet, payload_place, stage_plate
 from stagecad.parameters.load import load_design
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from designcalc.errors.dynamic_budget import base_response
-from designcalc.machine.held_plate import HeldPlate, held_plate
 from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.plate_vibration import HeldPlate, held_plate
 from designcalc.machine.stage_plate import TIP, payload_place, stage_plate
 from stagecad.parameters.load import load_design
 
