@@ -262,10 +262,10 @@ def leads(r: DesignInputs) -> Check:
 def sea_length(r: DesignInputs) -> Check:
     length, travel, margin = r("stage.length"), r("stage.travel"), r("sea.contact_margin")
     return Check(
-        "sea over the tip at both ends of the travel",
+        "drive surface over the tip at both ends of the travel",
         at_least(length, travel + 2 * margin, "m"),
         source="geometry",
-        formula="sea >= travel + 2 margins",
+        formula="length of the drive surface >= travel + 2 margins",
         substituted=f"{show(length, 'm')} against {show(travel + 2 * margin, 'm')}",
         proposal=f"a stage of {show(travel + 2 * margin, 'm')}",
         requirement="Table 1: travel",
