@@ -145,6 +145,7 @@ def tension(r: DesignInputs) -> Check:
         formula="{sqrt[(m w^2 Y/4)^2 + (J w^2 theta/D)^2] + mu N h/D}/A <= tensile limit",
         substituted=f"f = {show(f, 'Hz')}: ({show(swing, 'N')} + {show(push, 'N')})/{show(area * 1e6, '')} mm^2",
         proposal=f"preload each stack by {show(pull, 'N')} or more, or drive at {show(slower, 'Hz')} at most",
+        changes=change("requirements.speed", r("requirements.speed") * slower / f, "m/s", up=False),
         requirement=_ACTUATOR,
         note=f"preloaded by {show(pull, 'N')}, {100 * pull / r('piezo.blocking_force'):.2g} % of the blocking force, "
         "the ceramic stays in compression",

@@ -167,6 +167,9 @@ def tip_over(r: DesignInputs) -> Check:
         f"{reached / g:.3g} g",
         proposal=f"a half-span of the pads on the tip's line of {show(float(span), 'm')}, a preload that stays over "
         "the tip, or pads fixed on the base under the tip",
+        changes=change("pads.spacing_along", r("pads.spacing_along") * span / (share * end / (1 - share)), "m", up=True)
+        if 0 < share < 1
+        else (),
         thesis="a tip force away from the pads tips the stage; the thesis considers the middle of the travel only",
         requirement="Table 1: acceleration",
     )

@@ -72,6 +72,13 @@ def give_at_tip(r: DesignInputs) -> float:
     return float(stage_plate(r).compliance([TIP])[0, 0])
 
 
+def give_of_pads_at_tip(r: DesignInputs) -> float:
+    """That of a rigid stage on its pads, m/N."""
+    rows = np.column_stack([np.ones(len(pad_positions(r))), pad_positions(r)])
+    at = np.array([1.0, *TIP])
+    return float(at @ np.linalg.solve(rows.T @ (pad_spring_stiffness(r)[:, None] * rows), at))
+
+
 def give_at(r: DesignInputs, places: ArrayLike) -> Array:
     """Deflection at places, m, shape (n, 2), by a unit force of the tip, m/N, shape (n,)."""
     return stage_plate(r).compliance([TIP], places)[:, 0]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
+from designcalc.machine.body import bare_stage
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import load, preload
+from designcalc.machine.loads import gravity, load, preload
 from designcalc.machine.plate_vibration import driven_modes
-from designcalc.machine.stage_plate import give_at_tip, sag
+from designcalc.machine.stage_plate import give_at_tip, give_of_pads_at_tip, sag
 from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
 
@@ -44,6 +46,19 @@ def stiffness(r: DesignInputs) -> Check:
     """The stage must not bend away from the force that drives it."""
     rise, give = usable_ellipse(r)[1], give_at_tip(r)
     lost = load(r) * give
+    # Pads do not stiffen with the plate, and a thicker one weighs more.
+    thick, pads = r("stage.thickness"), give_of_pads_at_tip(r)
+    heavier = gravity(r) * bare_stage(r).mass / thick
+
+    def excess(thickness: float) -> float:
+        bent = (give - pads) * (thick / thickness) ** 3 + pads
+        return (load(r) + heavier * (thickness - thick)) * bent - 0.2 * rise
+
+    enough = (
+        float(root_scalar(excess, bracket=(thick, 10 * thick)).root)
+        if excess(10 * thick) < 0 < excess(thick)
+        else np.inf
+    )
     return Check(
         "bending of the stage above the tip",
         at_most(lost, 0.2 * rise, "m"),
@@ -51,7 +66,7 @@ def stiffness(r: DesignInputs) -> Check:
         formula="F/K <= 0.2 Y, F weight and preload, K of plate and pads above the tip",
         substituted=f"{show(load(r), 'N')}/{show(1 / give, 'N/m')} = {show(lost, 'm')}, Y = {show(rise, 'm')}",
         proposal="a thicker plate (stiffness grows as the cube), ribs, less preload, or pads nearer to the tip",
-        changes=change("stage.thickness", r("stage.thickness") * np.cbrt(lost / (0.2 * rise)), "m", up=True),
+        changes=change("stage.thickness", enough, "m", up=True),
     )
 
 

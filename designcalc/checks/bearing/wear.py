@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load
 from designcalc.machine.pads import heaviest_pad, pad_contact
@@ -46,6 +46,7 @@ def running_in(r: DesignInputs) -> Check:
     thickness = r("bearing.film_thickness")
     limit = thickness / 2
     hours = distance / r("requirements.speed") / 3600
+    rate = r("bearing.run_in_wear_rate") * (limit / worn) ** 2
     return Check(
         "wear of the PTFE film by running in",
         at_most(worn, limit, "m"),
@@ -53,8 +54,9 @@ def running_in(r: DesignInputs) -> Check:
         formula="h = sqrt(k F s/(pi R)) <= t/2, s = 2 travel x cycles",
         substituted=f"{cycles:.0f} cycles, {show(distance, 'm')}, {hours:.2g} h at full speed: {show(worn, 'm')} of "
         f"{show(thickness, 'm')}",
-        proposal=f"flat pads, a shorter running in, or a film that wears by "
-        f"{show(r('bearing.run_in_wear_rate') * (limit / worn) ** 2, 'm^2/N')} at most (filled PTFE: 1e-15 m^2/N)",
+        proposal=f"flat pads, a shorter running in, or a film that wears by {show(rate, 'm^2/N')} at most "
+        "(filled PTFE: 1e-15 m^2/N)",
+        changes=change("bearing.run_in_wear_rate", rate, "m^2/N", up=False),
     )
 
 
@@ -63,6 +65,7 @@ def life(r: DesignInputs) -> Check:
     radius, depth = r("pads.crown_radius"), r("bearing.film_thickness") / 2
     distance = float(crown_wear_distance(depth, radius, r("bearing.wear_rate"), heaviest))
     wanted = r("bearing.life")
+    rate = r("bearing.wear_rate") * distance / wanted
     return Check(
         "life of the PTFE film",
         at_least(distance, wanted, "m"),
@@ -70,8 +73,8 @@ def life(r: DesignInputs) -> Check:
         formula="s = pi R (t/2)^2/(k F)",
         substituted=f"R = {show(radius, 'm')}, F = {show(heaviest, 'N')}: {show(distance, 'm')}, "
         f"{distance / (2 * r('stage.travel')):.3g} strokes there and back",
-        proposal=f"flat pads, or a film that wears by {show(r('bearing.wear_rate') * distance / wanted, 'm^2/N')} at "
-        "most (filled PTFE reaches 1e-15 m^2/N)",
+        proposal=f"flat pads, or a film that wears by {show(rate, 'm^2/N')} at most (filled PTFE reaches 1e-15 m^2/N)",
+        changes=change("bearing.wear_rate", rate, "m^2/N", up=False),
     )
 
 
