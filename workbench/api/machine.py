@@ -218,7 +218,8 @@ class Drawings(Result):
 
 
 def drawings(design: Design | None = None, names: Sequence[str] = (), out: str | Path = "build") -> Drawings:
-    """Draw the sheets of a design and write each as DXF, SVG, PDF and PNG.
+    """Draw the sheets of a design and write each as DXF, SVG, PDF and PNG, with a list of its dimensions (CSV) and its
+    part with tolerances (STEP AP242).
 
     Args:
         design: the packaged machine when left out.

@@ -102,3 +102,13 @@ def test_the_bed_has_its_own_poisson_ratio():
 
 def test_smallest_step_of_the_free_tip(packaged):
     assert packaged["smallest step of the tip"] == pytest.approx(0.2256e-9, rel=1e-3)
+
+
+def test_data_of_the_materials_are_those_of_their_kind():
+    """A hard anodic layer and not dense alumina, silicon carbide near 20 degC, PTFE of one grade."""
+    r = inputs()
+    assert 60e9 <= r("materials.anodic_layer.youngs_modulus") <= 150e9
+    assert 2.2e-6 <= r("materials.sic.expansion") <= 2.6e-6
+    # Pressure, pressure times speed and wear are all those of unfilled PTFE.
+    assert 1e-13 <= r("bearing.wear_rate") <= r("bearing.run_in_wear_rate") <= 1e-12
+    assert r("bearing.allowable_pressure") <= 7e6 and r("bearing.allowable_pv") <= 0.07e6
