@@ -48,7 +48,8 @@ def rank_sum(columns: ArrayLike) -> Array:
     Returns:
         shape (candidates,).
     """
-    # Loading scipy.stats takes longer than most calculators here together.
-    from scipy.stats import rankdata
-
-    return rankdata(np.asarray(columns, float), axis=0).sum(axis=1)
+    # As scipy.stats.rankdata, whose loading takes a quarter of the time of all checks.
+    scores = np.asarray(columns, float)
+    below = (scores[:, None] > scores).sum(axis=1)
+    equal = (scores[:, None] == scores).sum(axis=1)
+    return (below + 0.5 * (equal + 1)).sum(axis=1)
