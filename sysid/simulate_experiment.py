@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 from sim.effects.catalogue import rounding_effects
 from sim.integration.simulate import SimulationError
@@ -235,6 +234,9 @@ def noise_signal(noise: Noise, time: np.ndarray, random: np.random.Generator) ->
     kept = float(np.exp(-step / noise.correlation_time)) if noise.correlation_time > 0.0 else 0.0
     drawn = np.sqrt(1.0 - kept**2) * random.standard_normal(time.size)
     drawn[0] /= np.sqrt(1.0 - kept**2)
+    # Loading scipy.signal takes longer than the start of the other commands.
+    from scipy.signal import lfilter
+
     coloured = np.asarray(lfilter([1.0], [1.0, -kept], drawn))
     if white > 0.0 and kept > 0.0:
         coloured = np.sqrt(1.0 - white) * coloured + np.sqrt(white) * random.standard_normal(time.size)

@@ -20,7 +20,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import correlate
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import gammaincc
 
 from sysid.prediction.model import Model, PreparedRecord, predict
@@ -158,9 +158,11 @@ def _correlation(u: Sequence[np.ndarray], e: Sequence[np.ndarray]) -> np.ndarray
     longest = max(part.size for part in e)
     total = np.zeros(2 * longest - 1)
     for a, b in zip(u, e, strict=True):
-        one = correlate(b, a, method="fft")
-        start = longest - b.size
-        total[start : start + one.size] += one
+        lags = a.size + b.size - 1
+        size = next_fast_len(lags, real=True)
+        one = np.roll(irfft(rfft(b, size) * np.conj(rfft(a, size)), size), a.size - 1)[:lags]
+        start = longest - a.size
+        total[start : start + lags] += one
     norm = np.sqrt(sum(float(a @ a) for a in u) * sum(float(b @ b) for b in e))
     return total / norm if norm > 0.0 else total
 
