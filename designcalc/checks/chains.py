@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.machine.height_adjustment import wedge
 from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.screws import wedge
 from designcalc.machine.tolerance_chains import (
     Chain,
     holder_in_pocket,

@@ -6,8 +6,8 @@ import math
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.machine.clamp import clamping_shift, grip
-from designcalc.machine.height_adjustment import wedge
 from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.screws import wedge
 from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance
 from designcalc.machine.clamp import clamping_shift
-from designcalc.machine.height_adjustment import wedge
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import heaviest_pad
-from designcalc.machine.screws import screw_preload
+from designcalc.machine.screws import screw_preload, wedge
 from designcalc.machine.teeth import attraction
 from designcalc.machine.tip_dynamics import usable_ellipse
 
