@@ -1,40 +1,186 @@
-"""Commands killed at random times: nothing is torn, nothing of them lives on, and the next run works."""
+"""Every command that writes, killed at random times and at random file operations: no file is torn or lost, no process
+lives on, and the next run works.
+
+The command runs in a fork of this process, which has loaded its modules: a run takes what its work takes.
+"""
 
 from __future__ import annotations
 
-import json
 import os
+import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stagecad.parameters.load import load_design
+from stagecad.private import cache_root
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.history import edited_by_hand, read_history
+from tests.robustness.crashing import Ended, run_killed
 from tests.robustness.mutation import count
+from tests.robustness.whole_files import assert_whole
 from tests.sysid.slide import SIGN, VELOCITY, slide
+from workbench.cli import run
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="needs process groups")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.xdist_group("kills"),
+    pytest.mark.skipif(sys.platform != "linux", reason="needs process groups and descriptors of processes"),
+]
 KILLS = count(30)
+QUICK = 3.0
+"""A command that takes less is run to its end after each kill; another after every `TOGETHER` kills, s."""
+TOGETHER = 5
 STAGE = '# mine\nextends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
+OWN = "my own"
+"""Content of files that no command may touch."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A command that writes, as words, and what must hold after any end of it."""
+    """A command that writes.
 
-    words: tuple[str, ...]
-    check: Callable[[Path], None]
-    before: tuple[str, ...] = ()
+    Attributes:
+        words: of the command; `{n:03d}` becomes another number for each group of kills.
+        before: another command that is run first.
+        may_change: files of the user that the command writes.
+        may_refuse: whether a run after one that was complete is refused.
+    """
+
+    words: str
+    before: str = ""
+    may_change: tuple[str, ...] = ()
+    may_refuse: bool = False
 
 
-def _experiment(folder: Path) -> None:
+MODEL = ("rig/experiment.toml",)
+CASES = {
+    "new experiment": Case("new experiment other rig/fit.csv --kind velocity-drive", may_refuse=True),
+    "new machine": Case("new machine other", may_refuse=True),
+    "new effect": Case("new effect other", may_refuse=True),
+    "params": Case("params --write new.toml --set stage.length=240.{n:03d}mm"),
+    "compare": Case("compare rig --json out.json"),
+    "diagnose": Case("diagnose rig --json out.json"),
+    "suggest": Case("suggest rig --json out.json"),
+    "add": Case("add rig viscous", may_change=MODEL, may_refuse=True),
+    "undo": Case("add rig --undo", "add rig viscous", may_change=MODEL, may_refuse=True),
+    "write-back": Case(
+        "add rig viscous --write-back friction.coulomb", may_change=(*MODEL, "stage.toml"), may_refuse=True
+    ),
+    "ladder": Case("ladder rig --json out.json", "add rig viscous"),
+    "simulate": Case("simulate presliding tip --format both --json out.json"),
+    "simulate experiment": Case("simulate rig --json out.json"),
+    "check": Case("check --json out.json --figures --set friction.coulomb=1.{n:03d}N"),
+    "optimize": Case("optimize --no-solids --no-figures --budget 20 --evaluations 50 --write new.toml --json out.json"),
+    "demo": Case("demo --json out.json"),
+    "parts": Case("parts --json out.json --set magnet.edge_chamfer=0.3{n:03d}mm"),
+    "drawings": Case("drawings magnet --json out.json --set magnet.edge_chamfer=0.4{n:03d}mm"),
+    "make": Case("make --no-simulations --json out.json --set magnet.edge_chamfer=0.2{n:03d}mm"),
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """A cache of its own, which begins with the compiled kernels of the user's."""
+    folder = tmp_path_factory.mktemp("kills") / "cache"
+    shutil.copytree(cache_root() / "kernels", folder / "kernels")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("STAGECAD_CACHE", str(folder))
+        yield
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_killed_at_random_moments(
+    tmp_path: Path, name: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case, random, found = CASES[name], np.random.default_rng(7), Counter[str]()
+    template = _template(tmp_path, case)
+    # Once in this process, which loads the modules that the forks inherit.
+    shutil.copytree(template, tmp_path / "loading")
+    monkeypatch.chdir(tmp_path / "loading")
+    assert run(case.words.format(n=98).split()) in (0, 1)
+    reference = _begin(tmp_path, template, "reference", case, 99)
+    whole = reference()
+    assert whole.status in (0, 1), whole.text
+    names, group = _names(tmp_path / "reference"), 0
+    while found["kills"] < KILLS:
+        group += 1
+        again, longest, together = _begin(tmp_path, template, f"run_{group}", case, group), whole.seconds, 0
+        folder = tmp_path / f"run_{group}"
+        while found["kills"] < KILLS:
+            if random.random() < 0.5:
+                ended = again(seconds=longest * random.random())
+            else:
+                ended = again(operation=int(random.integers(max(whole.operations, 1))))
+            _sound(folder, case, ended, names)
+            if ended.status is not None:
+                # Its work was in the cache, or the command had been completed before.
+                found["ended before"] += 1
+                break
+            found["kills"], together = found["kills"] + 1, together + 1
+            if whole.seconds < QUICK or together == TOGETHER:
+                break
+        ended = again()
+        found["complete runs"] += 1
+        _sound(folder, case, ended, names)
+        assert ended.status == whole.status or (case.may_refuse and ended.status == 2), ended.text
+        assert names <= _names(folder)
+        shutil.rmtree(folder)
+    with capfd.disabled():
+        print(f"\n{name}: {dict(found)}, {whole.operations} operations in {whole.seconds:.1f} s")  # noqa: T201
+
+
+def _template(tmp_path: Path, case: Case) -> Path:
+    folder = tmp_path / "template"
+    slide(folder / "rig", 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
+    (folder / "stage.toml").write_text(STAGE)
+    for place in ("build/notes.txt", "build/demo/experiment.toml", "rig/notes.txt", "checks.txt"):
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        (folder / place).write_text(OWN)
+    if case.before:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(folder)
+            assert run(case.before.split()) == 0
+    return folder
+
+
+def _begin(tmp_path: Path, template: Path, name: str, case: Case, number: int) -> Callable[..., Ended]:
+    """A function that runs the command in a new copy of the template, in a fork."""
+    folder = tmp_path / name
+    shutil.copytree(template, folder)
+    words = case.words.format(n=number).split()
+    return partial(run_killed, partial(run, words), folder, tmp_path, tmp_path / "log.txt")
+
+
+def _names(folder: Path) -> set[str]:
+    """Files with their final names; the name of a file of parameters ends with the hash of the parameters."""
+    every = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file() and path.suffix != ".lock")
+    return {
+        str(path) for path in every if not any(part.startswith(".") for part in path.parts) and "_" not in path.stem
+    }
+
+
+def _sound(folder: Path, case: Case, ended: Ended, names: set[str]) -> None:
+    """What holds after any end: no traceback, no orphan, files whole, the user's own as they were."""
+    assert "Traceback" not in ended.text, ended.text
+    assert _gone(ended.group)
+    template = folder.parent / "template"
+    for path in template.rglob("*"):
+        own = str(path.relative_to(template))
+        if path.is_file() and own not in case.may_change and not own.startswith("rig/ladder"):
+            assert (folder / own).read_bytes() == path.read_bytes(), own
+    for path in folder.rglob("*"):
+        hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
+        if path.is_file() and not hidden and path.suffix != ".lock" and path.read_bytes() != OWN.encode():
+            assert_whole(path)
     now = load_experiment(folder / "rig")
     rungs = read_history(now)
     assert not edited_by_hand(now, rungs)
@@ -42,87 +188,21 @@ def _experiment(folder: Path) -> None:
     load_design(folder / "stage.toml")
 
 
-def _files(folder: Path) -> None:
-    """What has its final name is whole."""
-    _experiment(folder)
-    for path in folder.rglob("*.json"):
-        if not path.name.startswith("."):
-            json.loads(path.read_text("utf-8"))
-    for path in folder.rglob("*.html"):
-        assert path.read_text("utf-8").rstrip().endswith("</html>")
-
-
-CASES = {
-    "add": Case(("add", "rig", "viscous"), _experiment),
-    "undo": Case(("add", "rig", "--undo"), _experiment, ("add", "rig", "viscous")),
-    "write-back": Case(("add", "rig", "viscous", "--write-back", "friction.coulomb"), _experiment),
-    "params": Case(("params", "--write", "new.toml", "--set", "stage.length=240 mm"), _files),
-    "compare": Case(("compare", "rig", "--json", "out.json"), _files),
-    "diagnose": Case(("diagnose", "rig", "--json", "out.json"), _files),
-    "suggest": Case(("suggest", "rig"), _files),
-    "simulate": Case(("simulate", "rig"), _files),
-    "check": Case(("check", "--json", "out.json"), _files),
-    "demo": Case(("demo",), _files),
-    "parts": Case(("parts", "--json", "out.json"), _files),
-    "make": Case(("make", "--no-simulations"), _files),
-}
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_killed_at_random_times(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    case, random = CASES[name], np.random.default_rng(7)
-    environment = {**os.environ, "PYTHONPATH": os.getcwd()}
-
-    def begin(folder: Path, words: tuple[str, ...]) -> subprocess.Popen[str]:
-        return subprocess.Popen(
-            [sys.executable, "-m", "workbench.cli", *words],
-            cwd=folder,
-            env=environment,
-            start_new_session=True,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-
-    def prepared(number: int) -> Path:
-        folder = tmp_path / f"run_{number}"
-        folder.mkdir()
-        slide(folder / "rig", 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
-        (folder / "stage.toml").write_text(STAGE)
-        if case.before:
-            preparing = begin(folder, case.before)
-            error = preparing.communicate()[1]
-            assert preparing.returncode == 0, error
-        return folder
-
-    began = time.monotonic()
-    whole = begin(prepared(0), case.words)
-    assert whole.communicate()[1] is not None and whole.returncode in (0, 1)
-    seconds = time.monotonic() - began
-    for number in range(1, KILLS + 1):
-        folder = prepared(number)
-        started = begin(folder, case.words)
-        time.sleep(random.uniform(0.2, 1.0) * seconds)
-        started.kill()
-        error = started.communicate()[1]
-        assert "Traceback" not in error
-        assert _gone(started.pid)
-        case.check(folder)
-        again = begin(folder, case.words)
-        error = again.communicate()[1]
-        # What the killed run had completed is refused in one line the second time.
-        assert again.returncode in (0, 1, 2) and "Traceback" not in error, error
-        case.check(folder)
-    with capsys.disabled():
-        print(f"\n{name}: {KILLS} kills within {seconds:.1f} s")  # noqa: T201
-
-
 def _gone(group: int) -> bool:
     """Whether all processes of the group end within some seconds."""
     deadline = time.monotonic() + 15.0
-    while time.monotonic() < deadline:
-        found = subprocess.run(["ps", "-eo", "pgid=,stat="], capture_output=True, text=True).stdout.split()
-        if not any(int(one) == group and not state.startswith("Z") for one, state in zip(found[::2], found[1::2])):
-            return True
-        time.sleep(0.2)
-    return False
+    while _alive(group):
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def _alive(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    # A process that has ended, and that nobody has waited for, counts for `killpg`.
+    found = subprocess.run(["ps", "-eo", "pgid=,stat="], capture_output=True, text=True).stdout.split()
+    return any(int(one) == group and not state.startswith("Z") for one, state in zip(found[::2], found[1::2]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from pathlib import Path
 
 import click
@@ -38,13 +39,14 @@ def command() -> None:
 def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None) -> None:
     """Write FOLDER/experiment.toml from measurement FILEs, with a question where something is uncertain."""
     from sysid.experiment.columns.proposal import number_columns
-    from workbench.identification.new_experiment import inspect, questions, write_experiment
+    from workbench.identification.new_experiment import experiment_text, free_experiment, inspect, questions
     from workbench.report.column_figure import draw_columns
 
     with run.busy("reading the files"):
         opened, proposal = inspect(files, kind)
-        target = write_experiment(folder, opened, proposal)
+        target = free_experiment(folder)
         picture = draw_columns(folder / "columns.png", number_columns(opened[0]), proposal)
+        atomic_write_text(target, experiment_text(folder, opened, proposal))
     if opened[0].header.remarks:
         run.echo(f"read as: {', '.join(opened[0].header.remarks)}")
     for column in proposal.columns:
@@ -128,10 +130,19 @@ def hardware(run: Run, kind: str) -> None:
 @click.argument("name")
 def machine(name: str) -> None:
     """NAME/: a project folder with stage.toml, a check of its own and a part of its own."""
-    text = _template("machine", name)
     folder = Path(name)
+    texts = {
+        "stage.toml": _template("machine", name),
+        f"checks/{name}_check.py": _template("check", f"{name}_check"),
+        f"{name}_part.py": _template("part", f"{name}_part"),
+    }
     if folder.exists():
         raise InputError(f"{folder}: is there already; choose another name")
-    _write(folder / "stage.toml", text)
-    _write(folder / "checks" / f"{name}_check.py", _template("check", f"{name}_check"))
-    _write(folder / f"{name}_part.py", _template("part", f"{name}_part"))
+    # The folder appears complete, by renaming.
+    with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.absolute().parent) as temporary:
+        made = Path(temporary) / name
+        for file, text in texts.items():
+            atomic_write_text(made / file, text)
+        made.rename(folder)
+    for file in texts:
+        click.echo(f"written: {folder / file}")

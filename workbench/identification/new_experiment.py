@@ -7,7 +7,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import ExperimentProposal, Proposal, number_columns, propose
 from sysid.experiment.readers.base import shown_path
@@ -37,8 +36,10 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
     return opened, propose(opened[0], number_columns(opened[0]), kind)
 
 
-def write_experiment(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> Path:
-    """Write `experiment.toml` into `folder`, which is made if it is missing.
+def free_experiment(folder: Path) -> Path:
+    """The file `experiment.toml` to be written into `folder`, which is made if it is missing.
+
+    It is to be written last: that it exists says that the folder is complete.
 
     Raises:
         InputError: there is one already.
@@ -49,7 +50,6 @@ def write_experiment(folder: Path, opened: Sequence[RecordFile], proposal: Exper
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file; a folder is wanted")
     folder.mkdir(parents=True, exist_ok=True)
-    atomic_write_text(target, experiment_text(folder, opened, proposal))
     return target
 
 
