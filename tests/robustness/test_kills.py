@@ -49,7 +49,7 @@ class Case:
     """A command that writes.
 
     Attributes:
-        words: of the command; `{n:03d}` becomes another number for each group of kills.
+        words: of the command; `{n:03d}` becomes another number in each group of kills.
         before: another command that is run first.
         may_change: files of the user that the command writes.
         may_refuse: whether a run after one that was complete is refused.
@@ -66,7 +66,7 @@ CASES = {
     "new experiment": Case("new experiment other rig/fit.csv --kind velocity-drive", may_refuse=True),
     "new machine": Case("new machine other", may_refuse=True),
     "new effect": Case("new effect other", may_refuse=True),
-    "params": Case("params --write new.toml --set stage.length=240.{n:03d}mm"),
+    "params": Case("params --write new.toml --set stage.length=240.{n:03d}mm", may_refuse=True),
     "compare": Case("compare rig --json out.json"),
     "diagnose": Case("diagnose rig --json out.json"),
     "suggest": Case("suggest rig --json out.json"),

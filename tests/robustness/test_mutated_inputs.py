@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import select
+import signal
+import subprocess
+import sys
 import time
+import warnings
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +24,7 @@ from stagecad.parameters.file import packaged_text
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
 from sysid.experiment.experiment import load_experiment
+from sysid.experiment.readers import isolated
 from sysid.experiment.record import load_records
 from tests.robustness.mutation import HOSTILE, count, mutated, mutated_bytes
 
@@ -144,15 +153,55 @@ def test_experiments_and_records(tmp_path: Path) -> None:
     assert found["refused"] > 20 and found["accepted"] > 0
 
 
-@pytest.mark.slow
-def test_many_parameter_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = parameter_files(tmp_path, count(100_000), 11)
-    with capsys.disabled():
-        print(f"\nparameter files and overrides: {sum(found.values())}: {dict(found)}")  # noqa: T201
+PARTS = 10
+"""Runs, each with a seed of its own, into which the long ones are divided."""
 
 
 @pytest.mark.slow
-def test_many_experiments_and_records(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = experiments(tmp_path, count(50_000), 21, 0.05)
+@pytest.mark.parametrize("seed", range(11, 11 + PARTS))
+def test_many_parameter_files(tmp_path: Path, capsys: pytest.CaptureFixture[str], seed: int) -> None:
+    found = parameter_files(tmp_path, count(100_000 // PARTS), seed)
     with capsys.disabled():
-        print(f"\nexperiments and records: {sum(found.values())}: {dict(found)}")  # noqa: T201
+        print(f"\nparameter files and overrides, seed {seed}: {sum(found.values())}: {dict(found)}")  # noqa: T201
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(21, 21 + PARTS))
+def test_many_experiments_and_records(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    if sys.platform != "win32":
+        monkeypatch.setattr(isolated, "subprocess", SimpleNamespace(run=_forked_reader, DEVNULL=None))
+    found = experiments(tmp_path, count(50_000 // PARTS), seed, 0.1)
+    with capsys.disabled():
+        print(f"\nexperiments and records, seed {seed}: {sum(found.values())}: {dict(found)}")  # noqa: T201
+
+
+def _forked_reader(command: list[str], **_: Any) -> subprocess.CompletedProcess[bytes]:
+    """The process of a binary reader as a fork of this one, which does not load the libraries again."""
+    ours, its = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if not child:
+        os.dup2(its, 1)
+        sys.stdout, sys.argv = os.fdopen(1, "w"), ["reader", command[-1]]
+        try:
+            isolated.answer()
+            sys.stdout.flush()
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    os.close(its)
+    found = bytearray()
+    while select.select([ours], [], [], 2.0 * isolated.SECONDS)[0]:
+        data = os.read(ours, 1 << 20)
+        if not data:
+            break
+        found += data
+    else:
+        os.kill(child, signal.SIGKILL)
+    os.close(ours)
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    assert code != -signal.SIGKILL, "a reader hangs"
+    return subprocess.CompletedProcess(command, code, bytes(found))
