@@ -9,6 +9,8 @@ from typing import Any
 
 LONGEST = 1200
 """Largest length of a message."""
+LONGEST_NAME = 200
+"""Longest name that is compared with others to find the nearest."""
 
 
 def one_line(message: str) -> str:
@@ -100,8 +102,9 @@ def nearest(name: str, allowed: Iterable[str]) -> str:
         ``"; did you mean 'x'?"`` or ``"; allowed: a, b, c"``.
     """
     names = sorted(allowed)
-    # Comparison with a very long text takes seconds, and finds nothing.
-    close = get_close_matches(name, names, n=1, cutoff=0.6) if len(name) <= 200 else []
+    # Comparison with a very long text, or of one, takes seconds, and finds nothing.
+    short = [one for one in names if len(one) <= LONGEST_NAME]
+    close = get_close_matches(name, short, n=1, cutoff=0.6) if len(name) <= LONGEST_NAME else []
     if close:
         return f"; did you mean '{close[0]}'?"
     return f"; allowed: {', '.join(names)}"

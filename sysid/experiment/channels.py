@@ -16,7 +16,7 @@ from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
 
 LONGEST_LABEL = 200
-"""Longest header cell that may hold a unit; the pattern takes a time that grows with the square of the length."""
+"""Longest header cell that may hold a unit; the search takes a time that grows with the square of the length."""
 _LABEL = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]\s*)?")
 _OTHER_LABELS = (
     re.compile(r"(?P<name>.*?)\s*\((?P<unit>[^()]*)\)\s*"),
@@ -263,10 +263,11 @@ def _written_otherwise(column: Column, wanted: str, declared: Channel) -> Column
     if plain(column.name) == plain(wanted):
         return column
     parts = re.split(r"[\s_]+", column.name.strip())
-    for k in range(1, len(parts) if column.unit is None else 0):
+    for k in range(1, len(parts) if column.unit is None and len(column.name) <= LONGEST_LABEL else 0):
+        if plain("_".join(parts[:k])) != plain(wanted):
+            continue
         unit = column_unit("/".join(part for part in parts[k:] if part != "per"))
-        fits = unit is not None and any(same_dimension(unit, si) for si in (declared.unit, declared.rotary_unit))
-        if fits and plain("_".join(parts[:k])) == plain(wanted):
+        if unit is not None and any(same_dimension(unit, si) for si in (declared.unit, declared.rotary_unit)):
             return Column(column.index, column.label, "_".join(parts[:k]), unit)
     return None
 

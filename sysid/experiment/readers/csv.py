@@ -27,7 +27,8 @@ from sysid.experiment.toml_table import shown
 LONG_DIGITS = 10
 """Digits before the decimal sign from which a number (a Unix time) is read exactly and counted from its first row."""
 
-_STAMP = re.compile(r"\d+[./-]\d+[./-]\d+|\d:\d\d")
+_STAMP = re.compile(r"\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|\d:\d\d")
+"""With bounded numbers: a cell may be a million digits long, from each of which a search begins."""
 
 
 def read_header(path: Path, name: str, settings: Format) -> Header:
