@@ -36,9 +36,9 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="needs process groups and descriptors of processes"),
 ]
 KILLS = count(30)
-QUICK = 3.0
+QUICK = 0.5
 """A command that takes less is run to its end after each kill; another after every `TOGETHER` kills, s."""
-TOGETHER = 5
+TOGETHER = 10
 STAGE = '# mine\nextends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
 OWN = "my own"
 """Content of files that no command may touch."""
@@ -76,9 +76,9 @@ CASES = {
         "add rig viscous --write-back friction.coulomb", may_change=(*MODEL, "stage.toml"), may_refuse=True
     ),
     "ladder": Case("ladder rig --json out.json", "add rig viscous"),
-    "simulate": Case("simulate presliding tip --format both --json out.json"),
+    "simulate": Case("simulate tip --format both --json out.json"),
     "simulate experiment": Case("simulate rig --json out.json"),
-    "check": Case("check --json out.json --figures --set friction.coulomb=1.{n:03d}N"),
+    "check": Case("check --json out.json --set friction.coulomb=1.{n:03d}N"),
     "optimize": Case("optimize --no-solids --no-figures --budget 20 --evaluations 50 --write new.toml --json out.json"),
     "demo": Case("demo --json out.json"),
     "parts": Case("parts --json out.json --set magnet.edge_chamfer=0.3{n:03d}mm"),
@@ -141,6 +141,10 @@ def test_killed_at_random_moments(
 def _template(tmp_path: Path, case: Case) -> Path:
     folder = tmp_path / "template"
     slide(folder / "rig", 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
+    for record in (folder / "rig").glob("*.csv"):
+        # Every tenth row: what a run takes is the number of kills that can be afforded.
+        header, *rows = record.read_text().splitlines()
+        record.write_text("\n".join([header, *rows[::10], ""]))
     (folder / "stage.toml").write_text(STAGE)
     for place in ("build/notes.txt", "build/demo/experiment.toml", "rig/notes.txt", "checks.txt"):
         (folder / place).parent.mkdir(parents=True, exist_ok=True)
