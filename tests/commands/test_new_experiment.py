@@ -74,6 +74,17 @@ def test_columns_without_names_are_told_by_their_numbers(tmp_path):
     assert "QUESTION: which column is it? friction_force" in text
 
 
+def test_units_at_the_end_of_names_are_proposed_with_a_question(tmp_path):
+    _write(tmp_path / "log.csv", "time_s,position_mm,force", TIME, 1e3 * ANGLE, FORCE)
+    document, text = _new(tmp_path / "rig", tmp_path / "log.csv")
+    position = next(line for line in text.splitlines() if line.startswith("position = "))
+    assert 'unit = "mm"' in position and "QUESTION" in position and "its unit 'mm' by its name" in position
+    assert any("'force'" in question and "what is its unit?" in question for question in document["questions"])
+    (tmp_path / "rig" / "experiment.toml").write_text(text.replace('unit = "?"', 'unit = "N"'))
+    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    assert np.allclose(record.channels["position"], ANGLE[: record.size], atol=1e-8)
+
+
 def test_one_column_of_intervals_is_asked_for_its_pulses(tmp_path):
     steps = 0.02 + 0.005 * np.sin(0.1 * np.arange(200))
     (tmp_path / "coast.csv").write_text("\n".join(f"{step:.9f}" for step in steps))

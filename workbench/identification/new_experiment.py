@@ -89,7 +89,9 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
             lines.append(f"# {QUESTION} how far is it from pulse to pulse? position = {{pulses_per_turn = 1}}")
             lines.append('# or: position = {pitch = "20 um"}')
             continue
-        lines.append(f'# {QUESTION} which column is it? {name} = {{column = 1, unit = "{unit}"}}')
+        first, _, other = name.partition(" or ")
+        also = f"    # or {other}" if other else ""
+        lines.append(f'# {QUESTION} which column is it? {first} = {{column = 1, unit = "{unit}"}}{also}')
     left = [f"{column.number} '{column.label}'" for column in proposal.columns if column.channel is None]
     lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
     for k, file in enumerate(opened):

@@ -109,6 +109,8 @@ def propose(opened: RecordFile, columns: Mapping[int, np.ndarray], kind: str | N
         column = parse_label(index, header.labels[index])
         stated = header.units.get(column.label, column.unit)
         unit = column_unit(stated) if stated else None
+        if unit is None and not header.numbered:
+            unit = _unit_of_name(column.name)
         guesses[index] = (*_meaning(column.name, unit, header.numbered, known), unit)
     _by_numbers(guesses, columns)
     chosen, question = (kind, "") if kind else _kind({meaning for meaning, _, _ in guesses.values()})
@@ -158,6 +160,16 @@ _ALIKE = (
     {"position", "pull_position"},
     {"voltage", "drive_force"},
 )
+
+
+def _unit_of_name(name: str) -> str | None:
+    """The unit at the end of a name such as `position_mm`; none where a channel has no such unit."""
+    parts = re.split(r"[\s_]+", name.strip())
+    for k in range(1, len(parts)):
+        unit = column_unit("/".join(part for part in parts[k:] if part != "per"))
+        if unit is not None and (_by_dimension(unit) or any(_fits(unit, si) for si in ("m/s", "rad/s"))):
+            return unit
+    return None
 
 
 def _by_dimension(unit: str | None) -> str | None:
@@ -260,6 +272,8 @@ def _proposal(
     # A unit that the file has in brackets is read from there.
     written = None if parse_label(index, label).unit is not None or label in header.units else "?"
     question = f"taken for '{channel}' {why}" if why.startswith("by") else why
+    if written == "?" and unit is not None and _unit_of_name(label) == unit:
+        question = "; ".join(part for part in (question, f"its unit '{unit}' by its name") if part)
     if unit is None:
         question = "; ".join(part for part in (question, "what is its unit?") if part)
         return Proposal(index + 1, label, channel, "?", None, question)
