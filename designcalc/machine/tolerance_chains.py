@@ -153,6 +153,7 @@ def tooth_gap(design: Design) -> Chain:
         ("pads.height", 1.0),
         ("stage.iron_pocket_depth", 1.0),
         ("tooth_iron.height", -1.0),
+        ("base.seat_height", 1.0),
         ("tooth_bar.height", -1.0),
     )
     return Chain("tooth gap", _sizes(design, sizes))

@@ -112,6 +112,7 @@ _BASE_1 = (
     "height",
     "edge chamfer",
     "way ",
+    "seat ",
     "hole chamfer",
     "setting-pin",
     "pocket",

@@ -84,8 +84,15 @@ COMPUTED: dict[str, Formula] = {
         "X.X",
     ),
     "tooth_bar.height": Formula(
-        "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap",
-        lambda d: d.bearing_way.height + d.pads.height + d.stage.iron_pocket_depth - d.tooth_iron.height - d.teeth.gap,
+        "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap + base.seat_height",
+        lambda d: (
+            d.bearing_way.height
+            + d.pads.height
+            + d.stage.iron_pocket_depth
+            - d.tooth_iron.height
+            - d.teeth.gap
+            + d.base.seat_height
+        ),
         "X.XX",
     ),
     "spring.installed_length": Formula(
@@ -193,6 +200,11 @@ class Derived:
         """Nominal area of all pads, m^2: the rectangles, less their rounded corners."""
         pads = self.design.pads
         return pads.count * (pads.length * pads.width - (4 - math.pi) * pads.corner_radius**2) * MM**2
+
+    @property
+    def seat_edge(self) -> float:
+        """Inner edge of the seats of the ways, from the middle of the base."""
+        return self.design.base.way_gap / 2 + self.design.base.seat_overhang
 
     @property
     def way_screw_places(self) -> tuple[Place, ...]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -45,19 +45,21 @@ class Hole:
 
 
 def _upright(
-    name: str, keys: tuple[str, ...], at: tuple[float, float], drill: float, depth: float, own: int = 0
+    name: str, keys: tuple[str, ...], at: tuple[float, float], drill: float, depth: float, mouth: float = 0.0
 ) -> Hole:
-    """A hole from the top of the base."""
-    return Hole(name, keys, (*at, 0.0), (*at, -depth), drill / 2, own)
+    """A hole from a face of the top of the base at the height `mouth`."""
+    return Hole(name, keys, (*at, mouth), (*at, mouth - depth), drill / 2)
 
 
-def _tapped(name: str, keys: tuple[str, ...], at: tuple[float, float], drill: float, depth: float) -> Hole:
-    return _upright(name, keys, at, drill, depth + drill / 2 * DRILL_POINT)
+def _tapped(
+    name: str, keys: tuple[str, ...], at: tuple[float, float], drill: float, depth: float, mouth: float = 0.0
+) -> Hole:
+    return _upright(name, keys, at, drill, depth + drill / 2 * DRILL_POINT, mouth)
 
 
 def base_holes(d: Design) -> list[Hole]:
     """Every hole of the base."""
-    base, t, derived = d.base, d.threads, d.derived
+    base, t, derived, low = d.base, d.threads, d.derived, -d.base.seat_height
     holes: list[Hole] = []
     for at in derived.way_screw_places:
         keys = ("bearing_way.bolt_edge", "bearing_way.bolt_spacing")
@@ -67,18 +69,17 @@ def base_holes(d: Design) -> list[Hole]:
         holes.append(_tapped("a lifting hole", keys, at, t.m10_tap_drill, base.lift_drill_depth))
     for at in corners(base.bracket_spacing_along, base.bracket_spacing_across):
         keys = ("base.bracket_spacing_along", "base.bracket_spacing_across")
-        holes.append(_tapped("a bracket hole", keys, at, t.m6_tap_drill, base.bracket_drill_depth))
+        holes.append(_tapped("a bracket hole", keys, at, t.m6_tap_drill, base.bracket_drill_depth, low))
     for at in corners(base.setting_pin_spacing, base.way_gap - base.setting_pin_hole):
         keys = ("base.setting_pin_spacing", "base.setting_pin_hole")
-        holes.append(_upright("a setting-pin hole", keys, at, base.setting_pin_hole, base.setting_pin_depth))
+        holes.append(_upright("a setting-pin hole", keys, at, base.setting_pin_hole, base.setting_pin_depth, low))
     if d.teeth.fitted:
         bar, across = d.tooth_bar, d.teeth.bar_spacing / 2
         for x, y in corners(bar.screw_span, bar.screw_spacing):
             for side in (-1, 1):
                 keys = ("tooth_bar.screw_span", "tooth_bar.screw_spacing", "teeth.bar_spacing")
-                holes.append(
-                    _tapped("a tooth bar's hole", keys, (x, side * across + y), t.m5_tap_drill, base.bar_drill_depth)
-                )
+                at = (x, side * across + y)
+                holes.append(_tapped("a tooth bar's hole", keys, at, t.m5_tap_drill, base.bar_drill_depth, low))
     along, across = base.foot_spacing_along / 2, base.foot_spacing_across / 2
     for x, y in ((-along, 0.0), (along, -across), (along, across)):
         point = base.foot_drill_depth + t.m10_tap_drill / 2 * DRILL_POINT
@@ -95,9 +96,8 @@ def _mechanisms(d: Design) -> list[Hole]:
         side = 1.0 if number == 1 else -1.0
         face = side * base.length / 2
         name = f"pocket {number}"
-        holes.append(
-            _upright(name, ("base.actuator_spacing",), (x, y), base.pocket_diameter, base.pocket_depth, own=number)
-        )
+        pocket = _upright(name, ("base.actuator_spacing",), (x, y), base.pocket_diameter, base.pocket_depth)
+        holes.append(replace(pocket, own=number))
         z = -base.pin_1_axis_depth
         inner, thread = x - side * base.pin_1_bore_end, x + side * base.set_screw_thread_start
         name = f"the bore of height pin 1 of pocket {number}"
@@ -107,7 +107,7 @@ def _mechanisms(d: Design) -> list[Hole]:
         name, keys = f"the set screw's access to pocket {number}", ("base.pin_1_axis_depth", "base.set_screw_access")
         holes.append(Hole(name, keys, (thread, y, z), (face, y, z), base.set_screw_access / 2, number))
         channel = base.lead_channel_width / 2
-        z = -max(base.lead_channel_depth - channel, 0.0)
+        z = -max(base.lead_channel_depth - channel, 0.0) - base.seat_height
         name = f"the lead channel of pocket {number}"
         holes.append(Hole(name, ("base.lead_channel_width",), (x, y, z), (face, y, z), channel, number))
         offsets = {1: (1.0, -1.0), 2: (1.0,), 3: (-1.0,)}[number]
@@ -176,7 +176,7 @@ def holes_in_base(d: Design) -> Iterator[str]:
         if hole.upright:
             reach = [abs(hole.start[axis]) + hole.radius + wall - half[axis] for axis in (0, 1)]
             over = max(reach)
-            if hole.start[2] == 0.0 and -hole.end[2] + wall > base.height + ROUNDING:
+            if hole.start[2] > -base.height and -hole.end[2] + wall > base.height + ROUNDING:
                 reported.add(hole.name)
                 yield f"{hole.name} goes {length(-hole.end[2])} deep, through {given(d, 'base.height')}"
                 continue
@@ -198,7 +198,7 @@ def holes_in_base(d: Design) -> Iterator[str]:
 
 @rule
 def pockets_between_ways(d: Design) -> Iterator[str]:
-    """The pockets do not cut the beds of the ways."""
+    """The pockets do not reach under the ways."""
     base, wall = d.base, d.making.least_wall
     for number, (_, y) in enumerate(d.derived.actuator_places, start=1):
         free = base.way_gap / 2 - abs(y) - base.pocket_diameter / 2 - base.pocket_chamfer
@@ -208,6 +208,25 @@ def pockets_between_ways(d: Design) -> Iterator[str]:
                 f"{given(d, 'base.way_gap')} leave {length(free)}, and {length(wall)} is needed"
             )
             return
+
+
+@rule
+def holes_and_seats(d: Design) -> Iterator[str]:
+    """Holes from the seats of the ways lie on them, the others beside them, with their chamfers."""
+    edge, chamfer = d.derived.seat_edge, d.base.hole_chamfer
+    reported: set[str] = set()
+    for hole in base_holes(d):
+        if not hole.upright or hole.own or hole.start[2] <= -d.base.height or hole.name in reported:
+            continue
+        on_seat = hole.start[2] == 0.0
+        over = (edge - abs(hole.start[1]) if on_seat else abs(hole.start[1]) - edge) + hole.radius + chamfer
+        if over >= -ROUNDING:
+            reported.add(hole.name)
+            yield (
+                f"{hole.name} meets the edge of a seat of the ways, {length(edge)} off the middle "
+                f"({given(d, 'base.way_gap', 'base.seat_overhang')}): move it by more than {length(over)}; "
+                f"{given(d, *hole.keys, 'base.hole_chamfer')}"
+            )
 
 
 @rule

@@ -51,14 +51,15 @@ def tooth_gap(d: Design) -> Iterator[str]:
     """The gap between stage and bar is as specified, also below the magnet."""
     if not d.teeth.fitted:
         return
-    crest = d.derived.drive_surface_height + d.stage.iron_pocket_depth - d.tooth_iron.height
+    roof = d.derived.drive_surface_height + d.stage.iron_pocket_depth + d.base.seat_height
+    crest = roof - d.tooth_iron.height
     gap = crest - d.tooth_bar.height
     if abs(gap - d.teeth.gap) > ROUNDING:
         yield (
             f"{given(d, 'tooth_bar.height')} leaves a gap of {length(gap)} under the irons, but "
             f"{given(d, 'teeth.gap')}; it would be right at {length(crest - d.teeth.gap)}"
         )
-    magnet = d.derived.drive_surface_height + d.stage.iron_pocket_depth - d.magnet.height
+    magnet = roof - d.magnet.height
     if magnet - d.tooth_bar.height < d.teeth.gap - ROUNDING:
         yield f"{given(d, 'magnet.height')} hangs lower than the irons' teeth ({given(d, 'tooth_iron.height')})"
 
@@ -153,7 +154,7 @@ def bars(d: Design) -> Iterator[str]:
     yield from screw_length(d, "screws.bar", engaged, "base.bar_thread_depth", where)
     if bar.screw_hole <= d.screws.bar.diameter:
         yield f"{given(d, 'tooth_bar.screw_hole')} does not let {given(d, 'screws.bar.diameter')} through"
-    if bar.end_height + d.screws.bar.head_height > d.derived.drive_surface_height - ROUNDING:
+    if bar.end_height + d.screws.bar.head_height > d.derived.drive_surface_height + base.seat_height - ROUNDING:
         yield f"the heads of the bars' screws on {given(d, 'tooth_bar.end_height')} meet the stage"
     if bar.end_height >= bar.height:
         yield f"{given(d, 'tooth_bar.end_height')} is no lower than {given(d, 'tooth_bar.height')}"

@@ -1,10 +1,11 @@
 """The base: an Invar block that houses the actuators, carries the bearing ways, and takes every adjustment.
 
-Part coordinates: origin on the top face at actuator 1, x along the travel, y across it, z up: the assembly frame. The
-block is symmetric about y = 0, for thermal stability.
+Part coordinates: origin in the plane of the seats of the ways at actuator 1, x along the travel, y across it, z up: the
+assembly frame. The block is symmetric about y = 0, for thermal stability.
 
 Features and what each is for
-- Block: flat lapped top, on which the ways are bedded; chamfered edges.
+- Block: two raised seats along the sides, lapped in one plane, on which the ways are bedded: a lap need not clear the
+  whole top with its holes. The ways overhang their seats by their own chamfer; chamfered outer edges.
 - Way holes: two rows of blind tapped holes for the 3/8 inch screws of the ways, deep enough for their thread.
 - Setting-pin holes: reamed holes along the inner edge of each way, for pins against which a way is pushed while its
   screws are tightened; the pins come out afterwards.
@@ -31,7 +32,7 @@ from stagecad.parameters.derived import Derived, Place, corners
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, plate
+from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 from stagecad.solids.parts.base_clamp import clamp_cutters, clamp_datums
 from stagecad.solids.parts.base_dimensions import base_dimensions
 
@@ -47,7 +48,6 @@ TOLERANCE = 1e-6
 
 def notes(design: Any) -> tuple[str, ...]:
     """Notes of the sheets."""
-    seat = design.bearing_way.width
     return (
         "Pocket 1 in the middle of length and width; symmetric about the plane of pocket 1 along the length.",
         "Way holes, setting-pin, lifting, bracket and tooth bar holes also symmetric about the middle of the length.",
@@ -55,36 +55,35 @@ def notes(design: Any) -> tuple[str, ...]:
         "Hole table: X and Y theoretically exact, from the axis of pocket 1, X to the right.",
         "Flatness of the face filtered by a Gaussian filter of 0.8 mm cut-off (ISO 12781-2).",
         "Cut clamp slots after the pockets, and finish the pockets last.",
-        f"Lapping, flatness and roughness of A are required on the seats of the ways: {seat:g} wide along both sides.",
+        "Depths of holes, pockets and channels from the face they start in.",
     )
 
 
 def build(design: Any) -> cq.Solid:
     """The base as one solid, mm."""
     base, threads = design.base, design.threads
-    block = plate((0.0, 0.0, 0.0), base.length, base.width, -base.height)
-    block = block.chamfer(base.edge_chamfer, None, block.Edges()).Solids()[0]
+    block, low = _block(design), -base.seat_height
     cutters: list[cq.Shape] = []
 
-    def tapped(drill: float, depth: float, places: Sequence[Place], *, up: bool = False) -> None:
-        z = -base.height if up else 0.0
+    def tapped(drill: float, depth: float, places: Sequence[Place], z: float, *, up: bool = False) -> None:
         hole = stepped_hole(
             (0, 0, z), (0, 0, 1 if up else -1), [(drill, depth)], mouth_chamfer=base.hole_chamfer, drill_point=True
         )
         cutters.extend(repeated(hole, [(x, y, 0.0) for x, y in places]))
 
-    tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, Derived(design).way_hole_places)
-    tapped(threads.m10_tap_drill, base.lift_drill_depth, corners(base.lift_spacing_along, base.lift_spacing_across))
-    tapped(
-        threads.m6_tap_drill, base.bracket_drill_depth, corners(base.bracket_spacing_along, base.bracket_spacing_across)
-    )
+    tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, Derived(design).way_hole_places, 0.0)
+    lift = corners(base.lift_spacing_along, base.lift_spacing_across)
+    tapped(threads.m10_tap_drill, base.lift_drill_depth, lift, 0.0)
+    bracket = corners(base.bracket_spacing_along, base.bracket_spacing_across)
+    tapped(threads.m6_tap_drill, base.bracket_drill_depth, bracket, low)
     along, across = base.foot_spacing_along / 2, base.foot_spacing_across / 2
-    tapped(threads.m10_tap_drill, base.foot_drill_depth, [(-along, 0.0), (along, -across), (along, across)], up=True)
+    feet = [(-along, 0.0), (along, -across), (along, across)]
+    tapped(threads.m10_tap_drill, base.foot_drill_depth, feet, -base.height, up=True)
     if design.teeth.fitted:
-        tapped(threads.m5_tap_drill, base.bar_drill_depth, Derived(design).bar_hole_places)
+        tapped(threads.m5_tap_drill, base.bar_drill_depth, Derived(design).bar_hole_places, low)
 
     pin = stepped_hole(
-        (0, 0, 0), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)], mouth_chamfer=base.hole_chamfer
+        (0, 0, low), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)], mouth_chamfer=base.hole_chamfer
     )
     edge = base.way_gap - base.setting_pin_hole
     cutters += repeated(pin, [(x, y, 0.0) for x, y in corners(base.setting_pin_spacing, edge)])
@@ -94,6 +93,22 @@ def build(design: Any) -> cq.Solid:
     return cut_all(block, [*cutters, *clamp_cutters(design)])
 
 
+def _block(design: Any) -> cq.Solid:
+    """Block with a raised seat along either side, its outer edges chamfered."""
+    base = design.base
+    body = plate((0.0, 0.0, 0.0), base.length, base.width, -base.height)
+    gap = 2 * Derived(design).seat_edge
+    body = cut_all(
+        body, [plate((0.0, 0.0, -base.seat_height), base.length + 2 * OVERRUN, gap, base.seat_height + OVERRUN)]
+    )
+
+    def outer(p: cq.Vector) -> bool:
+        on_side = max(abs(p.x) - base.length / 2, abs(p.y) - base.width / 2) > -TOLERANCE
+        return on_side or p.z < -base.height + TOLERANCE
+
+    return body.chamfer(base.edge_chamfer, None, edges_where(body, outer)).Solids()[0]
+
+
 def reach_side(pocket: int) -> float:
     """The side face from which a pocket's height screw is reached: +1 for +x (pocket 1), -1 for -x (2 and 3)."""
     return 1.0 if pocket == 1 else -1.0
@@ -101,14 +116,14 @@ def reach_side(pocket: int) -> float:
 
 def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
     """Cutters of one actuator pocket with its pin bores, vent and lead channel."""
-    base = design.base
+    base, low = design.base, -design.base.seat_height
     side = reach_side(number)
     face = side * base.length / 2
     to_axis = abs(face - x)
     pocket = stepped_hole(
-        (x, y, 0),
+        (x, y, low),
         (0, 0, -1),
-        [(base.pocket_diameter, base.pocket_depth), (base.pin_2_bore, base.pin_1_axis_depth)],
+        [(base.pocket_diameter, base.pocket_depth + low), (base.pin_2_bore, base.pin_1_axis_depth + low)],
         mouth_chamfer=base.pocket_chamfer,
     )
     bore = stepped_hole(
@@ -129,7 +144,7 @@ def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
         mouth_chamfer=base.hole_chamfer,
     )
     channel = plate(
-        ((x + face + side * OVERRUN) / 2, y, -base.lead_channel_depth),
+        ((x + face + side * OVERRUN) / 2, y, low - base.lead_channel_depth),
         to_axis + OVERRUN,
         base.lead_channel_width,
         base.lead_channel_depth + OVERRUN,
@@ -175,7 +190,10 @@ def datums(design: Any) -> dict[str, Datum]:
     found += clamp_datums(design)
     if design.teeth.fitted:
         half = design.teeth.bar_spacing / 2
-        found += [Datum("tooth_bar_left", (0.0, half, 0.0), Z, X), Datum("tooth_bar_right", (0.0, -half, 0.0), Z, X)]
+        found += [
+            Datum(f"tooth_bar_{name}", (0.0, y, -base.seat_height), Z, X)
+            for name, y in (("left", half), ("right", -half))
+        ]
     return named(*found)
 
 
@@ -185,12 +203,12 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
-    """Bed of the ways, with the flatness required of them once bolted on; pockets upright on it."""
+    """Seats of the ways in one plane, with the flatness required of them once bolted on; pockets upright on it."""
     f, base = FaceRequirements(design), design.base
-    top = ((0.0, base.width / 2 - 3, 0.0),)
-    f.datum("A", top, Z, "front")
-    f.tolerance("flatness", "top", "bearing.way_straightness", top, Z, "front")
-    f.texture("top", "bearing.way_roughness", top, Z, "front", "lapped")
+    seats = tuple((0.0, side * (base.width / 2 - 3), 0.0) for side in (1, -1))
+    f.datum("A", seats, Z, "front")
+    f.tolerance("flatness", "seats", "bearing.way_straightness", seats, Z, "front", combined=True)
+    f.texture("seats", "bearing.way_roughness", seats, Z, "front", "lapped")
     _bore_requirements(f, design)
     _hole_positions(f, design)
     return tuple(f)

@@ -35,8 +35,12 @@ def _block(d: DimensionDeclarations, design: Any) -> None:
     d.linear("length", "length", (-x, 0, low / 10), (x, 0, low / 10), view="top")
     d.linear("width", "width", (0, -y, low / 2), (0, y, low / 2), view="top")
     d.linear("height", "height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front")
+    end, edge, deep = d.group(view="right"), Derived(design).seat_edge, -base.seat_height
+    end.linear("seat height", "seat_height", (x - 3, edge - 3, deep), (x - 3, y - 3, 0), Z, count=2)
+    keys, walls = ("base.way_gap", "base.seat_overhang"), ((0, -edge, deep / 2), (0, edge, deep / 2))
+    end.derived("seat spacing", 2 * edge, keys, walls, Y)
     c = base.edge_chamfer / 2
-    d.chamfer("edge chamfer", "edge_chamfer", (x - c, y / 2, -c), note="all outer edges", view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (x - c, (edge + y) / 2, -c), note="all outer edges", view="front")
 
 
 def _way_holes(d: DimensionDeclarations, design: Any) -> None:
@@ -55,32 +59,37 @@ def _way_holes(d: DimensionDeclarations, design: Any) -> None:
 
 def _setting_pins(d: DimensionDeclarations, design: Any) -> None:
     base, top, pin = design.base, d.group(view="top", table="top"), "setting-pin hole"
-    x, gap, low = base.setting_pin_spacing / 2, base.way_gap / 2, -base.setting_pin_depth
-    y, middle = gap - base.setting_pin_hole / 2, low / 2
+    x, gap, mouth = base.setting_pin_spacing / 2, base.way_gap / 2, -base.seat_height
+    low = mouth - base.setting_pin_depth
+    y, middle = gap - base.setting_pin_hole / 2, (mouth + low) / 2
     top.linear("way gap", "way_gap", (x, -gap, middle), (x, gap, middle))
     top.diameter(pin, "setting_pin_hole", (x, y, middle), feature=pin, count=4, note="reamed")
-    top.depth("setting-pin hole depth", "setting_pin_depth", (x, y, 0), (x, y, low), feature=pin, count=4)
-    top.linear("setting-pin spacing", "setting_pin_spacing", (-x, y, 0), (x, y, 0))
+    top.depth("setting-pin hole depth", "setting_pin_depth", (x, y, mouth), (x, y, low), feature=pin, count=4)
+    top.linear("setting-pin spacing", "setting_pin_spacing", (-x, y, mouth), (x, y, mouth))
 
 
 def _pockets(d: DimensionDeclarations, design: Any) -> None:
     base = design.base
     _, (x, y), (_, y3) = Derived(design).actuator_places
     radius, floor, left = base.pocket_diameter / 2, -base.pocket_depth, (-1.0, 0.0, 0.0)
+    mouth = -base.seat_height
     top = d.group(view="top")
     pocket = top.group(feature="pocket", count=3)
     pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left)
-    pocket.depth("pocket depth", "pocket_depth", (0, 0, 0), (0, radius / 2, floor), Z)
+    keys, ends = ("base.pocket_depth", "base.seat_height"), ((0, 0, mouth), (0, radius / 2, floor))
+    pocket.derived("pocket depth", mouth - floor, keys, ends, DOWN, kind="depth")
     note = "3 pockets on an equilateral triangle"
     top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note, exact=True)
     keys, ends = ("base.actuator_spacing",), ((0, 0, 0), (x, y, 0))
     top.derived("pocket 1 to pockets 2 and 3", abs(x), keys, ends, X, exact=True)
     c = base.pocket_chamfer / 2
-    top.chamfer("pocket chamfer", "pocket_chamfer", (-(radius + c), 0, -c), count=3)
+    top.chamfer("pocket chamfer", "pocket_chamfer", (-(radius + c), 0, mouth - c), count=3)
     channel = d.group(view="right", feature="lead channel", count=3)
-    half, deep, out = base.lead_channel_width / 2, -base.lead_channel_depth, base.length / 2 - 20
-    channel.linear("lead channel width", "lead_channel_width", (out, -half, deep / 2), (out, half, deep / 2))
-    channel.depth("lead channel depth", "lead_channel_depth", (out, 0, 0), (out, 0, deep))
+    half, deep, out = base.lead_channel_width / 2, mouth - base.lead_channel_depth, base.length / 2 - 20
+    channel.linear(
+        "lead channel width", "lead_channel_width", (out, -half, (mouth + deep) / 2), (out, half, (mouth + deep) / 2)
+    )
+    channel.depth("lead channel depth", "lead_channel_depth", (out, 0, mouth), (out, 0, deep))
     z, note = -base.pin_1_axis_depth, "axes of height bores and lead channels"
     d.derived(
         "left side bores", 2 * y, keys, ((-base.length / 2, -y, z), (-base.length / 2, y, z)), Y, view="left", note=note
@@ -183,8 +192,9 @@ def _along(out: Point, radius: float, z: float) -> Point:
 
 def _attachments(d: DimensionDeclarations, design: Any) -> None:
     base = design.base
-    _rectangle(d, "lifting hole", "m10", "lift", corners(base.lift_spacing_along, base.lift_spacing_across))
-    _rectangle(d, "bracket hole", "m6", "bracket", corners(base.bracket_spacing_along, base.bracket_spacing_across))
+    _rectangle(d, "lifting hole", "m10", "lift", corners(base.lift_spacing_along, base.lift_spacing_across), 0.0)
+    bracket = corners(base.bracket_spacing_along, base.bracket_spacing_across)
+    _rectangle(d, "bracket hole", "m6", "bracket", bracket, -base.seat_height)
     x, y, low = base.foot_spacing_along / 2, base.foot_spacing_across / 2, -base.height
     bottom = d.group(view="bottom")
     bottom.tapped("foot hole", "m10", (x, y, low), Z, ("foot_thread_depth", "foot_drill_depth"), count=3)
@@ -192,22 +202,24 @@ def _attachments(d: DimensionDeclarations, design: Any) -> None:
     bottom.linear("foot spacing across", "foot_spacing_across", (x, -y, low), (x, y, low))
 
 
-def _rectangle(d: DimensionDeclarations, feature: str, thread: str, key: str, places: Sequence[Place]) -> None:
-    """Four tapped holes in the top, with their spacings."""
+def _rectangle(
+    d: DimensionDeclarations, feature: str, thread: str, key: str, places: Sequence[Place], z: float
+) -> None:
+    """Four tapped holes in the top, with their spacings; z of their mouths, mm."""
     (x1, y1), (_, y2), (x2, _) = places[:3]
-    first, depths = (x1, y1, 0), (f"{key}_thread_depth", f"{key}_drill_depth")
+    first, depths = (x1, y1, z), (f"{key}_thread_depth", f"{key}_drill_depth")
     table = d.group(view="top", table="top")
     table.tapped(feature, thread, first, DOWN, depths, count=len(places))
-    table.linear(f"{feature} spacing along", f"{key}_spacing_along", first, (x2, y1, 0))
-    table.linear(f"{feature} spacing across", f"{key}_spacing_across", first, (x1, y2, 0))
+    table.linear(f"{feature} spacing along", f"{key}_spacing_along", first, (x2, y1, z))
+    table.linear(f"{feature} spacing across", f"{key}_spacing_across", first, (x1, y2, z))
 
 
 def _tooth_bar_holes(d: DimensionDeclarations, design: Any) -> None:
     bar, top = design.tooth_bar, d.group(view="top", table="top")
     x, half, middle = bar.screw_span / 2, bar.screw_spacing / 2, design.teeth.bar_spacing / 2
-    low, high = middle - half, middle + half
-    hole, count = (x, high, 0), len(Derived(design).bar_hole_places)
+    low, high, mouth = middle - half, middle + half, -design.base.seat_height
+    hole, count = (x, high, mouth), len(Derived(design).bar_hole_places)
     top.tapped("tooth bar hole", "m5", hole, DOWN, ("bar_thread_depth", "bar_drill_depth"), count=count)
-    top.linear("tooth bar hole span", "tooth_bar.screw_span", (-x, high, 0), hole)
-    top.linear("tooth bar hole spacing", "tooth_bar.screw_spacing", (x, low, 0), hole)
-    top.linear("tooth bar spacing", "teeth.bar_spacing", (x, -high, 0), (x, low, 0))
+    top.linear("tooth bar hole span", "tooth_bar.screw_span", (-x, high, mouth), hole)
+    top.linear("tooth bar hole spacing", "tooth_bar.screw_spacing", (x, low, mouth), hole)
+    top.linear("tooth bar spacing", "teeth.bar_spacing", (x, -high, mouth), (x, low, mouth))
