@@ -65,7 +65,7 @@ BOXES = {
     "height_pin_2": (-8, 8, -8, 8, -0.4, 20),
     "magnet": (-20, 20, -2.5, 2.5, -5, 0),
     "tooth_iron": (-20, 20, -5, 5, -8, 0),
-    "tooth_bar": (-140, 140, -22.5, 22.5, 0, 21.4),
+    "tooth_bar": (-140, 140, -22.5, 22.5, 0, 22.4),
 }
 
 
@@ -87,13 +87,13 @@ def way_volume() -> float:
 
 
 def base_volume() -> float:
-    pockets = 3 * (hole(76.03, 36.6) + hole(16, 60 - 36.6 - 8))
+    pockets = 3 * (hole(76.03, 36.6 - 1) + hole(16, 60 - 36.6 - 8))
     access = [114, 180 - 86.60254 - 66, 180 - 86.60254 - 66]
     bores = sum(hole(26, a) + hole(22.225, 50) + hole(20, 86) for a in access)
     slots = 4 * 90 * (1.5 * (46 + 21 + 25) + 3 * 28 + hole(10, 1))
     screws = 2 * hole(10.5, 140) + 2 * hole(10.5, 100)
     taps = 14 * pointed(7.9375, 18) + 7 * pointed(8.5, 20) + 4 * pointed(5, 15) + 8 * pointed(4.2, 15)
-    return 360 * 350 * 90 - pockets - bores - slots - screws - taps - 3 * 110 * 8 * 6
+    return 360 * (350 * 90 - 192 * 1) - pockets - bores - slots - screws - taps - 3 * 110 * 8 * 6
 
 
 def strip(diameter: float, width: float) -> float:
@@ -139,7 +139,7 @@ ESTIMATES = {
     "magnet": (lambda: 40 * 5 * 5 - 0.3**2 / 2 * 4 * (40 + 5 + 5), 1e-3),
     "tooth_iron": (lambda: 40 * (10 * 8 - 6 * 2.5) - (4 - math.pi) * 2**2 * 5.5 - 100 * 0.3**2 / 2, 2e-3),
     "tooth_bar": (
-        lambda: 250 * (25 * 20.4 - (25 - 8) * 2.5 - 5 * 3.5) + 2 * 15 * 45 * 10 - 4 * hole(5.5, 10),
+        lambda: 250 * (25 * 21.4 - (25 - 8) * 2.5 - 5 * 3.5) + 2 * 15 * 45 * 10 - 4 * hole(5.5, 10),
         2e-3,
     ),
 }
@@ -202,7 +202,21 @@ def test_a_clamp_finger_hangs_on_its_neck_alone(index: int) -> None:
     assert len(pieces) == 2
     finger = min(pieces, key=lambda piece: piece.Volume())
     low = finger.BoundingBox()
-    assert low.zmax - low.zmin == pytest.approx(design.base.height, abs=1e-6)
+    # The fingers of pockets 2 and 3 reach into the seats of the ways.
+    top = -design.base.seat_height if clamp.pocket == 1 else 0.0
+    assert (low.zmin, low.zmax) == pytest.approx((-design.base.height, top), abs=1e-6)
+
+
+def test_the_seats_of_the_ways_are_raised_and_in_one_plane() -> None:
+    """Flat to the chamfered side faces and to 1 mm beyond the inner edges of the ways, 1 mm over the rest of the top."""
+    faces = [f for f in solid_of("base").Faces() if f.geomType() == "PLANE" and abs(f.normalAt().z) > 1 - 1e-9]
+    boxes = [f.BoundingBox() for f in faces]
+    seats = sorted((b.ymin, b.ymax, b.xmin, b.xmax) for b in boxes if abs(b.zmax) < 1e-6)
+    assert seats[0] == pytest.approx((-174, -96, -179, 179), abs=1e-5)
+    assert seats[-1] == pytest.approx((96, 174, -179, 179), abs=1e-5)
+    assert all(96 - 1e-5 < min(abs(low), abs(high)) for low, high, *_ in seats)
+    floor = [(b.ymin, b.ymax) for b in boxes if abs(b.zmax + 1) < 1e-6]
+    assert (min(low for low, _ in floor), max(high for _, high in floor)) == pytest.approx((-96, 96), abs=1e-5)
 
 
 def test_heights_close() -> None:
