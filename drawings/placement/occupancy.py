@@ -116,16 +116,28 @@ class Occupancy:
         """Whether an edge of the part is drawn at a point."""
         return bool(self.outline_lines.count_in(enlarged((*point, *point), LEADER_TIP)))
 
-    def line_conflicts(self, footprint: Footprint) -> int:
-        """Number of texts that the lines of an annotation pass, and of its dimension lines too near to another."""
+    def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
+        """Number of texts that the lines of an annotation pass, and of its dimension lines too near to another.
+
+        Args:
+            most: number at which counting may end.
+        """
         conflicts = sum(
             any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines
         )
-        if footprint.own_text_checked:
+        if conflicts < most and footprint.own_text_checked:
             own = [enlarged(box, SELF_CLEARANCE) for box in footprint.texts]
             conflicts += sum(line_meets_box(line, box) for box in own for line in footprint.lines)
-        texts = [enlarged(box, LINE_CLEARANCE) for box in self.texts]
-        return conflicts + sum(line_meets_box(line, box) for line in footprint.lines for box in texts)
+        if not footprint.lines:
+            return conflicts
+        reach = enlarged(enclosing_box([line_box(line) for line in footprint.lines]), LINE_CLEARANCE)
+        for text in self.texts:
+            if conflicts >= most:
+                break
+            if boxes_overlap(reach, text):
+                box = enlarged(text, LINE_CLEARANCE)
+                conflicts += sum(line_meets_box(line, box) for line in footprint.lines)
+        return conflicts
 
     def text_conflicts(self, box: Box2, clearance: float = TEXT_CLEARANCE) -> int:
         """Number of lines and texts that a text would touch."""

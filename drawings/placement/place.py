@@ -267,7 +267,7 @@ class _Run:
     def _conflict_cost(self, annotation: Annotation, limit: float) -> tuple[float, int]:
         """Cost of a position for what is drawn already, mm, and its number of conflicts; incomplete above a limit."""
         occupancy, footprint = self.occupancy, footprint_of(annotation, self.view)
-        conflicts = occupancy.line_conflicts(footprint)
+        conflicts = occupancy.line_conflicts(footprint, limit / CONFLICT)
         if CONFLICT * conflicts < limit:
             conflicts += sum(occupancy.text_conflicts(box) for box in footprint.texts)
         cost = CONFLICT * conflicts

@@ -81,7 +81,11 @@ BREAKS = [
     ("holes_in_base", ["base.bracket_spacing_along=358 mm"], "a bracket hole comes too close to an edge"),
     ("holes_in_base", ["base.height=70 mm"], "is missing of making.least_wall = 2 mm"),
     ("pockets_between_ways", ["base.way_gap=180 mm"], "pocket 2 reaches under a way"),
-    ("holes_and_seats", ["base.seat_overhang=0.4 mm"], "a setting-pin hole meets the edge of a seat of the ways, 95.4 mm"),
+    (
+        "holes_and_seats",
+        ["base.seat_overhang=0.4 mm"],
+        "a setting-pin hole meets the edge of a seat of the ways, 95.4 mm",
+    ),
     ("holes_and_seats", ["base.lift_spacing_across=195 mm"], "a lifting hole meets the edge of a seat"),
     ("height_bores", ["base.pocket_depth=50 mm"], "of floor between pocket and wedge pin"),
     ("clamp_screws", ["base.length=380 mm"], "screws.clamp_long.length = 6 in is too short"),
