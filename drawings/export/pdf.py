@@ -10,7 +10,7 @@ from drawings.annotations.primitives import LINE_TYPES, ArcStroke, Stroke
 from drawings.export.drawing_model import DrawingModel, bezier_curves, text_matrix, text_origin
 from drawings.sheets.frame import Paper
 
-DPI: dict[Paper, float] = {"A4": 200, "A3": 200, "A2": 150, "A1": 110}
+DPI: dict[Paper, float] = {"A4": 200, "A3": 200, "A2": 150, "A1": 110, "A0": 90}
 """Resolution of pictures: some 3500 pixels wide, so that the smallest texts can be read."""
 POINTS = 72.0
 """Units of a PDF page per inch."""

@@ -30,7 +30,7 @@ EYE_BELOW = Projection(
 )
 """The isometric direction from below, for the parts under the stage."""
 
-_FASTENERS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw")
+_FASTENERS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "stop_screw", "set_screw")
 NOT_CUT = (*_FASTENERS, "height_pin_1", "height_pin_2", "piezo", "spring")
 """Parts that a section shows whole: fasteners, pins and springs (ISO 128-3)."""
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from drawings.procedure.figures import ProcedureValues
+from stagecad.parameters.derived import Derived
 
-Condition = Literal["always", "teeth", "no teeth", "film lasts", "film wears out"]
-"""Designs that have a step: with or without magnetic teeth; film on the pads thick or thin for the running-in."""
+Condition = Literal["always", "teeth", "no teeth", "film lasts", "film wears out", "end stops"]
+"""Designs that have a step: with or without magnetic teeth, with end stops; film on the pads thick or thin for the running-in."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ STEPS = (
         ("{eye_bolts} eye bolts {eye_bolt}", "{feet} feet {eye_bolt}"),
         (
             "Lift the base by its corners ({base_mass}) and set it on its feet.",
-            "Wipe the lapped top; a hard stone finds burrs at the holes.",
+            "Wipe the lapped seats of the ways; a hard stone finds burrs at the holes.",
         ),
     ),
     StepTemplate(
@@ -110,13 +111,26 @@ STEPS = (
     ),
     StepTemplate(
         "Lower the holder into its pocket",
-        (),
-        ("lifting screws {piezo_screw}", "gauge {index_gauge}"),
+        ("lead_clip",),
+        ("lifting screws {piezo_screw}", "gauge {index_gauge}", "silicone adhesive"),
         (
             "Clamps open. Lower the holder (play {play}) until it rests on height pin 2 alone.",
             "Turn it until the gauge, laid in the base's lead channel, enters the index notch: piezos 1 and 2 then "
-            "lie along the travel. Lay the leads in the channel.",
+            "lie along the travel. Lay the leads in the channel and bond them with their clip into its outer end.",
         ),
+    ),
+    StepTemplate(
+        "Screw the end stops down",
+        ("stop_bar", "stop_screw", "buffer"),
+        ("key {stop_key}", "torque wrench", "polyurethane adhesive"),
+        (
+            "Bond the buffers to the noses of the stop bars, level with the upper edge and in line with the tooth bars' "
+            "inner teeth.",
+            "Stand a bar at either end of the base, nose towards the middle, and tighten {stop_thread} to {stop_torque}. "
+            "At the ends of {travel} the irons stop {stop_gap} before the buffers.",
+        ),
+        "stop_torque",
+        condition="end stops",
     ),
     StepTemplate(
         "Bond irons and magnets into the stage",
@@ -152,6 +166,18 @@ STEPS = (
         condition="teeth",
     ),
     StepTemplate("Lower the stage onto the ways", ("stage",), (), (_LOWERED, _SLIDES), condition="no teeth"),
+    StepTemplate(
+        "Mount mirror and interferometer",
+        ("mirror", "sensor_bracket", "interferometer"),
+        ("key {bar_key}", "torque wrench"),
+        (
+            "Screw the mirror to the end face of the stage on the side of pockets 2 and 3, the bracket by two screws "
+            "{bar_thread} to the stop bar there ({bar_torque}), and the interferometer on its arm, {dead_path} from the "
+            "mirror at the near end of the travel.",
+            "Align the beam along the travel: the signal keeps its strength from end to end.",
+        ),
+        condition="end stops",
+    ),
     StepTemplate(
         "Set the height of the tip",
         (),
@@ -213,4 +239,5 @@ def step_templates(design: Any, values: ProcedureValues) -> list[StepTemplate]:
     """The steps of a design in the order of assembly."""
     teeth: Condition = "teeth" if design.teeth.fitted else "no teeth"
     film: Condition = "film lasts" if values.film_strokes >= design.bearing.run_in_cycles else "film wears out"
-    return [step for step in STEPS if step.condition in ("always", teeth, film)]
+    stops = ("end stops",) if Derived(design).end_stops else ()
+    return [step for step in STEPS if step.condition in ("always", teeth, film, *stops)]

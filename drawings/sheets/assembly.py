@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from stagecad.solids.assembly.accessories import Accessory
     from stagecad.solids.assembly.bill_of_materials import Row
 
-PAPER: Paper = "A1"
+SIZES: tuple[Paper, ...] = ("A1", "A0")
+"""Sizes of the paper, the smallest on which the exploded view fits beside the other views."""
 COLUMNS = ((8.0, "item"), (8.0, "qty"), (50.0, "part"), (38.0, "number"), (58.0, "material"), (18.0, "mass"))
 """Widths and headings of the parts list, mm."""
 ROW = 6.5
@@ -66,20 +67,22 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
     rows = len(machine.rows) + len(machine.accessories)
     column = [pictures[TOP].view, front, pictures[SIDE_SECTION].view]
-    views = _placed([*column, *(one.view for one in exploded)], rows, len(notes))
+    drawn = [*column, *(one.view for one in exploded)]
+    paper = _paper(drawn)
+    views = _placed(drawn, rows, len(notes), paper)
     marks: list[Annotation] = [*_marks(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
     placed = [replace(one, view=view) for one, view in zip(exploded, views[3:], strict=True)]
     marks += all_balloons(placed, machine.rows)
     return Sheet(
         name="assembly",
         part="assembly",
-        paper=PAPER,
+        paper=paper,
         scale=SCALE,
         title=title_of(machine, design, "assembly"),
         views=tuple(views),
         annotations=tuple(marks),
-        notes=(Note(sheet_area(PAPER).space[:2], notes),),
-        tables=tuple(parts_list(machine.rows, PAPER, machine.accessories)),
+        notes=(Note(sheet_area(paper).space[:2], notes),),
+        tables=tuple(parts_list(machine.rows, paper, machine.accessories)),
     )
 
 
@@ -100,15 +103,32 @@ _NOTES = (
 )
 
 
-def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
+def _paper(views: Sequence[View]) -> Paper:
+    """The smallest paper on which the exploded view and its balloons fit between the other views and the parts list."""
+    boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
+    low, high = _column(boxes)
+    needed = high - low + 2 * MARGIN + boxes[3][2] - boxes[3][0] + 8 * BALLOON
+    for paper in SIZES:
+        if needed <= title_box(paper)[0] - sheet_area(paper).space[0]:
+            return paper
+    return SIZES[-1]
+
+
+def _column(boxes: Sequence[Box2]) -> tuple[float, float]:
+    """Left and right end of the views in the left column, from their origin, with their dimensions."""
+    upper, lower, side = boxes[:3]
+    return min(upper[0] - SIDE, lower[0], side[0]), max(upper[2], lower[2] + FIRST, side[2])
+
+
+def _placed(views: Sequence[View], rows: int, notes: int, paper: Paper) -> list[View]:
     """Views on the paper: top view above the sections on the left, exploded view in the middle, from below under it.
 
     The view from below is at half the scale above the parts list if it does not fit under the exploded view.
     """
-    x0, y0, x1, y1 = sheet_area(PAPER).space
+    x0, y0, x1, y1 = sheet_area(paper).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
     upper, lower, side = boxes[:3]
-    low_x, high_x = min(upper[0] - SIDE, lower[0], side[0]), max(upper[2], lower[2] + FIRST, side[2])
+    low_x, high_x = _column(boxes)
     column = high_x - low_x + 2 * MARGIN
     left = x0 + MARGIN - low_x
     floor = y0 + (notes + 2) * LINE_PITCH * TEXT_HEIGHT
@@ -118,7 +138,7 @@ def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
     top_at = (left, y1 - gap - DIMENSIONED - upper[3])
     front_at = (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])
     places = [top_at, front_at, (left, front_at[1] + lower[1] - label - gap - side[3])]
-    list_left, list_top = title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW
+    list_left, list_top = title_box(paper)[0], title_box(paper)[3] + (rows + 1) * ROW
     middle = (x0 + column, y0, list_left, y1)
     apart = [replace(view, place=place) for view, place in zip(views, places, strict=False)]
     if len(views) > 4:

@@ -11,13 +11,14 @@ from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.primitives import FilledPolygon, Primitive, Stroke, Text, rectangle
 from drawings.views.view import Box2, Point2
 
-Paper = Literal["A4", "A3", "A2", "A1"]
+Paper = Literal["A4", "A3", "A2", "A1", "A0"]
 
 PAPERS: dict[Paper, tuple[float, float]] = {
     "A4": (210.0, 297.0),
     "A3": (420.0, 297.0),
     "A2": (594.0, 420.0),
     "A1": (841.0, 594.0),
+    "A0": (1189.0, 841.0),
 }
 """Trimmed sizes, mm: width, height."""
 

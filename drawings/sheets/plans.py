@@ -257,6 +257,15 @@ def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:
     return (SheetPlan("tooth_bar", ("A3", "A2"), 0.5, views),)
 
 
+def _stop_bar(design: Any) -> tuple[SheetPlan, ...]:
+    views = (_TOP, _FRONT, _RIGHT, _section("A", "right", (0.0, 0.0, 0.0), ""), _ISO)
+    return (SheetPlan("stop_bar", ("A3", "A2"), 1.0, views),)
+
+
+def _sensor_bracket(design: Any) -> tuple[SheetPlan, ...]:
+    return (SheetPlan("sensor_bracket", ("A3", "A2"), 1.0, (_TOP, _FRONT, _RIGHT, _ISO)),)
+
+
 _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
     "tip": _tip,
     "holder": _holder,
@@ -268,4 +277,6 @@ _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
     "magnet": _small("magnet"),
     "tooth_iron": _small("tooth_iron"),
     "tooth_bar": _tooth_bar,
+    "stop_bar": _stop_bar,
+    "sensor_bracket": _sensor_bracket,
 }

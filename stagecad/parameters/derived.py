@@ -45,6 +45,12 @@ def _bolt_count(d: Any) -> float:
     return max(math.floor((way.length - 2 * way.bolt_end) / way.bolt_spacing + 1e-9) + 1, 0)
 
 
+def _buffer_offsets(d: Any) -> list[float]:
+    """Distances of the buffers from the middle: at the inner irons, and for four buffers at the outer ones too."""
+    middle, pole = d.teeth.bar_spacing / 2, (d.teeth.per_iron * d.teeth.pitch + d.magnet.thickness) / 2
+    return [middle - pole, middle + pole] if d.end_stop.count > 2 else [middle - pole]
+
+
 COMPUTED: dict[str, Formula] = {
     "stage.payload_drill_depth": Formula(
         "stage.thickness - stage.payload_floor", lambda d: d.stage.thickness - d.stage.payload_floor, "X.X"
@@ -94,6 +100,44 @@ COMPUTED: dict[str, Formula] = {
             + d.base.seat_height
         ),
         "X.XX",
+    ),
+    "stop_bar.length": Formula(
+        "teeth.bar_spacing - (teeth.per_iron teeth.pitch + magnet.thickness) (+ for four buffers) + buffer.width"
+        " + 2 making.least_wall",
+        lambda d: 2 * max(_buffer_offsets(d)) + d.buffer.width + 2 * d.making.least_wall,
+        "X.X",
+    ),
+    "stop_bar.height": Formula(
+        "bearing_way.height + pads.height + base.seat_height + end_stop.height + buffer.height / 2",
+        lambda d: (
+            d.bearing_way.height + d.pads.height + d.base.seat_height + d.end_stop.height / MM + d.buffer.height / 2
+        ),
+        "X.X",
+    ),
+    "stop_bar.reach": Formula(
+        "base.bracket_spacing_along / 2 - stage.travel / 2 - tooth_iron.length / 2 - end_stop.gap - buffer.length",
+        lambda d: (
+            d.base.bracket_spacing_along / 2
+            - d.stage.travel / 2
+            - d.tooth_iron.length / 2
+            - d.end_stop.gap
+            - d.buffer.length
+        ),
+        "X.X",
+    ),
+    "sensor_bracket.drop": Formula(
+        "stop_bar.height - stop_bar.sensor_depth + interferometer.height / 2 - bearing_way.height - pads.height"
+        " - base.seat_height - stage.thickness / 2",
+        lambda d: (
+            d.stop_bar.height
+            - d.stop_bar.sensor_depth
+            + d.interferometer.height / 2
+            - d.bearing_way.height
+            - d.pads.height
+            - d.base.seat_height
+            - d.stage.thickness / 2
+        ),
+        "X.X",
     ),
     "spring.installed_length": Formula(
         "base.pin_1_bore_end - height_pin_1.length / 2", lambda d: d.base.pin_1_bore_end - d.height_pin_1.length / 2
@@ -266,6 +310,25 @@ class Derived:
     def iron_width(self) -> float:
         """Width of one tooth iron: its teeth at their pitch."""
         return self.design.teeth.per_iron * self.design.teeth.pitch
+
+    @property
+    def end_stops(self) -> bool:
+        """Whether the machine has end stops and the sensor on one of them."""
+        return self.design.teeth.fitted and self.design.end_stop.count > 0
+
+    @property
+    def buffer_places(self) -> tuple[float, ...]:
+        """Places y of the buffers at either end."""
+        offsets = _buffer_offsets(self.design)
+        return tuple(sorted([-y for y in offsets] + offsets))
+
+    @property
+    def interferometer_front(self) -> float:
+        """From the back of a stop bar to the front of the interferometer, along the travel."""
+        d = self.design
+        mirror = (d.stage.travel + d.stage.length) / 2 + d.mirror.thickness
+        back = d.base.bracket_spacing_along / 2 + d.stop_bar.overhang
+        return mirror + d.sensors.interferometer.dead_path / MM - back
 
     @property
     def magnets(self) -> int:

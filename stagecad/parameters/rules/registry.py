@@ -24,7 +24,7 @@ ROUNDING = 1e-6
 
 _KEY = re.compile(r"[a-z][a-z0-9_]*(?:\.[a-z0-9_]+)+")
 
-_MODULES = ("sliding", "height", "holes", "edges", "making", "teeth", "values")
+_MODULES = ("sliding", "height", "holes", "edges", "making", "stops", "teeth", "values")
 
 Check = Callable[["Design"], Iterator[str]]
 _RULES: dict[str, Check] = {}

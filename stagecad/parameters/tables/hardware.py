@@ -72,7 +72,59 @@ class Screws:
     clamp_short: Screw
     """Closes the clamps of actuators 2 and 3."""
     bar: Screw
-    """Holds a tooth bar on the base."""
+    """Holds a tooth bar on the base, and the sensor bracket on a stop bar."""
+    stop: Screw
+    """Holds a stop bar on the base."""
+
+
+@dataclass(frozen=True)
+class Buffer:
+    """The buffers of the end stops."""
+
+    part_number: str = text("of the catalogue")
+    description: str = text("for the bill of materials")
+    material: str = of_material()
+    length: float = mm("along the travel, relaxed")
+    width: float = mm("across the travel")
+    height: float = mm("upright")
+
+
+@dataclass(frozen=True)
+class LeadClip:
+    """The slotted blocks in the lead channels that take the pull on the leads."""
+
+    part_number: str = text("of the catalogue")
+    description: str = text("for the bill of materials")
+    material: str = of_material()
+    length: float = mm("along the channel")
+    slot_width: float = mm("of the slot for the leads")
+    slot_depth: float = mm("of the slot for the leads")
+
+
+@dataclass(frozen=True)
+class Interferometer:
+    """The optics that measure the position of the stage, beam at half the height."""
+
+    part_number: str = text("of the catalogue")
+    description: str = text("for the bill of materials")
+    material: str = of_material("that gives its mean density")
+    length: float = mm("along the beam")
+    width: float = mm("across the beam")
+    height: float = mm("upright")
+    screw_spacing: float = mm("between the screws that hold it, along the beam")
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """The plane mirror on the stage."""
+
+    part_number: str = text("of the catalogue")
+    description: str = text("for the bill of materials")
+    material: str = of_material()
+    width: float = mm("across the travel")
+    height: float = mm("upright")
+    thickness: float = mm("along the travel")
+    screw_hole: float = mm("clearance holes at the target holes of the stage")
 
 
 @dataclass(frozen=True)

@@ -33,12 +33,18 @@ class Tables:
     teeth: parts.Teeth
     tooth_bar: parts.ToothBar
     tooth_iron: parts.ToothIron
+    stop_bar: parts.StopBar
+    sensor_bracket: parts.SensorBracket
     magnet: parts.Magnet
     preload: physics.Preload
     payload: physics.Payload
     end_stop: physics.EndStop
     leads: physics.Leads
     piezo: hardware.Piezo
+    buffer: hardware.Buffer
+    lead_clip: hardware.LeadClip
+    interferometer: hardware.Interferometer
+    mirror: hardware.Mirror
     amplifier: physics.Amplifier
     screws: hardware.Screws
     set_screw: hardware.SetScrew

@@ -101,8 +101,8 @@ class Base:
     length: float = mm("along the travel")
     width: float = mm("across the travel: flush with the ways' outer edges", computed=True)
     height: float = mm("from underside to the seats of the ways")
-    seat_height: float = mm("of the seats of the ways over the rest of the top")
-    seat_overhang: float = mm("of the ways beyond their seats, at their inner edges")
+    seat_height: float = mm("of the seats of the ways over the rest of the top", default="1 mm")
+    seat_overhang: float = mm("of the ways beyond their seats, at their inner edges", default="1 mm")
     edge_chamfer: float = mm("of outer edges")
     hole_chamfer: float = mm("at the mouth of the holes")
     way_gap: float = mm("between the inner edges of the ways")
@@ -153,8 +153,8 @@ class Base:
     lift_spacing_across: float = mm("between the lifting holes, across")
     lift_drill_depth: float = mm("of the lifting holes' full diameter")
     lift_thread_depth: float = mm("of the lifting holes' full thread")
-    bracket_spacing_along: float = mm("between the sensor brackets' holes, along the travel")
-    bracket_spacing_across: float = mm("between the sensor brackets' holes, across")
+    bracket_spacing_along: float = mm("between the stop bars' holes, along the travel")
+    bracket_spacing_across: float = mm("between the stop bars' holes, across")
     bracket_drill_depth: float = mm("of the bracket holes' full diameter")
     bracket_thread_depth: float = mm("of the bracket holes' full thread")
 
@@ -255,6 +255,41 @@ class ToothBar:
     screw_spacing: float = mm("between the two screws of an end, across")
     channel_depth: float = mm("of the channel under the magnet, from the crests; as wide as the magnet")
     edge_chamfer: float = mm("of edges")
+
+
+@dataclass(frozen=True)
+class StopBar:
+    """The angle at either end of the base that carries the buffers of the end stops."""
+
+    material: str = of_material()
+    length: float = mm("across the travel", computed=True)
+    height: float = mm("from the base to the upper edge of the buffers", computed=True)
+    grip: float = mm("from the base to the heads of its screws")
+    reach: float = mm("from the axes of its screws to the buffers, towards the stage", computed=True)
+    foot: float = mm("from the axes of its screws to the end of the foot, towards the stage")
+    overhang: float = mm("from the axes of its screws to its back")
+    relief: float = mm("of the underside of the nose over the base")
+    screw_hole: float = mm("clearance hole of its screws")
+    counterbore: float = mm("diameter for the heads of its screws")
+    sensor_spacing: float = mm("between the tapped holes for the sensor bracket")
+    sensor_depth: float = mm("of these holes below the top")
+    sensor_drill_depth: float = mm("of these holes, full diameter")
+    sensor_thread_depth: float = mm("of these holes, full thread")
+
+
+@dataclass(frozen=True)
+class SensorBracket:
+    """The angle on a stop bar that carries the interferometer."""
+
+    material: str = of_material()
+    length: float = mm("from the stop bar to the end of the arm")
+    width: float = mm("across the travel")
+    thickness: float = mm("of the arm")
+    flange: float = mm("thickness of the flange")
+    rise: float = mm("of the flange over the axes of its screws")
+    drop: float = mm("of the arm's top below the axes of the flange's screws", computed=True)
+    screw_hole: float = mm("clearance hole of the flange's screws")
+    optics_hole: float = mm("clearance hole of the interferometer's screws")
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,7 @@ class Payload:
 
 @dataclass(frozen=True)
 class EndStop:
-    """Buffers at either end of the travel, on brackets of the base, which the tooth irons or the stage run against."""
+    """Buffers at either end of the travel, on stop bars, which the tooth irons run against."""
 
     count: int = count("buffers at either end; none without end stops", low=0, high=4)
     stiffness: float = number("of one buffer", "N/m")
@@ -266,6 +266,8 @@ class Drawing:
     file_magnet: str = text("file name in the title block")
     file_tooth_iron: str = text("file name in the title block")
     file_tooth_bar: str = text("file name in the title block")
+    file_stop_bar: str = text("file name in the title block", default="THS_STG_STOP")
+    file_sensor_bracket: str = text("file name in the title block", default="THS_STG_BRACKET")
     file_assembly: str = text("file name in the title block")
     file_procedure: str = text("file name in the title block")
     roughness: float = number("Ra of faces without a mark of their own", "m")

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stagecad.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.modelling.frame import UNMOVED, Frame, Vector, add, dot, mate, scaled, subtract
@@ -36,6 +37,13 @@ EXPLODED = {
     "stage": 420.0,
     "tooth_iron": 30.0,
     "magnet": 50.0,
+    "stop_bar": 60.0,
+    "stop_screw": 40.0,
+    "buffer": 30.0,
+    "lead_clip": 50.0,
+    "sensor_bracket": 60.0,
+    "interferometer": 50.0,
+    "mirror": 40.0,
 }
 """Displacement of a part from its seat in the exploded view, mm, in addition to that of its parent."""
 
@@ -127,6 +135,27 @@ class _Builder:
             for part in ("tooth_iron", "magnet"):
                 for name, seat in self.seats(stage, part):
                     yield self.on(stage, seat, part, "seat", name)
+        if Derived(self.design).end_stops:
+            yield from self.end_stops(base)
+            for name, seat in self.seats(stage, "mirror"):
+                yield self.on(stage, seat, "mirror", "seat", name)
+
+    def end_stops(self, base: Instance) -> Iterator[Instance]:
+        """The stop bars with buffers and screws, and on the last one the interferometer with its bracket."""
+        bars = [self.on(base, seat, "stop_bar", "seat", name) for name, seat in self.seats(base, "stop_bar")]
+        for bar in bars:
+            yield bar
+            number = bar.name.removeprefix("stop_bar")
+            for part in ("stop_screw", "buffer"):
+                for name, seat in self.seats(bar, part):
+                    yield self.on(bar, seat, part, "seat", name.replace(part, f"{part}{number}"))
+        back = self.datum("stop_bar", "sensor_bracket")
+        bracket = self.on(bars[-1], back, "sensor_bracket", "seat", "sensor_bracket")
+        yield bracket
+        for name, seat in self.seats(bracket, "bar_screw"):
+            yield self.on(bracket, seat, "bar_screw", "seat", name.replace("screw", "screw_sensor"))
+        for name, seat in self.seats(bracket, "interferometer"):
+            yield self.on(bracket, seat, "interferometer", "seat", name)
 
     def stage(self, base: Instance, way: Instance) -> Instance:
         """The stage with its pads' plane on the ways, moved along the travel."""
@@ -170,6 +199,8 @@ class _Builder:
             piezos.append(self.on(holder, bored, "piezo", "foot", f"{name.replace('_', f'_{number}_')}"))
             yield piezos[-1]
         yield self._tip(holder, piezos, number)
+        channel = self.datum("base", f"lead_clip_{number}")
+        yield self.on(base, channel, "lead_clip", "seat", f"lead_clip_{number}")
 
     def _down_to(self, pin: Instance, wedge: Instance) -> Vector:
         """Shift along the bore's axis that brings the pin's sloping end into the plane of the wedge."""

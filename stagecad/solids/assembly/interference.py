@@ -64,6 +64,15 @@ INTENDED: dict[frozenset[str], str] = {
             ("tooth_iron", "magnet"),
             ("base", "tooth_bar"),
             ("tooth_bar", "bar_screw"),
+            ("base", "stop_bar"),
+            ("stop_bar", "stop_screw"),
+            ("stop_bar", "buffer"),
+            ("stop_bar", "sensor_bracket"),
+            ("stop_bar", "lead_clip"),
+            ("sensor_bracket", "bar_screw"),
+            ("sensor_bracket", "interferometer"),
+            ("base", "lead_clip"),
+            ("stage", "mirror"),
         ),
         FIT: (("base", "height_pin_1"), ("base", "height_pin_2"), ("base", "holder"), ("holder", "piezo")),
         THREAD: (
@@ -71,11 +80,21 @@ INTENDED: dict[frozenset[str], str] = {
             ("base", "clamp_screw_long"),
             ("base", "clamp_screw_short"),
             ("base", "bar_screw"),
+            ("base", "stop_screw"),
+            ("stop_bar", "bar_screw"),
             ("base", "set_screw"),
         ),
         SLIDING: (("stage", "bearing_way"),),
         DRIVE: (("stage", "tip"),),
-        GAP: (("tooth_bar", "tooth_iron"), ("tooth_bar", "magnet"), ("stage", "tooth_bar"), ("tip", "holder")),
+        GAP: (
+            ("tooth_bar", "tooth_iron"),
+            ("tooth_bar", "magnet"),
+            ("stage", "tooth_bar"),
+            ("tip", "holder"),
+            ("buffer", "tooth_iron"),
+            ("buffer", "stage"),
+            ("stop_bar", "stage"),
+        ),
     }.items()
     for pair in pairs
 }
@@ -86,6 +105,7 @@ THREADED = {
     "clamp_screw_long": ("screws.clamp_long.diameter", "screws.clamp_long.length", "threads.unc_3_8_tap_drill"),
     "clamp_screw_short": ("screws.clamp_short.diameter", "screws.clamp_short.length", "threads.unc_3_8_tap_drill"),
     "bar_screw": ("screws.bar.diameter", "screws.bar.length", "threads.m5_tap_drill"),
+    "stop_screw": ("screws.stop.diameter", "screws.stop.length", "threads.m6_tap_drill"),
     "set_screw": ("set_screw.diameter", "set_screw.length", "threads.unc_1_tap_drill"),
 }
 

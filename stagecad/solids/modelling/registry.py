@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, cast
 
+from stagecad.parameters.derived import Derived
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.solids.modelling.part import Part
 
@@ -20,11 +21,13 @@ MADE = (
     "magnet",
     "tooth_iron",
     "tooth_bar",
+    "stop_bar",
+    "sensor_bracket",
 )
 """Parts that are made from a drawing."""
 
-CAP_SCREWS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw")
-PURCHASED = ("piezo", *CAP_SCREWS, "set_screw", "spring")
+CAP_SCREWS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "stop_screw")
+PURCHASED = ("piezo", *CAP_SCREWS, "set_screw", "spring", "buffer", "lead_clip", "interferometer", "mirror")
 """Parts that are bought."""
 
 ASSEMBLY = "assembly"
@@ -32,10 +35,16 @@ ASSEMBLY = "assembly"
 OF_TEETH = ("magnet", "tooth_iron", "tooth_bar", "bar_screw")
 """Parts of a machine with magnetic teeth only."""
 
+OF_END_STOPS = ("stop_bar", "sensor_bracket", "stop_screw", "buffer", "interferometer", "mirror")
+"""Parts of a machine with end stops only, which stop the tooth irons."""
+
 
 def part_names(design: Any) -> tuple[str, ...]:
     """Names of the parts that this design has, made ones first."""
-    return tuple(name for name in (*MADE, *PURCHASED) if design.teeth.fitted or name not in OF_TEETH)
+    left_out = () if design.teeth.fitted else OF_TEETH
+    if not Derived(design).end_stops:
+        left_out += OF_END_STOPS
+    return tuple(name for name in (*MADE, *PURCHASED) if name not in left_out)
 
 
 def module_name(name: str) -> str:
@@ -61,6 +70,8 @@ def chosen(names: Sequence[str], design: Any) -> tuple[str, ...]:
     for name in names:
         if name in OF_TEETH and name not in known:
             raise InputError(f"part '{name}': this design has no magnetic teeth; set teeth.fitted = true")
+        if name in OF_END_STOPS and name not in known:
+            raise InputError(f"part '{name}': this design has no end stops; they need teeth.fitted = true and buffers")
         if name not in known:
             raise InputError(f"no part '{name}'{nearest(name, known)}")
     return tuple(name for name in known if name in names) if names else known

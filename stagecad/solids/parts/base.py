@@ -17,7 +17,7 @@ Features and what each is for
   the underside lets the air out of its blind end.
 - Clamps: see `base_clamp`.
 - Lead channels: grooves in the top from each pocket to the side face its set screw is on, for the piezos' leads.
-- Tooth bar holes, bracket holes: tapped, for the bars with the stationary teeth and for the sensors' brackets.
+- Tooth bar holes, bracket holes: tapped, for the bars with the stationary teeth and for the stop bars.
 - Lifting holes in the top corners (the block weighs some 90 kg), and three foot holes in the underside: three feet
   carry the block without bending it.
 """
@@ -185,9 +185,14 @@ def datums(design: Any) -> dict[str, Datum]:
             Datum(f"pocket_{k}", (x, y, 0.0), Z),
             Datum(f"pin_1_bore_{k}", (x, y, -base.pin_1_axis_depth), side, Z),
             Datum(f"pin_2_bore_{k}", (x, y, -base.pocket_depth), Z, side),
+            Datum(f"lead_clip_{k}", _clip_place(design, y, side[0]), Z, side),
             Datum(f"spring_{k}", (x - side[0] * base.pin_1_bore_end, y, -base.pin_1_axis_depth), side, Z),
         ]
     found += clamp_datums(design)
+    if Derived(design).end_stops:
+        x = base.bracket_spacing_along / 2
+        ends = enumerate((x, -x), start=1)
+        found += [Datum(f"stop_bar_{i}", (x, 0.0, -base.seat_height), Z, (x / abs(x), 0.0, 0.0)) for i, x in ends]
     if design.teeth.fitted:
         half = design.teeth.bar_spacing / 2
         found += [
@@ -195,6 +200,13 @@ def datums(design: Any) -> dict[str, Datum]:
             for name, y in (("left", half), ("right", -half))
         ]
     return named(*found)
+
+
+def _clip_place(design: Any, y: float, side: float) -> Point:
+    """Middle of the floor under a lead clip, at the outer end of a lead channel."""
+    base = design.base
+    x = base.length / 2 - base.edge_chamfer - design.lead_clip.length / 2
+    return (side * x, y, -base.seat_height - base.lead_channel_depth)
 
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:

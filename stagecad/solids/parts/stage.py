@@ -171,6 +171,7 @@ def datums(design: Any) -> dict[str, Datum]:
         Datum("pads", (0.0, 0.0, crown), down),
         Datum("top", (0.0, 0.0, s.thickness), Z),
         Datum("drive_surface", (0.0, 0.0, 0.0), down),
+        Datum("mirror_1", (-s.length / 2, 0.0, s.thickness / 2), (-1.0, 0.0, 0.0), Y),
     ]
     if design.teeth.fitted:
         seats = [side * design.teeth.bar_spacing / 2 for side in (-1, 1)]

@@ -82,5 +82,7 @@ PARTS = {
     "clamp_screw_long": SocketCapScrew("clamp_screw_long", "clamp_long"),
     "clamp_screw_short": SocketCapScrew("clamp_screw_short", "clamp_short"),
     "bar_screw": SocketCapScrew("bar_screw", "bar"),
+    "stop_screw": SocketCapScrew("stop_screw", "stop"),
 }
-"""Of a bearing way (3/8"-16 x 1"), of the clamp slot at actuator 1 (6") and at 2 and 3 (4.5"), of a tooth bar."""
+"""Of a bearing way (3/8"-16 x 1"), of the clamp slot at actuator 1 (6") and at 2 and 3 (4.5"), of a tooth bar
+and the sensor bracket, of a stop bar."""

@@ -1,0 +1,49 @@
+"""Buffer of an end stop: a block of polyurethane, cut from strip and bonded to the nose of a stop bar.
+
+Part coordinates: origin in the middle of the bonded face, z out of it, x along its width, y along its height.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.modelling.dimensioning import DOWN, X, Z
+from stagecad.solids.modelling.primitives import plate
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+NAME = "buffer"
+
+
+def build(design: Any) -> cq.Solid:
+    """A block, mm."""
+    buffer = design.buffer
+    return plate((0.0, 0.0, 0.0), buffer.width, buffer.height, buffer.length)
+
+
+def material(design: Any) -> str:
+    return design.buffer.material
+
+
+def part_number(design: Any) -> str:
+    return design.buffer.part_number
+
+
+def description(design: Any) -> str:
+    return design.buffer.description
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    return {
+        "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
+        "face": Datum("face", (0.0, 0.0, design.buffer.length), Z, X),
+    }
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """None: it is bought."""
+    return ()

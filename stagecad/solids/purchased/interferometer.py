@@ -1,0 +1,51 @@
+"""Interferometer: the optics that measure the position of the mirror on the stage.
+
+Part coordinates: origin on the underside at the front, in the middle of the width; x along the beam, away from the
+mirror, y across, z up. The beam is at half its height.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.modelling.dimensioning import DOWN, X, Z
+from stagecad.solids.modelling.primitives import plate
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+NAME = "interferometer"
+
+
+def build(design: Any) -> cq.Solid:
+    """A block, mm."""
+    optics = design.interferometer
+    return plate((optics.length / 2, 0.0, 0.0), optics.length, optics.width, optics.height)
+
+
+def material(design: Any) -> str:
+    return design.interferometer.material
+
+
+def part_number(design: Any) -> str:
+    return design.interferometer.part_number
+
+
+def description(design: Any) -> str:
+    return design.interferometer.description
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    beam = (0.0, 0.0, design.interferometer.height / 2)
+    return {
+        "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
+        "beam": Datum("beam", beam, (-1.0, 0.0, 0.0), Z),
+    }
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """None: it is bought."""
+    return ()

@@ -1,0 +1,51 @@
+"""Lead clip: a slotted block of silicone rubber, bonded into the end of a lead channel, that holds the leads.
+
+Part coordinates: origin in the middle of its underside, x along the channel, z up; the slot is open at the top.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.modelling.dimensioning import DOWN, X
+from stagecad.solids.modelling.holes import OVERRUN
+from stagecad.solids.modelling.primitives import cut_all, plate
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+NAME = "lead_clip"
+
+
+def build(design: Any) -> cq.Solid:
+    """A block that fills the channel, with its slot, mm."""
+    clip, deep = design.lead_clip, design.base.lead_channel_depth
+    block = plate((0.0, 0.0, 0.0), clip.length, design.base.lead_channel_width, deep)
+    slot = plate(
+        (0.0, 0.0, deep - clip.slot_depth), clip.length + 2 * OVERRUN, clip.slot_width, clip.slot_depth + OVERRUN
+    )
+    return cut_all(block, [slot])
+
+
+def material(design: Any) -> str:
+    return design.lead_clip.material
+
+
+def part_number(design: Any) -> str:
+    return design.lead_clip.part_number
+
+
+def description(design: Any) -> str:
+    return design.lead_clip.description
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    return {"seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X)}
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """None: it is bought."""
+    return ()

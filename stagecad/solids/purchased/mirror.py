@@ -1,0 +1,54 @@
+"""Plane mirror of the interferometer, on the target holes in an end face of the stage.
+
+Part coordinates: origin in the middle of the face against the stage, z out of it, x along its width, y upright.
+Its mass is a part of the payload's (`payload.mass`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.modelling.dimensioning import DOWN, X, Z
+from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
+from stagecad.solids.modelling.primitives import cut_all, plate
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+NAME = "mirror"
+
+
+def build(design: Any) -> cq.Solid:
+    """A block with a clearance hole at either target hole, mm."""
+    mirror = design.mirror
+    hole = stepped_hole((0, 0, mirror.thickness), (0, 0, -1), [(mirror.screw_hole, mirror.thickness + OVERRUN)])
+    half = design.stage.target_spacing / 2
+    block = plate((0.0, 0.0, 0.0), mirror.width, mirror.height, mirror.thickness)
+    return cut_all(block, repeated(hole, [(-half, 0.0, 0.0), (half, 0.0, 0.0)]))
+
+
+def material(design: Any) -> str:
+    return design.mirror.material
+
+
+def part_number(design: Any) -> str:
+    return design.mirror.part_number
+
+
+def description(design: Any) -> str:
+    return design.mirror.description
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    return {
+        "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
+        "face": Datum("face", (0.0, 0.0, design.mirror.thickness), Z, X),
+    }
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """None: it is bought."""
+    return ()
