@@ -9,7 +9,7 @@ from drawings.procedure.figures import ProcedureValues
 from stagecad.parameters.derived import Derived
 
 Condition = Literal["always", "teeth", "no teeth", "film lasts", "film wears out", "end stops"]
-"""Designs that have a step: with or without magnetic teeth, with end stops; film on the pads thick or thin for the running-in."""
+"""Designs that have a step: with or without magnetic teeth, with end stops; film thick or thin for the running-in."""
 
 
 @dataclass(frozen=True)
@@ -124,10 +124,10 @@ STEPS = (
         ("stop_bar", "stop_screw", "buffer"),
         ("key {stop_key}", "torque wrench", "polyurethane adhesive"),
         (
-            "Bond the buffers to the noses of the stop bars, level with the upper edge and in line with the tooth bars' "
-            "inner teeth.",
-            "Stand a bar at either end of the base, nose towards the middle, and tighten {stop_thread} to {stop_torque}. "
-            "At the ends of {travel} the irons stop {stop_gap} before the buffers.",
+            "Bond the buffers to the noses of the stop bars, level with the upper edge, in line "
+            "with the inner teeth of the tooth bars.",
+            "Stand a bar at either end of the base, nose towards the middle, and tighten {stop_thread} "
+            "to {stop_torque}. At the ends of {travel} the irons stop {stop_gap} before the buffers.",
         ),
         "stop_torque",
         condition="end stops",
@@ -171,8 +171,8 @@ STEPS = (
         ("mirror", "sensor_bracket", "interferometer"),
         ("key {bar_key}", "torque wrench"),
         (
-            "Screw the mirror to the end face of the stage on the side of pockets 2 and 3, the bracket by two screws "
-            "{bar_thread} to the stop bar there ({bar_torque}), and the interferometer on its arm, {dead_path} from the "
+            "Screw the mirror to the end face of the stage on the side of the two pockets, the bracket by "
+            "two screws {bar_thread} to the stop bar there ({bar_torque}), and the interferometer on its arm, {dead_path} from the "
             "mirror at the near end of the travel.",
             "Align the beam along the travel: the signal keeps its strength from end to end.",
         ),

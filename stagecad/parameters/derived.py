@@ -126,12 +126,12 @@ COMPUTED: dict[str, Formula] = {
         "X.X",
     ),
     "sensor_bracket.drop": Formula(
-        "stop_bar.height - stop_bar.sensor_depth + interferometer.height / 2 - bearing_way.height - pads.height"
+        "stop_bar.height - stop_bar.sensor_depth + interferometer.beam_height - bearing_way.height - pads.height"
         " - base.seat_height - stage.thickness / 2",
         lambda d: (
             d.stop_bar.height
             - d.stop_bar.sensor_depth
-            + d.interferometer.height / 2
+            + d.interferometer.beam_height
             - d.bearing_way.height
             - d.pads.height
             - d.base.seat_height

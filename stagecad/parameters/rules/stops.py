@@ -124,6 +124,8 @@ def sensor(d: Design) -> Iterator[str]:
         or optics.screw_spacing < bracket.optics_hole + wall
     ):
         yield f"{given(d, 'interferometer.screw_spacing')} does not fit {given(d, 'interferometer.length')}"
+    if optics.beam_height > optics.height - wall:
+        yield f"{given(d, 'interferometer.beam_height', 'interferometer.height')} put the beam over the optics"
     mirror, spacing = d.mirror, d.stage.target_spacing
     if mirror.width < spacing + mirror.screw_hole + 2 * wall - ROUNDING or mirror.height < mirror.screw_hole + 2 * wall:
         yield (f"{given(d, 'mirror.width', 'mirror.height')} do not cover {given(d, 'stage.target_spacing')}")

@@ -103,14 +103,15 @@ class LeadClip:
 
 @dataclass(frozen=True)
 class Interferometer:
-    """The optics that measure the position of the stage, beam at half the height."""
+    """The optics that measure the position of the stage, on a spacer."""
 
     part_number: str = text("of the catalogue")
     description: str = text("for the bill of materials")
     material: str = of_material("that gives its mean density")
     length: float = mm("along the beam")
     width: float = mm("across the beam")
-    height: float = mm("upright")
+    height: float = mm("upright, with the spacer")
+    beam_height: float = mm("of the beam over the underside of the spacer")
     screw_spacing: float = mm("between the screws that hold it, along the beam")
 
 

@@ -1,7 +1,7 @@
 """Interferometer: the optics that measure the position of the mirror on the stage.
 
 Part coordinates: origin on the underside at the front, in the middle of the width; x along the beam, away from the
-mirror, y across, z up. The beam is at half its height.
+mirror, y across, z up. A spacer below the optics sets the height of the beam.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def description(design: Any) -> str:
 
 
 def datums(design: Any) -> dict[str, Datum]:
-    beam = (0.0, 0.0, design.interferometer.height / 2)
+    beam = (0.0, 0.0, design.interferometer.beam_height)
     return {
         "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
         "beam": Datum("beam", beam, (-1.0, 0.0, 0.0), Z),

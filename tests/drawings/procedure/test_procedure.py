@@ -22,7 +22,10 @@ QUANTITIES = {
     "way_screw": 14,
     "piezo": 3,
     "tooth_bar": 2,
-    "bar_screw": 8,
+    "bar_screw": 10,
+    "stop_bar": 2,
+    "stop_screw": 4,
+    "buffer": 4,
     "tooth_iron": 4,
     "magnet": 2,
     "clamp_screw_long": 2,
@@ -92,6 +95,9 @@ def test_every_part_of_the_list_goes_in_once() -> None:
         ("bearing_way", "stage"),
         ("tooth_bar", "stage"),
         ("magnet", "stage"),
+        ("tooth_bar", "stop_bar"),  # its nose is over their screws
+        ("holder", "stop_bar"),  # it bridges the lead channel
+        ("stop_bar", "sensor_bracket"),
         ("stage", "clamp_screw_long"),  # the height is set against the stage, and then held
     ],
 )
@@ -135,8 +141,8 @@ def test_every_figure_has_an_origin() -> None:
 def test_torques_and_sizes_follow_the_parameter_file() -> None:
     before = made()
     after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
-    assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "6 N·m"]
-    assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "6 N·m"]
+    assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
+    assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "8 N·m", "6 N·m"]
     assert "in thirds to 17 N·m" in words(after)
     assert "4 setting pins 5 mm" in words(after)
     assert "Piezos at 60 V" in words(after)
@@ -168,4 +174,4 @@ def test_without_teeth_there_are_no_magnets() -> None:
     plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None))
     assert "magnet" not in words(plain)
     assert {use.part for step in plain.steps for use in step.parts}.isdisjoint({"magnet", "tooth_bar", "bar_screw"})
-    assert len(plain.steps) == len(made().steps) - 2
+    assert len(plain.steps) == len(made().steps) - 4

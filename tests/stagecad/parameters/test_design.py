@@ -139,7 +139,8 @@ def test_a_bare_value_shows_its_tolerance_class_by_its_decimals(tmp_path: Path) 
 def test_an_override_changes_its_value_and_what_follows_and_nothing_else(thesis: Design) -> None:
     thicker = load_design(None, ["stage.thickness=13 mm", "stage.thickness=14 mm"])
     changed = {item.key for item in diff(thesis, thicker)}
-    assert changed == {"stage.thickness", "stage.payload_drill_depth", "stage.payload_thread_depth"}
+    holes = {"stage.payload_drill_depth", "stage.payload_thread_depth"}
+    assert changed == {"stage.thickness", *holes, "interferometer.beam_height", "mirror.height"}
     assert thicker.stage.thickness == 14.0
     assert thicker.tolerance("stage.thickness") == thesis.tolerance("stage.thickness")
     assert thicker.entry("stage.thickness").origin == "assumed: given by --set"

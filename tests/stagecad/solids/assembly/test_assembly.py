@@ -18,7 +18,7 @@ from stagecad.solids.assembly.assemble import Instance, assemble, count
 from stagecad.solids.assembly.machine import Machine, build_machine, find_machine
 from stagecad.solids.modelling.frame import Frame, add, mate, scaled
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import MADE
+from stagecad.solids.modelling.registry import MADE, OF_END_STOPS, OF_TEETH, part_names
 
 
 def by_name(instances: tuple[Instance, ...]) -> dict[str, Instance]:
@@ -165,7 +165,8 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     assert find_machine(thicker, store) is None
     other = build_machine(thicker, store)
     touched = {name for name in machine.parts if other.parts[name].entry.key != machine.parts[name].entry.key}
-    assert touched == {"stage"}
+    # The bracket carries the interferometer at half the height of the stage.
+    assert touched == {"stage", "sensor_bracket"}
     gain = other.moving_body.mass - machine.moving_body.mass
     plate = 0.230 * 0.270 * 0.001 * design.materials[design.stage.material].density
     assert gain == pytest.approx(plate, rel=0.03)
@@ -174,10 +175,49 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     assert again.moving_body == other.moving_body
 
 
+def test_buffers_stand_before_the_irons_at_the_ends_of_the_travel(machine: Machine, design: Design) -> None:
+    """Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly."""
+    for travel, bar in ((1.0, 1), (-1.0, 2)):
+        standing = by_name(assemble(machine.parts, design, travel))
+        ends = sorted(
+            (stage_end(machine, standing[f"tooth_iron_{i}"], travel) for i in (2, 3)), key=lambda end: travel * end[1]
+        )
+        for number, (x, y) in enumerate(ends, start=1):
+            face = world(machine, standing[f"buffer_{bar}_{number}"], "face")
+            assert face.origin == pytest.approx((x + travel * 0.5, y, 27.4 - 2.5), abs=1e-9)
+            assert face.normal == pytest.approx((-travel, 0.0, 0.0), abs=1e-12)
+
+
+def stage_end(machine: Machine, iron: Instance, side: float) -> tuple[float, float]:
+    """End of a tooth iron along the travel, and its middle across."""
+    low, high = machine.parts["tooth_iron"].geometry.bounding_box
+    corners = [iron.frame.point((x, y, 0.0)) for x in (low[0], high[0]) for y in (low[1], high[1])]
+    return max(side * x for x, _, _ in corners) * side, sum(y for _, y, _ in corners) / 4
+
+
+def test_the_interferometer_is_a_dead_path_from_the_mirror(machine: Machine, design: Design) -> None:
+    standing = by_name(assemble(machine.parts, design, -1.0))
+    beam = world(machine, standing["interferometer_1"], "beam")
+    mirror = world(machine, standing["mirror_1"], "face")
+    assert mirror.origin == pytest.approx((-100.0 - 115.0 - 8.0, 0.0, 27.4 + 6.0), abs=1e-9)
+    assert beam.origin == pytest.approx((mirror.origin[0] - 50.0, 0.0, 27.4 + 6.0), abs=1e-9)
+    assert beam.normal == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
+
+
+def test_a_lead_clip_fills_the_end_of_its_channel(machine: Machine) -> None:
+    clip = by_name(machine.assembly.instances)["lead_clip_1"]
+    assert world(machine, clip, "seat").origin == pytest.approx((180.0 - 1.0 - 10.0, 0.0, -1.0 - 6.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("overrides", [("end_stop.count=0",), ("teeth.fitted=false",)])
+def test_without_buffers_or_irons_there_are_no_end_stops(overrides: tuple[str, ...]) -> None:
+    assert not set(OF_END_STOPS) & set(part_names(load_design(overrides=overrides)))
+
+
 def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
     plain = load_design(overrides=("teeth.fitted=false",))
     machine = build_machine(plain, store)
-    assert not {"magnet", "tooth_iron", "tooth_bar", "bar_screw"} & set(count(machine.assembly.instances))
+    assert not {*OF_TEETH, *OF_END_STOPS} & set(count(machine.assembly.instances))
 
 
 def test_three_actuators_stand_at_their_pockets(design: Design, machine: Machine) -> None:

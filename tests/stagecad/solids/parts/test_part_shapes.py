@@ -66,6 +66,8 @@ BOXES = {
     "magnet": (-20, 20, -2.5, 2.5, -5, 0),
     "tooth_iron": (-20, 20, -5, 5, -8, 0),
     "tooth_bar": (-140, 140, -22.5, 22.5, 0, 22.4),
+    "stop_bar": (-39, 10, -51.5, 51.5, 0, 27.7),
+    "sensor_bracket": (0, 156, -25, 25, -16.6, 6),
 }
 
 
@@ -94,6 +96,15 @@ def base_volume() -> float:
     screws = 2 * hole(10.5, 140) + 2 * hole(10.5, 100)
     taps = 14 * pointed(7.9375, 18) + 7 * pointed(8.5, 20) + 4 * pointed(5, 15) + 8 * pointed(4.2, 15)
     return 360 * (350 * 90 - 192 * 1) - pockets - bores - slots - screws - taps - 3 * 110 * 8 * 6
+
+
+def stop_bar_volume() -> float:
+    holes = 2 * (hole(6.6, 12) + hole(11, 15.7) + hole(4.2, 14 + 4.2 / 2 / math.tan(math.radians(59)) / 3))
+    return 103 * (49 * 27.7 - 15 * 17) - holes
+
+
+def bracket_volume() -> float:
+    return 50 * (156 * 10 + 10 * 12.6) - 2 * hole(5.5, 10) - 2 * hole(4.5, 10)
 
 
 def strip(diameter: float, width: float) -> float:
@@ -129,6 +140,8 @@ def pin_1_volume() -> float:
 
 
 ESTIMATES = {
+    "stop_bar": (stop_bar_volume, 1e-9),
+    "sensor_bracket": (bracket_volume, 1e-9),
     "stage": (stage_volume, 2e-4),
     "bearing_way": (way_volume, 2e-4),
     "base": (base_volume, 2e-3),
@@ -177,6 +190,7 @@ HOLES = [
     ("tip", 10.2, 3, "seats"),
     ("tooth_bar", 5.5, 4, "screws"),
     ("height_pin_1", 4.2, 1, "withdrawal"),
+    ("stop_bar", 4.2, 2, "sensor bracket"),
 ]
 
 

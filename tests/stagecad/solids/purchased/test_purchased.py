@@ -33,10 +33,12 @@ def test_one_valid_closed_solid(name: str, design: Design, store: ArtefactStore)
     assert part.material in design.materials
 
 
-@pytest.mark.parametrize("key", ["way", "clamp_long", "clamp_short", "bar"])
+@pytest.mark.parametrize("key", ["way", "clamp_long", "clamp_short", "bar", "stop"])
 def test_screw_against_cylinders(key: str, design: Design, store: ArtefactStore) -> None:
     screw = getattr(design.screws, key)
-    name = {"way": "way_screw", "bar": "bar_screw"}.get(key, f"{key.replace('clamp', 'clamp_screw')}")
+    name = {"way": "way_screw", "bar": "bar_screw", "stop": "stop_screw"}.get(
+        key, f"{key.replace('clamp', 'clamp_screw')}"
+    )
     part = build_part(store, name, design)
     shank = math.pi / 4.0 * screw.diameter**2 * screw.length
     head = math.pi / 4.0 * screw.head_diameter**2 * screw.head_height
@@ -86,6 +88,33 @@ def test_piezo_against_cylinder_and_cap(design: Design, store: ArtefactStore) ->
     made = build_part(store, "piezo", design)
     assert made.geometry.volume == pytest.approx(volume, rel=1e-9)
     assert made.datums["end"].origin == (0.0, 0.0, piezo.length)
+
+
+BLOCKS = {
+    "buffer": (8 * 10 * 3.6, (10, 3.6, 8)),
+    "lead_clip": (20 * (6 * 6 - 3 * 4), (20, 6, 6)),
+    "interferometer": (60 * 40 * 40, (60, 40, 40)),
+    "mirror": (8 * (42 * 12 - 2 * math.pi / 4 * 4.5**2), (42, 12, 8)),
+}
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_blocks_have_their_exact_volume_and_size(name: str, design: Design, store: ArtefactStore) -> None:
+    volume, size = BLOCKS[name]
+    made = build_part(store, name, design).geometry
+    assert made.volume == pytest.approx(volume, rel=1e-9)
+    low, high = made.bounding_box
+    assert [b - a for a, b in zip(low, high, strict=True)] == pytest.approx(size, abs=1e-6)
+
+
+def test_the_buffers_have_the_stiffness_of_the_end_stops(design: Design) -> None:
+    """E A / l of a block, E of 70 Shore A by Gent: 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa."""
+    shore = 70.0
+    modulus = 0.0981 * (56.0 + 7.62336 * shore) / (0.137505 * (254.0 - 2.54 * shore))
+    assert design.materials["polyurethane"].youngs_modulus == pytest.approx(modulus * 1e6, rel=0.02)
+    buffer = design.buffer
+    stiffness = modulus * buffer.width * buffer.height / buffer.length
+    assert stiffness * 1e3 == pytest.approx(design.end_stop.stiffness, rel=0.02)
 
 
 def test_only_the_touched_part_is_made_again(design: Design, store: ArtefactStore) -> None:
