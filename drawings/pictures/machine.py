@@ -17,7 +17,7 @@ from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved, visi
 from drawings.views.section import cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
-from stagecad.solids.assembly.machine import MOVING
+from stagecad.solids.assembly.machine import CARRIED, MOVING
 from stagecad.solids.modelling.frame import UNMOVED, add, subtract
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _trail(instance: Instance, instances: Sequence[Instance], shape: MeshedShape
     middle = _middle(shape)
     start, end = instance.exploded.point(middle), instance.frame.point(middle)
     alone = all(other.part in MOVING for other in instances)
-    if instance.part in MOVING and (alone or instance.part != "stage"):
+    if instance.part in CARRIED and (alone or instance.part != "stage"):
         stage = next(other for other in instances if other.part == "stage")
         end = add(end, subtract(stage.exploded.shift, stage.frame.shift))
     return start, end

@@ -171,9 +171,9 @@ STEPS = (
         ("mirror", "sensor_bracket", "interferometer"),
         ("key {bar_key}", "torque wrench"),
         (
-            "Screw the mirror to the end face of the stage on the side of the two pockets, the bracket by "
-            "two screws {bar_thread} to the stop bar there ({bar_torque}), and the interferometer on its arm, {dead_path} from the "
-            "mirror at the near end of the travel.",
+            "Screw the mirror to the end face of the stage on the side of the two pockets, the bracket by two screws "
+            "{bar_thread} to the stop bar there ({bar_torque}), and the interferometer on its arm: {dead_path} from "
+            "the mirror at the near end of the travel.",
             "Align the beam along the travel: the signal keeps its strength from end to end.",
         ),
         condition="end stops",

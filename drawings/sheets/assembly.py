@@ -18,6 +18,7 @@ from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
 from drawings.views.view import Box2, Curve, Point2, Segment, View
+from stagecad.solids.assembly.machine import CARRIED
 
 if TYPE_CHECKING:
     from stagecad.solids.assembly.accessories import Accessory
@@ -62,7 +63,8 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     """
     exploded = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
     cut = pictures[SECTION]
-    ends = travel_range([line for part, lines in cut.pieces if part == "stage" for line in lines], machine.size.travel)
+    carried = [line for part, lines in cut.pieces if part in CARRIED for line in lines]
+    ends = travel_range(carried, machine.size.travel)
     front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": ends.lines})
     notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
     rows = len(machine.rows) + len(machine.accessories)

@@ -51,6 +51,11 @@ def _buffer_offsets(d: Any) -> list[float]:
     return [middle - pole, middle + pole] if d.end_stop.count > 2 else [middle - pole]
 
 
+def _least(value: float) -> float:
+    """A length that a rule may refuse, but that can be built: at least 1 mm."""
+    return max(value, 1.0)
+
+
 COMPUTED: dict[str, Formula] = {
     "stage.payload_drill_depth": Formula(
         "stage.thickness - stage.payload_floor", lambda d: d.stage.thickness - d.stage.payload_floor, "X.X"
@@ -72,6 +77,9 @@ COMPUTED: dict[str, Formula] = {
         "actuator.tip_height + tip.seat_depth - tip.relief_cover",
         lambda d: d.actuator.tip_height + d.tip.seat_depth - d.tip.relief_cover,
         "X.X",
+    ),
+    "base.seat_gap": Formula(
+        "base.way_gap + 2 base.seat_overhang", lambda d: d.base.way_gap + 2 * d.base.seat_overhang, "X.X"
     ),
     "base.width": Formula(
         "base.way_gap + 2 bearing_way.width", lambda d: d.base.way_gap + 2 * d.bearing_way.width, "X"
@@ -108,15 +116,16 @@ COMPUTED: dict[str, Formula] = {
         "X.X",
     ),
     "stop_bar.height": Formula(
-        "bearing_way.height + pads.height + base.seat_height + end_stop.height + buffer.height / 2",
-        lambda d: (
+        "bearing_way.height + pads.height + base.seat_height + end_stop.height + buffer.height / 2, at least 1 mm",
+        lambda d: _least(
             d.bearing_way.height + d.pads.height + d.base.seat_height + d.end_stop.height / MM + d.buffer.height / 2
         ),
         "X.X",
     ),
     "stop_bar.reach": Formula(
-        "base.bracket_spacing_along / 2 - stage.travel / 2 - tooth_iron.length / 2 - end_stop.gap - buffer.length",
-        lambda d: (
+        "base.bracket_spacing_along / 2 - stage.travel / 2 - tooth_iron.length / 2 - end_stop.gap - buffer.length,"
+        " at least 1 mm",
+        lambda d: _least(
             d.base.bracket_spacing_along / 2
             - d.stage.travel / 2
             - d.tooth_iron.length / 2
@@ -125,10 +134,24 @@ COMPUTED: dict[str, Formula] = {
         ),
         "X.X",
     ),
+    "sensor_bracket.optics": Formula(
+        "(stage.travel + stage.length) / 2 + mirror.thickness + sensors.interferometer.dead_path"
+        " + (interferometer.length - interferometer.screw_spacing) / 2 - base.bracket_spacing_along / 2"
+        " - stop_bar.overhang, at least 1 mm",
+        lambda d: _least(
+            (d.stage.travel + d.stage.length) / 2
+            + d.mirror.thickness
+            + d.sensors.interferometer.dead_path / MM
+            + (d.interferometer.length - d.interferometer.screw_spacing) / 2
+            - d.base.bracket_spacing_along / 2
+            - d.stop_bar.overhang
+        ),
+        "X.X",
+    ),
     "sensor_bracket.drop": Formula(
         "stop_bar.height - stop_bar.sensor_depth + interferometer.beam_height - bearing_way.height - pads.height"
-        " - base.seat_height - stage.thickness / 2",
-        lambda d: (
+        " - base.seat_height - stage.thickness / 2, at least 1 mm",
+        lambda d: _least(
             d.stop_bar.height
             - d.stop_bar.sensor_depth
             + d.interferometer.beam_height
@@ -248,7 +271,7 @@ class Derived:
     @property
     def seat_edge(self) -> float:
         """Inner edge of the seats of the ways, from the middle of the base."""
-        return self.design.base.way_gap / 2 + self.design.base.seat_overhang
+        return self.design.base.seat_gap / 2
 
     @property
     def way_screw_places(self) -> tuple[Place, ...]:
@@ -325,10 +348,8 @@ class Derived:
     @property
     def interferometer_front(self) -> float:
         """From the back of a stop bar to the front of the interferometer, along the travel."""
-        d = self.design
-        mirror = (d.stage.travel + d.stage.length) / 2 + d.mirror.thickness
-        back = d.base.bracket_spacing_along / 2 + d.stop_bar.overhang
-        return mirror + d.sensors.interferometer.dead_path / MM - back
+        optics = self.design.interferometer
+        return self.design.sensor_bracket.optics - (optics.length - optics.screw_spacing) / 2
 
     @property
     def magnets(self) -> int:

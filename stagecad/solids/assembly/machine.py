@@ -24,6 +24,8 @@ from stagecad.solids.modelling.mass import MM, density_of, mass_properties, plac
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
 MOVING = ("stage", "tooth_iron", "magnet")
+CARRIED = (*MOVING, "mirror")
+"""Parts that move with the stage; the mirror is counted in the mass of the payload."""
 
 
 @dataclass(frozen=True)

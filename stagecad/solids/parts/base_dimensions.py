@@ -37,8 +37,7 @@ def _block(d: DimensionDeclarations, design: Any) -> None:
     d.linear("height", "height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front")
     end, edge, deep = d.group(view="right"), Derived(design).seat_edge, -base.seat_height
     end.linear("seat height", "seat_height", (x - 3, edge - 3, deep), (x - 3, y - 3, 0), Z, count=2)
-    keys, walls = ("base.way_gap", "base.seat_overhang"), ((0, -edge, deep / 2), (0, edge, deep / 2))
-    end.derived("seat spacing", 2 * edge, keys, walls, Y)
+    end.linear("seat gap", "seat_gap", (0, -edge, deep / 2), (0, edge, deep / 2))
     c = base.edge_chamfer / 2
     d.chamfer("edge chamfer", "edge_chamfer", (x - c, (edge + y) / 2, -c), note="all outer edges", view="front")
 
@@ -76,8 +75,8 @@ def _pockets(d: DimensionDeclarations, design: Any) -> None:
     top = d.group(view="top")
     pocket = top.group(feature="pocket", count=3)
     pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left)
-    keys, ends = ("base.pocket_depth", "base.seat_height"), ((0, 0, mouth), (0, radius / 2, floor))
-    pocket.derived("pocket depth", mouth - floor, keys, ends, DOWN, kind="depth")
+    seat = (base.length / 2 - 3, base.width / 2 - 3, 0)
+    d.linear("floor of the pockets", "pocket_depth", seat, (0, radius / 2, floor), Z, count=3, view="section")
     note = "3 pockets on an equilateral triangle"
     top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note, exact=True)
     keys, ends = ("base.actuator_spacing",), ((0, 0, 0), (x, y, 0))

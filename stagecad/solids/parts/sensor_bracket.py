@@ -33,9 +33,8 @@ NOTES = ("Symmetric about the middle of the width.",)
 
 def optics_places(design: Any) -> list[float]:
     """Places x of the interferometer's screws on the middle line, mm."""
-    middle = Derived(design).interferometer_front + design.interferometer.length / 2
-    half = design.interferometer.screw_spacing / 2
-    return [middle - half, middle + half]
+    first = design.sensor_bracket.optics
+    return [first, first + design.interferometer.screw_spacing]
 
 
 def build(design: Any) -> cq.Solid:
@@ -89,6 +88,5 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     first, last = ((x, 0, level) for x in optics_places(design))
     plan.diameter("optics hole", "optics_hole", first, feature="optics hole", count=2, note="through")
     plan.linear("optics spacing", "interferometer.screw_spacing", first, last)
-    keys = ("interferometer.screw_spacing", "interferometer.length", "sensors.interferometer.dead_path")
-    d.group(view="top").derived("optics from flange", first[0], keys, ((0, 0, 0), first), X)
+    plan.linear("optics from stop bar", "optics", (0, half - 1, level), first, X)
     return tuple(d)

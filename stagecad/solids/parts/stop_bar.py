@@ -90,12 +90,9 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     front.linear("screws to back", "overhang", axis, (out, side, bar.height / 2), X)
     hole = plan.group(feature="screw hole", count=2)
     hole.diameter("screw hole", "screw_hole", axis, note="through")
-    sunk, top = bar.height - bar.grip, (x, y, bar.height)
-    hole.diameter("counterbore", "counterbore", (x, y, bar.height - sunk / 2), on=X)
-    keys = ("stop_bar.height", "stop_bar.grip")
-    hole.derived(
-        "counterbore depth", sunk, keys, (top, (x + bar.counterbore / 2 - 0.5, y, bar.grip)), DOWN, kind="depth"
-    )
+    top, floor = (x, y, bar.height), (x, y + bar.counterbore / 2 - 0.5, bar.grip)
+    hole.diameter("counterbore", "counterbore", (x, y, (bar.height + bar.grip) / 2), on=X)
+    d.linear("grip", "grip", (x, side, 0), floor, Z, count=2, view="section")
     plan.linear("screw spacing", "base.bracket_spacing_across", (x, -y, bar.height), top)
     level, spread = bar.height - bar.sensor_depth, bar.sensor_spacing / 2
     right, mouth = d.group(view="right"), (out, spread, level)

@@ -160,15 +160,17 @@ def test_size_and_travel_are_those_of_the_machine(sheet: Sheet, pictures: dict[s
         len(said) == sum(isinstance(a, LinearDimension) for a in sheet.annotations) - 1
     )  # half of the travel, on both sides
     base, stage = design.base, design.stage
-    assert said["overall length"] == (pytest.approx(base.length, abs=1e-6), f"({base.length:.1f})")
+    bracket = (base.bracket_spacing_along / 2) + design.stop_bar.overhang + design.sensor_bracket.length
+    long = base.length / 2 + bracket
+    assert said["overall length"] == (pytest.approx(long, abs=1e-6), f"({long:.1f})")
     assert said["overall width"] == (pytest.approx(base.width, abs=1e-6), f"({base.width:.1f})")
     assert said["half of the travel"] == (pytest.approx(stage.travel / 2, abs=1e-6), f"({stage.travel / 2:.1f})")
-    over = stage.length + stage.travel
+    over = stage.length + stage.travel + design.mirror.thickness
     assert said["length over the ends of travel"] == (pytest.approx(over, abs=1e-6), f"({over:.1f})")
     _, v0, _, v1 = view_box(replace(pictures["section A-A"].view, scale=1.0)) or (0.0,) * 4
     assert said["overall height"] == (pytest.approx(v1 - v0, abs=1e-6), f"({v1 - v0:.1f})")
     u0, v0, u1, v1 = view_box(replace(pictures["top"].view, scale=1.0)) or (0.0,) * 4
-    assert (u1 - u0, v1 - v0) == pytest.approx((base.length, base.width), abs=1e-6)
+    assert (u1 - u0, v1 - v0) == pytest.approx((long, base.width), abs=1e-6)
 
 
 def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Machine, design: Design) -> None:
@@ -177,7 +179,8 @@ def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Mac
     for travel in (-1.0, 1.0):
         (stage,) = (piece for piece in assemble(machine.parts, design, travel=travel) if piece.part == "stage")
         (x0, _, z0), (x1, _, z1) = machine.parts["stage"].geometry.bounding_box
-        end = travel * max(travel * stage.frame.point((x, 0.0, 0.0))[0] for x in (x0, x1))
+        mirror = design.mirror.thickness if travel < 0 else 0.0
+        end = travel * mirror + travel * max(travel * stage.frame.point((x, 0.0, 0.0))[0] for x in (x0, x1))
         assert any(
             isinstance(line, Segment)
             and (line.start[0], line.end[0]) == pytest.approx((end, end), abs=1e-6)
@@ -190,7 +193,9 @@ def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_t
     machine: Machine, design: Design, pictures: dict[str, Picture]
 ) -> None:
     below = pictures["from below"]
-    tall = replace(below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 600.0)),)}), pieces=())
+    tall = replace(
+        below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 1400.0)),)}), pieces=()
+    )
     size = machine_size(machine.assembly.instances, machine.parts, design)
     machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",))
     views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
