@@ -50,7 +50,7 @@ def test_what_differs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
     assert str(other) in err
     status, out, _ = call(capsys, "--json", "--diff", str(other))
     differences = {item["key"]: item for item in json.loads(out)["differences"]}
-    follows = {"stage.payload_drill_depth", "stage.payload_thread_depth"}
+    follows = {"stage.payload_drill_depth", "stage.payload_thread_depth", "interferometer.beam_height", "mirror.height"}
     assert set(differences) == {"stage.thickness", "pads.count"} | follows
     assert differences["stage.thickness"]["before"]["value"] == 0.012
     assert differences["stage.thickness"]["after"]["value"] == 0.015
