@@ -57,6 +57,20 @@ def test_units_signs_names_and_windows_of_a_record() -> None:
     np.testing.assert_array_equal(found, whole[(time >= 1.0) & (time <= 3.0)])
 
 
+def test_a_record_of_pulses_has_the_settings_of_a_file() -> None:
+    steps = 0.02 + 0.001 * np.arange(50)
+    channels = {
+        "time": {"column": "dt", "unit": "s", "increments": True},
+        "position": {"pulses_per_turn": 4},
+        "drive_force": {"value": "0 N*m"},
+    }
+    record = Record({"dt": steps}, channels=channels)
+    found = Experiment.from_dataframes({"a": record}, Rig("force-drive", {"mass": "1 kg*m^2"}), ["coulomb"])
+    table = found.to_dataframe()
+    np.testing.assert_allclose(table.index.get_level_values("time"), np.cumsum(steps), rtol=1e-12)
+    np.testing.assert_allclose(table["position"], 0.5 * np.pi * np.arange(1, 51), rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
