@@ -192,13 +192,14 @@ class _Pool:
         waiting = [_Task(index) for index in range(len(items))]
         done: set[int] = set()
         workers: list[_Worker] = []
+        script = self.method == "spawn" and _refers_to_script((self.function, self.limit, list(items)))
         try:
             while len(done) < len(items):
                 idle = [worker for worker in workers if worker.task is None]
                 ready = [task for task in waiting if needed.get(task.index, set()) <= done]
                 for task in ready[: self.count - len(workers) + len(idle)]:
                     if not idle:
-                        workers.append(_Worker(self))
+                        workers.append(_Worker(self, script))
                     waiting.remove(task)
                     (idle.pop() if idle else workers[-1]).begin(task, items[task.index])
                 busy = [(worker, worker.task) for worker in workers if worker.task is not None]
@@ -278,9 +279,9 @@ class _Unpickler(pickle.Unpickler):
 
 
 class _Worker:
-    """A process and the pipe to it."""
+    """A process and the pipe to it; `script` is whether it needs the script that runs, which it then imports."""
 
-    def __init__(self, pool: _Pool) -> None:
+    def __init__(self, pool: _Pool, script: bool) -> None:
         context: Any = multiprocessing.get_context(pool.method)
         self.task: _Task | None = None
         self.pipe, other_end = context.Pipe()
@@ -289,7 +290,8 @@ class _Worker:
         with _interrupts_blocked(pool.method), warnings.catch_warnings():
             # Python 3.12 warns of forks with threads; threads alive during `fork_map` hold no lock that a worker needs.
             warnings.simplefilter("ignore", DeprecationWarning)
-            self._process.start()
+            with contextlib.nullcontext() if script else _script_left_out():
+                self._process.start()
         other_end.close()
 
     def begin(self, task: _Task, item: Any) -> None:
@@ -320,6 +322,28 @@ class _Worker:
         self._process.kill()
         self._process.join()
         self.pipe.close()
+
+
+def _refers_to_script(sent: object) -> bool:
+    """Whether what is sent to workers has a function or class of the script that runs."""
+    try:
+        return b"__main__" in pickle.dumps(sent)
+    except Exception:  # of any class that the parts of an item raise in pickling
+        return True
+
+
+@contextlib.contextmanager
+def _script_left_out() -> Iterator[None]:
+    """New processes started in the block do not import the script that runs: a script that calls this package without
+    `if __name__ == "__main__"` would run again in each of them."""
+    script = sys.modules["__main__"].__dict__
+    kept = {name: script[name] for name in ("__file__", "__spec__") if name in script}
+    script["__spec__"] = None
+    script.pop("__file__", None)
+    try:
+        yield
+    finally:
+        script.update(kept)
 
 
 @contextlib.contextmanager

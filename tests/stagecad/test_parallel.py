@@ -307,3 +307,29 @@ def running(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+SCRIPT = """
+import math
+from stagecad.parallel import parallel_map
+print(parallel_map(math.sqrt, [4.0, 9.0, 16.0], workers=2))
+"""
+GUARDED = """
+from stagecad.parallel import parallel_map
+def twice(x):
+    return 2 * x
+if __name__ == "__main__":
+    print(parallel_map(twice, [4.0, 9.0, 16.0], workers=2))
+"""
+
+
+@pytest.mark.parametrize(("text", "printed"), [(SCRIPT, "[2.0, 3.0, 4.0]"), (GUARDED, "[8.0, 18.0, 32.0]")])
+def test_a_plain_script_runs_once(tmp_path: Path, text: str, printed: str) -> None:
+    """Without a guard for its main module, as notebooks and short scripts are; with one its functions are found."""
+    script = tmp_path / "script.py"
+    script.write_text(text)
+    root = Path(__file__).resolve().parents[2]
+    done = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(root)}
+    )
+    assert (done.stdout.strip(), done.stderr) == (printed, "")
