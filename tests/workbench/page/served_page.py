@@ -63,23 +63,40 @@ class Browser:
 
 
 @contextmanager
-def browsing(address: str, *flags: str) -> Iterator[Browser]:
-    """A headless Chromium at an address, with further flags; skips where there is none."""
+def chromium(*flags: str) -> Iterator[Any]:
+    """A headless Chromium, with further flags; skips where there is none."""
     program = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
     if program is None:
         pytest.skip("no Chromium: apt-get install chromium")
     playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
     with playwright.sync_playwright() as started:
-        chromium = started.chromium.launch(executable_path=program, args=[*FLAGS, *flags])
+        launched = started.chromium.launch(executable_path=program, args=[*FLAGS, *flags])
         try:
-            page = chromium.new_page(viewport={"width": 1280, "height": 800})
-            browser = Browser(page, address)
-            try:
-                yield browser
-            except Exception as error:
-                error.add_note(f"status bar: {page.locator('.status').inner_text()!r}; errors: {browser.errors}")
-                raise
-            assert browser.errors == []
-            assert browser.outside == []
+            yield launched
         finally:
-            chromium.close()
+            launched.close()
+
+
+@contextmanager
+def looking(launched: Any, address: str) -> Iterator[Browser]:
+    """A new user of a browser at an address; at the end nothing went wrong in the page."""
+    context = launched.new_context(viewport={"width": 1280, "height": 800})
+    try:
+        page = context.new_page()
+        browser = Browser(page, address)
+        try:
+            yield browser
+        except Exception as error:
+            error.add_note(f"status bar: {page.locator('.status').inner_text()!r}; errors: {browser.errors}")
+            raise
+        assert browser.errors == []
+        assert browser.outside == []
+    finally:
+        context.close()
+
+
+@contextmanager
+def browsing(address: str, *flags: str) -> Iterator[Browser]:
+    """A headless Chromium of its own at an address."""
+    with chromium(*flags) as launched, looking(launched, address) as browser:
+        yield browser

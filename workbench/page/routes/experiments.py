@@ -140,7 +140,10 @@ def _rows(path: Path, name: str) -> int:
     columns = number_columns(open_record_file(path, name))
     if not columns:
         raise InputError(f"{name}: has no column of numbers")
-    return int(next(iter(columns.values())).size)
+    rows = int(next(iter(columns.values())).size)
+    if rows == 0:
+        raise InputError(f"{name}: has a header and no rows of numbers")
+    return rows
 
 
 @router.post("/propose")

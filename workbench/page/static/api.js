@@ -75,12 +75,22 @@ export const cancel = (job) => post(`/api/jobs/${job.number}/cancel`).then(take)
 
 /** Read all jobs and listen to their changes; again after the connection was lost. */
 export async function listen() {
-  const refresh = async () => { for (const job of await get('/api/jobs')) take(job); };
+  const refresh = async () => {
+    const present = await get('/api/jobs');
+    const numbers = new Set(present.map((job) => job.number));
+    // Those that a former server was working on have ended with it, and the present one gives their numbers again.
+    for (const job of [...jobs.values()]) {
+      if (numbers.has(job.number)) continue;
+      if (!FINISHED.has(job.state)) take({ ...job, state: 'cancelled', error: 'the server ended' });
+      jobs.delete(job.number);
+    }
+    for (const job of present) take(job);
+  };
   const source = new EventSource('/api/events');
   source.onmessage = (event) => take(JSON.parse(event.data));
   let lost = false;
   source.onerror = () => { lost = true; say('connection to the server lost', 'bad'); };
-  source.onopen = () => { if (lost) { lost = false; say('connected again'); refresh().catch(() => {}); } };
+  source.onopen = () => { if (lost) { lost = false; say('connected again'); refresh().then(() => dispatchEvent(new Event('reconnected'))).catch((error) => say(error.message, 'bad')); } };
   await refresh();
 }
 

@@ -1,6 +1,6 @@
 // The list of design checks with their margins as bars, and the selected one in full.
 import { get } from './api.js';
-import { h, fill, quantity, words } from './dom.js';
+import { h, fill, newest, quantity, words } from './dom.js';
 import { toggle } from './parameters.js';
 
 const VERDICTS = { fails: 'bad', passes: 'good', out_of_range: 'warn', undecidable: 'dim' };
@@ -20,6 +20,7 @@ export class CheckList {
   constructor(place, onparameter) {
     this.onparameter = onparameter;
     this.rows = new Map();
+    this.turn = newest();
     this.data = new Map();
     this.counts = h('span', { class: 'counts' }, '–');
     this.failing = h('button', { class: 'small', 'aria-pressed': 'false', onclick: () => { toggle(this.failing); this.arrange(); } }, 'failing');
@@ -103,13 +104,14 @@ export class CheckList {
   }
 
   async showDetail() {
+    const current = this.turn();
     const position = this.selected;
     const check = await get(`/api/machine/checks/${position}`).catch(() => null);
-    if (!check || position !== this.selected) return;
+    if (!check || !current()) return;
     const row = this.data.get(position);
     fill(this.detail,
       h('div', { class: 'line' }, h('b', {}, check.name), h('span', { class: 'space' }), h('span', { class: VERDICTS[check.verdict] }, words(check.verdict))),
-      h('p', {}, `${row.value}, ${row.limit}; margin ${row.shown_margin}`),
+      h('p', {}, `${row.value}, ${row.limit}; margin ${marginText(row).replace(' ', '\u00a0')}`),
       check.proposal ? h('p', { class: 'warn' }, check.proposal) : null,
       check.note ? h('p', { class: 'dim' }, check.note) : null,
       check.formula ? h('p', { class: 'formula' }, check.formula) : null,

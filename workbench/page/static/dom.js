@@ -72,6 +72,15 @@ export function eachFrame(f) {
   };
 }
 
+/**
+ * Counts requests, so that a late answer does not replace that of a newer one: `const current = turn();` before the
+ * request, and after it `if (!current()) return;`.
+ */
+export function newest() {
+  let last = 0;
+  return () => { const mine = ++last; return () => mine === last; };
+}
+
 /** Value of a colour of the theme. */
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 

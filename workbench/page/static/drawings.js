@@ -1,6 +1,6 @@
 // Drawing sheets as SVG: a list of sheets, and one of them with zoom and shift.
 import { get, post, result } from './api.js';
-import { h, fill, say, words } from './dom.js';
+import { h, fill, newest, say, words } from './dom.js';
 
 export class Drawings {
   constructor(place) {
@@ -10,6 +10,7 @@ export class Drawings {
     this.note = h('div', { class: 'sheet-note' }, 'Choose a sheet.');
     place.append(this.names, h('div', { class: 'desk-frame' }, this.desk, this.note));
     this.view = { x: 0, y: 0, scale: 1 };
+    this.turn = { sheets: newest(), open: newest() };
     this.desk.addEventListener('wheel', (event) => {
       event.preventDefault();
       const box = this.desk.getBoundingClientRect();
@@ -28,7 +29,9 @@ export class Drawings {
   }
 
   async shown() {
+    const current = this.turn.sheets();
     const sheets = await get('/api/machine/sheets');
+    if (!current()) return;
     fill(this.names, Object.entries(sheets).flatMap(([subject, names]) => names.map((name) =>
       h('button', { class: 'sheet', dataset: { name }, onclick: () => this.open(subject, name) }, words(name)))));
     this.mark();
@@ -37,6 +40,7 @@ export class Drawings {
   mark() { for (const one of this.names.children) one.setAttribute('aria-pressed', String(one.dataset.name === this.name)); }
 
   async open(subject, name) {
+    const current = this.turn.open();
     this.name = name;
     this.subject = subject;
     this.mark();
@@ -44,13 +48,15 @@ export class Drawings {
     try {
       const found = await result(await post(`/api/machine/drawings/${subject}`));
       const sheet = found.sheets.find((one) => one.name === name) ?? found.sheets[0];
-      if (this.name !== name) return;
+      if (!current()) return;
       this.paper.src = `/api/machine/artefacts/${sheet.key}/${sheet.name}.svg`;
       fill(this.note, `${words(sheet.name)}   ${sheet.paper}   ${sheet.scale}   ${sheet.views.join(', ')}   `,
         h('a', { href: `/api/machine/artefacts/${sheet.key}/${sheet.name}.pdf`, target: '_blank' }, 'PDF'),
         sheet.hits.length ? h('span', { class: 'bad' }, `   ${sheet.hits.length} lint hits`) : '   no lint hits');
     } catch (error) {
-      if (error.name !== 'Cancelled') { fill(this.note, h('span', { class: 'bad' }, error.message)); say(error.message, 'bad'); }
+      if (!current()) return;
+      if (error.name === 'Cancelled') fill(this.note, `${words(name)}: cancelled; choose the sheet again`);
+      else { fill(this.note, h('span', { class: 'bad' }, error.message)); say(error.message, 'bad'); }
     }
   }
 

@@ -1,7 +1,7 @@
 // The machine: parameters on the left, solids or drawings in the middle, checks on the right.
 import { get, post, result } from './api.js';
 import { CheckList } from './checks.js';
-import { h, fill, quantity, say, words } from './dom.js';
+import { h, fill, newest, quantity, say, words } from './dom.js';
 import { Drawings } from './drawings.js';
 import { ParameterList, sliderRange, toggle, valueText } from './parameters.js';
 import { View3d } from './view3d.js';
@@ -13,6 +13,7 @@ class Machine {
   constructor(section) {
     this.section = section;
     this.changes = {};
+    this.newest = { solids: newest(), difference: newest() };
     const left = h('div', { class: 'panel' });
     const middle = h('div', { class: 'panel middle' });
     const right = h('div', { class: 'panel' });
@@ -21,6 +22,8 @@ class Machine {
     this.checks = new CheckList(right, (key) => this.parameters.reveal(key));
     this.makeMiddle(middle);
     addEventListener('keydown', (event) => this.key(event));
+    // Another server may have begun: its versions of the checks are not those of the former one.
+    addEventListener('reconnected', () => this.inTurn(async () => { this.version = 0; this.take(await get('/api/machine')); this.changed(); }).catch((error) => say(error.message, 'bad')));
   }
 
   makeMiddle(middle) {
@@ -38,7 +41,7 @@ class Machine {
     this.violations = h('div', { class: 'violations', role: 'alert' });
     middle.append(
       h('div', { class: 'head' }, h('span', { class: 'group' }, Object.values(this.tabs)), h('span', { class: 'space' }), this.file, this.undo, this.redo, this.save),
-      h('div', { class: 'panes' }, Object.values(this.panes), this.violations));
+      this.place = h('div', { class: 'panes' }, Object.values(this.panes), this.violations));
   }
 
   makeSolids(pane) {
@@ -134,7 +137,7 @@ class Machine {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.buildSolids(), SOLIDS_AFTER);
     if (this.tab === 'difference') this.showDifference();
-    if (this.tab === 'drawings') this.drawings.refresh();
+    if (this.tab === 'drawings') this.drawings.shown().then(() => this.drawings.refresh()).catch((error) => say(error.message, 'bad'));
   }
 
   /** Margins of the present values: one request at a time, the last values always. */
@@ -173,14 +176,13 @@ class Machine {
   }
 
   async buildSolids() {
-    const digest = JSON.stringify([this.state.file, this.changes]);
+    const current = this.newest.solids();
     if (this.violated && this.view.instances.length) { this.fresh(false, 'solids of the last design that can be built'); return; }
     try {
       this.fresh(false, 'making solids …');
       const job = await post('/api/machine/solids');
       const found = await result(job);
-      if (digest !== JSON.stringify([this.state.file, this.changes])) return;
-      await this.view.show(found);
+      if (!current() || !await this.view.show(found) || !current()) return;
       this.showPart(this.view.selected);
       this.fresh(true, '');
       await post(`/api/machine/masses/${job.number}`);
@@ -188,12 +190,13 @@ class Machine {
       // The first margins were those of estimated masses: no change to be shown.
       if (!this.weighed) { this.weighed = true; this.checks.rebase(); }
     } catch (error) {
-      if (error.name === 'Cancelled') return;
+      if (!current()) return;
+      if (error.name === 'Cancelled') { this.fresh(false, 'cancelled; the next change makes the solids again'); return; }
       this.fresh(false, error.message);
       // A design that cannot be built: the saved one is better than nothing to look at.
       if (!this.view.instances.length && Object.keys(this.changes).length) {
         const found = await post('/api/machine/solids', { saved: true }).then(result).catch(() => null);
-        if (found && !this.view.instances.length) { await this.view.show(found); this.fresh(false, 'solids of the saved design'); }
+        if (found && current() && await this.view.show(found)) this.fresh(false, 'solids of the saved design');
       }
     }
   }
@@ -230,7 +233,7 @@ class Machine {
   }
 
   showTab(name) {
-    this.tab = name;
+    this.tab = this.place.dataset.tab = name;
     for (const [one, button] of Object.entries(this.tabs)) button.setAttribute('aria-pressed', String(one === name));
     for (const [one, pane] of Object.entries(this.panes)) pane.hidden = one !== name;
     if (name === 'solids') this.view.resize();
@@ -269,8 +272,10 @@ class Machine {
 
   async showDifference(other = this.other ?? '') {
     this.other = other;
+    const current = this.newest.difference();
     const query = other ? `?other=${encodeURIComponent(other)}` : '';
     const rows = await get(`/api/machine/differences${query}`);
+    if (!current()) return;
     const choice = h('select', { 'aria-label': 'compare with', onchange: () => this.showDifference(choice.value) },
       h('option', { value: '' }, `saved: ${this.state.file ?? 'packaged design'}`), this.state.files.map((name) => h('option', { value: name }, name)));
     choice.value = other;
@@ -284,16 +289,26 @@ class Machine {
         : h('p', { class: 'dim' }, 'No parameter differs.')));
   }
 
-  async openFile() {
-    try {
-      this.take(await post('/api/machine/open', { name: this.file.value || null }));
-      this.parameters.load(await get('/api/machine/parameters'));
-      this.changed();
-      if (this.optimize) await this.optimize.load();
-    } catch (error) {
-      this.file.value = this.state.file ?? '';
-      say(error.message, 'bad');
-    }
+  openFile() {
+    const name = this.file.value || null;
+    return this.inTurn(async () => {
+      try {
+        this.take(await post('/api/machine/open', { name }));
+        await this.readParameters();
+        if (this.optimize) await this.optimize.reset();
+      } catch (error) {
+        this.file.value = this.state.file ?? '';
+        say(error.message, 'bad');
+      }
+    });
+  }
+
+  /** The saved file is another one. */
+  async readParameters() {
+    this.parameters.load(await get('/api/machine/parameters'));
+    this.dragged = null;
+    this.other = '';
+    this.changed();
   }
 
   saveAs() {
@@ -304,11 +319,12 @@ class Machine {
       h('form', { method: 'dialog', onsubmit: async (event) => {
         event.preventDefault();
         try {
-          this.take(await post('/api/machine/save', { name: name.value }));
-          this.parameters.load(await get('/api/machine/parameters'));
+          await this.inTurn(async () => {
+            this.take(await post('/api/machine/save', { name: name.value }));
+            await this.readParameters();
+          });
           say(`saved as ${this.state.file}`, 'good');
           dialog.close();
-          this.changed();
         } catch (error) { problem.textContent = error.message; }
       } }, h('label', {}, name, ' .toml'), problem, h('div', { class: 'actions' }, h('button', { type: 'button', onclick: () => dialog.close() }, 'Cancel'), h('button', { class: 'main' }, 'Save'))));
     dialog.addEventListener('close', () => dialog.remove());

@@ -1,6 +1,6 @@
 // The measurement: experiments and ladder on the left, model over record in the middle, ranking on the right.
 import { cancel, get, jobs, onJob, post, result } from './api.js';
-import { h, fill, number, quantity, say, swatch, times, words } from './dom.js';
+import { h, fill, newest, number, quantity, say, swatch, times, words } from './dom.js';
 import { importFiles, newExperimentPlace } from './import.js';
 import { drawLadder } from './ladder.js';
 import { drawMaps } from './maps.js';
@@ -12,6 +12,7 @@ const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest']);
 class Measurement {
   constructor(section) {
     this.section = section;
+    this.turn = { list: newest(), choice: newest(), ladder: newest() };
     this.left = h('div', { class: 'panel' });
     this.middle = h('div', { class: 'panel' });
     this.right = h('div', { class: 'panel' });
@@ -76,7 +77,10 @@ class Measurement {
   }
 
   async readList() {
-    this.experiments = await get('/api/experiments');
+    const current = this.turn.list();
+    const found = await get('/api/experiments');
+    if (!current()) return;
+    this.experiments = found;
     fill(this.list, this.experiments.map(({ name, rungs }) => h('button', { class: 'experiment', dataset: { name }, 'aria-pressed': String(name === this.name), onclick: () => this.choose(name) },
       h('span', {}, name), h('span', { class: 'dim' }, rungs ? `${rungs} added` : ''))),
     );
@@ -93,32 +97,38 @@ class Measurement {
   shown(name) { if (name && name !== this.name && this.experiments?.some((one) => one.name === name)) this.choose(name); }
 
   async choose(name) {
+    const current = this.turn.choice();
     this.name = name;
     this.preview = null;
     for (const one of this.list.querySelectorAll('.experiment')) one.setAttribute('aria-pressed', String(one.dataset.name === name));
-    for (const button of [this.diagnose, this.suggest]) button.disabled = false;
+    // Until the ladder is read, and the last result, there is nothing to act on.
+    for (const button of [this.diagnose, this.suggest, this.undo]) button.disabled = true;
     fill(this.ranking, '');
     fill(this.progress, '');
-    this.found = null;
+    this.sliders.clear();
+    this.found = this.shownJob = null;
     this.middle.classList.add('blank');
     fill(this.statement, '');
     this.warnings.hidden = this.report.hidden = this.json.hidden = true;
     try {
       await this.readLadder();
     } catch (error) {
+      if (!current()) return;
       fill(this.statement, h('span', { class: 'bad' }, error.message));
-      for (const button of [this.diagnose, this.suggest, this.undo]) button.disabled = true;
       await this.askConsent(name).catch(() => {});
       return;
     }
+    if (!current()) return;
     const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
     const active = mine.filter((job) => job.state === 'running' || job.state === 'waiting').at(-1);
     const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest').at(-1);
     // What was found before a reload is shown again, as long as the model is the same.
     if (done) {
       const found = await result(done).catch(() => null);
-      if (found && this.name === name && same((found.comparison ?? found).stated, this.effects)) this.show(done, found);
+      if (!current()) return;
+      if (found && same((found.comparison ?? found).stated, this.effects)) this.show(done, found);
     }
+    this.showProgress(null);
     if (active) this.follow(active); else if (!this.found) this.start('compare');
   }
 
@@ -131,7 +141,7 @@ class Measurement {
       try {
         await post(`/api/experiment/${path(name)}/consent`, { files: Object.fromEntries(waiting.map((file) => [file.name, file.sha256])) });
         say('');
-        this.choose(name);
+        if (this.name === name) this.choose(name);
       } catch (error) { say(error.message, 'bad'); }
     };
     fill(this.statement, 'This experiment runs Python code, which wants your consent.');
@@ -144,14 +154,17 @@ class Measurement {
   }
 
   async readLadder() {
+    const current = this.turn.ladder();
     try {
       const found = await get(`/api/experiment/${path(this.name)}/ladder`);
+      if (!current()) return;
       this.effects = found.effects;
       this.rungs = found.rungs;
       this.undo.disabled = found.rungs.length < 2;
       drawLadder(this.ladder, found.rungs, found.effects, found.edited);
       fill(this.about, h('details', { class: 'card' }, h('summary', {}, 'experiment.toml'), h('pre', {}, found.text)));
     } catch (error) {
+      if (!current()) throw error;
       this.effects = [];
       fill(this.ladder, h('p', { class: 'bad' }, error.message));
       fill(this.about, '');
@@ -160,10 +173,16 @@ class Measurement {
   }
 
   async start(task, body = {}) {
+    const { name } = this;
+    // A second click does not start a second job.
+    this.setBusy(true);
     try {
       say('');
-      this.follow(await post(`/api/experiment/${path(this.name)}/${task}`, body));
-    } catch (error) { say(error.message, 'bad'); }
+      this.follow(await post(`/api/experiment/${path(name)}/${task}`, body));
+    } catch (error) {
+      say(error.message, 'bad');
+      if (this.name === name) this.showProgress(null);
+    }
   }
 
   async follow(job) {
@@ -172,26 +191,33 @@ class Measurement {
     try {
       const found = await result(job);
       if (job.task === 'add' || job.task === 'undo') { await this.readList(); if (this.name === name) await this.readLadder(); }
-      if (this.name === name) this.show(job, found);
+      if (this.name === name && job.number >= (this.shownJob ?? 0)) this.show(job, found);
     } catch (error) {
-      if (error.name === 'Cancelled') say(`${job.title}: cancelled`); else { say(error.message, 'bad'); if (this.name === name && !this.found) fill(this.statement, h('span', { class: 'bad' }, error.message)); }
+      if (error.name === 'Cancelled') say(`${job.title}: cancelled`); else { say(this.name === name ? error.message : `${name}: ${error.message}`, 'bad'); if (this.name === name && !this.found) fill(this.statement, h('span', { class: 'bad' }, error.message)); }
     }
-    if (this.name === name) this.showProgress(null);
+    if (this.name === name) this.showProgress(this.active(name));
   }
+
+  /** The job of an experiment that is running or waiting, the last one; null when there is none. */
+  active(name) { return [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task) && !job.passing && (job.state === 'running' || job.state === 'waiting')).at(-1) ?? null; }
 
   jobChanged(job) { if (!job.passing && job.subject === this.name && TASKS.has(job.task) && (job.state === 'running' || job.state === 'waiting')) this.showProgress(job); }
 
   showProgress(job) {
     const busy = job !== null;
-    for (const button of [this.diagnose, this.suggest]) button.disabled = busy;
-    this.undo.disabled = busy || (this.rungs?.length ?? 0) < 2;
-    for (const button of this.ranking.querySelectorAll('button.add')) button.disabled = busy;
-    this.sliders.busy = busy;
+    this.setBusy(busy);
     if (!busy) { fill(this.progress, ''); return; }
     const bar = h('progress', { 'aria-label': job.title });
     if (job.total > 0) { bar.max = job.total; bar.value = job.done; }
     fill(this.progress, h('b', {}, job.title), h('span', { class: 'dim step' }, words(job.step || 'waiting')), bar,
       h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+  }
+
+  setBusy(busy) {
+    for (const button of [this.diagnose, this.suggest]) button.disabled = busy;
+    this.undo.disabled = busy || (this.rungs?.length ?? 0) < 2;
+    for (const button of this.ranking.querySelectorAll('button.add')) button.disabled = busy;
+    this.sliders.busy = busy;
   }
 
   // Results -----------------------------------------------------------------------------------------------------------
@@ -200,6 +226,9 @@ class Measurement {
     if (job.task === 'suggest') { this.showSuggestion(found); return; }
     const view = found.comparison ?? found;
     this.found = found;
+    this.shownJob = job.number;
+    // Values that were changed belong to the model before.
+    this.sliders.clear();
     this.middle.classList.remove('blank');
     this.job = job;
     this.preview = null;

@@ -1,6 +1,6 @@
 // The nearest design without violated rules and failed checks: what may change, the search, its result.
 import { cancel, get, jobs, onJob, post, result } from './api.js';
-import { h, fill, quantity, say, words } from './dom.js';
+import { h, fill, newest, quantity, say, swatch, words } from './dom.js';
 import { INKS, XyPlot } from './plot.js';
 
 export class Optimize {
@@ -10,6 +10,8 @@ export class Optimize {
    */
   constructor(place, machine) {
     this.machine = machine;
+    this.turn = newest();
+    this.current = 0;
     this.free = new Map();
     this.list = h('div', { class: 'free-list' });
     this.keep = h('input', { type: 'text', 'aria-label': 'required checks', placeholder: 'all checks', spellcheck: 'false', title: 'Names of the required checks, with commas; * stands for any text' });
@@ -18,9 +20,10 @@ export class Optimize {
     this.progress = h('div', { class: 'search', hidden: true });
     this.result = h('div', { class: 'optimum' });
     this.plots = [];
+    const choose = (text, on) => h('button', { class: 'small', onclick: () => { for (const one of this.free.values()) one.on = on; this.draw(); } }, text);
     place.append(h('div', { class: 'optimize' },
       h('div', { class: 'free scroll' },
-        h('div', { class: 'card' }, h('h3', {}, 'May change'), h('p', { class: 'dim' }, 'Range LOW:HIGH, or choices A|B. Those of the parameter file are listed first.'), this.list,
+        h('div', { class: 'card' }, h('div', { class: 'line' }, h('h3', {}, 'May change'), h('span', { class: 'space' }), h('span', { class: 'group' }, choose('All', true), choose('None', false))), h('p', { class: 'dim' }, 'Range LOW:HIGH, or choices A|B. Those of the parameter file are listed first.'), this.list,
           h('button', { class: 'small', onclick: () => this.addSelected(), title: 'The parameter selected in the list on the left' }, 'Add the selected parameter')),
         h('div', { class: 'card' }, h('h3', {}, 'Required'), h('label', { class: 'field' }, h('span', {}, 'checks'), this.keep), h('label', { class: 'field' }, h('span', {}, 'designs'), this.budget), h('div', { class: 'actions' }, this.start))),
       h('div', { class: 'scroll outcome' }, this.progress, this.result)));
@@ -42,7 +45,9 @@ export class Optimize {
 
   /** Parameters that the file marks as free; called again when another file is opened. */
   async load() {
+    const current = this.turn();
     const found = await get('/api/machine/optimize');
+    if (!current()) return;
     this.free = new Map(Object.entries(found).map(([key, text]) => [key, { text, on: true }]));
     this.draw();
   }
@@ -63,27 +68,46 @@ export class Optimize {
     this.list.lastChild?.scrollIntoView({ block: 'nearest' });
   }
 
+  /** Another file is open: the last result is of another design. */
+  async reset() {
+    this.current = Infinity;
+    this.clear();
+    this.showEmpty();
+    await this.load();
+  }
+
+  clear() {
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+  }
+
   async run() {
     const free = Object.fromEntries([...this.free].filter(([, one]) => one.on).map(([key, one]) => [key, one.text]));
     const keep = this.keep.value.split(',').map((text) => text.trim()).filter(Boolean);
+    this.start.disabled = true;
     try {
       if (!Object.keys(free).length) throw new Error('let at least one parameter change');
       say('');
       this.follow(await post('/api/machine/optimize', { free, keep, budget: Number(this.budget.value) }));
-    } catch (error) { say(error.message, 'bad'); }
+    } catch (error) { this.start.disabled = false; say(error.message, 'bad'); }
   }
 
   async follow(job) {
+    this.current = job.number;
     this.showProgress(jobs.get(job.number) ?? job);
     try {
-      this.show(await result(job));
+      const found = await result(job);
+      if (job.number === this.current) this.show(found);
     } catch (error) {
+      if (job.number !== this.current) return;
       if (error.name === 'Cancelled') say('Optimize: cancelled'); else say(error.message, 'bad');
     }
     this.showProgress(jobs.get(job.number) ?? job);
   }
 
   showProgress(job) {
+    // A search that was replaced may end after the present one began.
+    if (job.number < this.current && this.current !== Infinity) return;
     const busy = job.state === 'running' || job.state === 'waiting';
     this.start.disabled = busy;
     this.progress.hidden = !busy;
@@ -92,8 +116,7 @@ export class Optimize {
 
   show(found) {
     const { document } = found;
-    for (const plot of this.plots) plot.destroy();
-    this.plots = [];
+    this.clear();
     const alone = (document.conflicts ?? []).filter((names) => names.length === 1).map(([name]) => name);
     const sets = (document.conflicts ?? []).filter((names) => names.length > 1);
     const margins = (document.margins ?? []).filter((row) => row.after && (row.after.verdict !== row.before.verdict || percent(row.after.margin) !== percent(row.before.margin)));
@@ -110,23 +133,31 @@ export class Optimize {
           h('tbody', {}, document.changes.map((row) => [h('tr', {}, h('td', {}, h('button', { class: 'chip', onclick: () => this.machine.reveal(row.key) }, row.key)), h('td', { class: 'num' }, row.from), h('td', { class: 'num now' }, row.to)), h('tr', { class: 'why' }, h('td', { class: 'dim', colSpan: 3 }, row.reason))])))) : null,
       alone.length ? h('div', { class: 'card' }, h('h3', {}, 'Out of reach whatever changes'), h('ul', {}, alone.map((name) => h('li', {}, name)))) : null,
       sets.length ? h('div', { class: 'card' }, h('h3', {}, 'Contradicting requirements'), h('ul', {}, sets.map((names) => h('li', {}, names.join(' · '))))) : null,
-      found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'margins of the designs evaluated, and their front; both requirements hold in the upper right'), h('div', { class: 'plot' }))),
+      found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'Margins of the designs evaluated, and their front. Both requirements hold in the upper right, beyond the lines of zero margin. ', h('span', {}, swatch(INKS()[0]), 'present design'), ' ', h('span', {}, swatch(INKS()[2]), 'with the changes')), h('div', { class: 'plot' }))),
       document.relax?.length ? h('div', { class: 'card' }, h('h3', {}, 'What to relax'), h('table', {},
         h('thead', {}, h('tr', {}, ['requirement', 'limit', 'reached'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
         h('tbody', {}, document.relax.map((row) => h('tr', {}, h('td', {}, row.check, row.keeping.length ? h('span', { class: 'dim' }, ` with ${row.keeping.join('; ')}`) : null), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed))))))) : null,
       margins.length ? h('div', { class: 'card' }, h('h3', {}, 'Margins that change'), h('table', {},
         h('thead', {}, h('tr', {}, ['check', 'before', 'after'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
         h('tbody', {}, margins.map((row) => h('tr', {}, h('td', {}, row.check), h('td', { class: 'num' }, percent(row.before.margin)), h('td', { class: `num ${row.after.verdict === 'passes' ? 'good' : 'bad'}` }, percent(row.after.margin))))))) : null);
-    this.drawFronts(found.fronts);
+    this.drawFronts(found.fronts, document.margins ?? []);
   }
 
-  drawFronts(fronts) {
+  drawFronts(fronts, margins) {
     const places = this.result.querySelectorAll('.front .plot');
     fronts.forEach(({ names, points, front }, k) => {
       const inks = INKS();
       const [x, y] = points.map((values) => values.map(squeezed));
-      const plot = new XyPlot(places[k], { x: `margin of ${words(names[0])}`, y: 'margin', tick: (v) => percent(stretched(v)) });
-      plot.set([{ x, y, ink: 'measured', points: true, width: 3 },
+      const short = (name, most) => (name.length > most ? `${name.slice(0, most - 2)} …` : name);
+      const plot = new XyPlot(places[k], { x: `margin of ${short(names[0], 32)}`, y: `margin of ${short(names[1], 22)}`, tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
+      const ends = (values) => [Math.min(...values, -0.1), Math.max(...values, 0.1)];
+      plot.marks = [['before', inks[0]], ['after', inks[2]]].flatMap(([when, ink]) => {
+        const [a, b] = names.map((name) => margins.find((row) => row.check === name)?.[when]?.margin ?? null);
+        return a === null || b === null ? [] : [{ x: squeezed(a), y: squeezed(b), ink }];
+      });
+      // The limits: where a margin is zero.
+      plot.set([{ x: [0, 0], y: ends([...y, ...plot.marks.map((mark) => mark.y)]), ink: 'strong', width: 1.6 }, { x: ends([...x, ...plot.marks.map((mark) => mark.x)]), y: [0, 0], ink: 'strong', width: 1.6 },
+        { x, y, ink: 'measured', points: true, width: 3 },
         { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], width: 1.6 }, { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], points: true, width: 5 }]);
       places[k].title = names.join(' over ');
       this.plots.push(plot);
@@ -137,4 +168,13 @@ export class Optimize {
 /** Margins are shown linearly up to 10 %, logarithmically beyond. */
 const squeezed = (v) => Math.sign(v) * Math.log10(1 + Math.abs(v) / 0.1);
 const stretched = (v) => Math.sign(v) * 0.1 * (10 ** Math.abs(v) - 1);
+const MARGINS = [0, 0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000, 3000].flatMap((v) => [v, -v]);
+
+/** Ticks of a squeezed margin: 0, 10 %, 30 %, 100 % and so on, as many as there is room for. */
+function marginTicks(low, high, count) {
+  const values = [...new Set(MARGINS.map(squeezed))].filter((v) => v >= low && v <= high).sort((a, b) => a - b);
+  const every = Math.ceil(values.length / Math.max(count, 3));
+  const zero = Math.max(values.indexOf(0), 0);
+  return { values: values.filter((_, k) => (k - zero) % every === 0), step: 1 };
+}
 const percent = (v) => (v === null || v === undefined ? '–' : `${v > 0 ? '+' : v < 0 ? '−' : ''}${Math.abs(100 * v) >= 1e4 ? Math.abs(100 * v).toExponential(0).replace('e+', 'e') : Number(Math.abs(100 * v).toPrecision(2))} %`);

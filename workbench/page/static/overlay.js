@@ -1,6 +1,6 @@
 // Model over measurement: signal and residual with linked zoom, or force over velocity and position.
 import { curves } from './api.js';
-import { h, fill, say, scaleOf, swatch, words } from './dom.js';
+import { h, fill, number, say, scaleOf, swatch, words } from './dom.js';
 import { INKS, LinePlot, XyPlot, scaled } from './plot.js';
 
 export class Overlay {
@@ -8,10 +8,11 @@ export class Overlay {
     this.record = h('select', { 'aria-label': 'record and channel', onchange: () => this.choose(Number(this.record.value)) });
     this.abscissa = h('select', { 'aria-label': 'abscissa', onchange: () => this.build() });
     this.legend = h('span', { class: 'legend' });
+    this.values = [h('span', {}), h('span', {})];
     this.signal = h('div', { class: 'plot' });
     this.residual = h('div', { class: 'plot' });
     this.element = h('div', { class: 'overlay', title: '' },
-      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend),
+      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend, h('span', { class: 'space' }), h('span', { class: 'under-cursor dim', 'aria-hidden': 'true' }, this.values)),
       this.signal, this.residual);
     this.plots = [];
     addEventListener('themechange', () => { if (this.one) this.build(); });
@@ -74,10 +75,16 @@ export class Overlay {
     } catch (error) { say(error.message, 'bad'); }
   }
 
+  /** Values under the cursor, beside the legend: both plots share the cursor, and their values one place. */
+  readOut(plot, k, index) {
+    this.values[k].textContent = index === null || !plot ? '' : this.texts[k](plot.data.map((values) => values[index]));
+  }
+
   /** Remove what is drawn, once the values of the next plots are there. */
   clear() {
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
+    for (const one of this.values) one.textContent = '';
     fill(this.signal, ''); fill(this.residual, '');
   }
 
@@ -86,17 +93,22 @@ export class Overlay {
   async overTime(lines) {
     const { one, job } = this.source;
     const whole = [one.from, one.to];
+    const read = (plot, k) => (index) => this.readOut(plot(), k, index);
     const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => this.load().catch((error) => say(error.message, 'bad')) };
     const measured = { label: 'measured', ink: 'measured', width: 2.4 };
     const { factor, unit } = scaleOf(one.largest, one.unit);
     const usual = one.usual || one.noise;
     const small = scaleOf(Math.max(usual, 2 * one.noise), one.unit);
     this.clear();
+    this.texts = [
+      ([time, first, ...others]) => `${number(time, 5)} s: ${[first, ...others].map((v) => number(v, 4)).join(' / ')} ${unit}`,
+      ([, ...residuals]) => `residual ${residuals.map((v) => number(v, 3)).join(' / ')} ${small.unit}`,
+    ];
     this.scales = [factor, small.factor];
     const reach = Math.max(2.2 * usual, 4 * one.noise) * small.factor;
     this.plots = [
-      new LinePlot(this.signal, { ...common, x: '', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2 }))] }),
-      new LinePlot(this.residual, { ...common, x: 'time (s)', y: `residual (${small.unit})`, band: 2 * one.noise * small.factor, series: lines.map(({ label, ink }) => ({ label, ink, width: 1 })),
+      new LinePlot(this.signal, { ...common, oncursor: read(() => this.plots[0], 0), x: '', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2 }))] }),
+      new LinePlot(this.residual, { ...common, oncursor: read(() => this.plots[1], 1), x: 'time (s)', y: `residual (${small.unit})`, band: 2 * one.noise * small.factor, series: lines.map(({ label, ink }) => ({ label, ink, width: 1 })),
         yRange: (low, high) => { const top = Math.min(Math.max(Math.abs(low), Math.abs(high)) * 1.1 || reach, reach); return [-Math.max(top, 3 * one.noise * small.factor), Math.max(top, 3 * one.noise * small.factor)]; } }),
     ];
     await this.load();

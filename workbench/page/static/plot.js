@@ -182,8 +182,8 @@ export function scaled(values, factor = 1) {
 
 /** One quantity over another on a canvas: sets of points or lines. */
 export class XyPlot {
-  constructor(place, { x, y, xFactor = 1, yFactor = 1, equal = false, tick: text = tick }) {
-    Object.assign(this, { place, x, y, xFactor, yFactor, equal, text, sets: [], marks: [] });
+  constructor(place, { x, y, xFactor = 1, yFactor = 1, equal = false, tick: text = tick, ticks: places = ticks, room = 5 }) {
+    Object.assign(this, { place, x, y, xFactor, yFactor, equal, text, places, room, sets: [], marks: [] });
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'xy';
     place.append(this.canvas);
@@ -210,7 +210,7 @@ export class XyPlot {
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.clearRect(0, 0, width, height);
     const size = rem();
-    const frame = { left: size * (this.y ? 5 : 3.4), right: width - size * 0.9, top: size * 0.7, bottom: height - size * 3.1 };
+    const frame = { left: size * (this.y ? this.room : 3.4), right: width - size * 0.9, top: size * 0.7, bottom: height - size * 3.1 };
     let [x0, x1, y0, y1] = this.limits ?? this.bounds();
     if (this.equal) {
       const scale = Math.max((x1 - x0) / (frame.right - frame.left), (y1 - y0) / (frame.bottom - frame.top));
@@ -263,8 +263,8 @@ export class XyPlot {
     c.strokeStyle = colour('grid');
     c.fillStyle = colour('dim');
     c.lineWidth = 1;
-    const xs = ticks(x0 * this.xFactor, x1 * this.xFactor, (frame.right - frame.left) / (rem() * 4.5));
-    const ys = ticks(y0 * this.yFactor, y1 * this.yFactor, (frame.bottom - frame.top) / (rem() * 2.4));
+    const xs = this.places(x0 * this.xFactor, x1 * this.xFactor, (frame.right - frame.left) / (rem() * 4.5));
+    const ys = this.places(y0 * this.yFactor, y1 * this.yFactor, (frame.bottom - frame.top) / (rem() * 2.4));
     c.textAlign = 'center';
     c.textBaseline = 'top';
     for (const v of xs.values) {

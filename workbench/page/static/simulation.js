@@ -1,6 +1,6 @@
 // The simulations: the path of the tip at once, the experiments on one body with friction as jobs.
 import { curves, get, jobs, post, result } from './api.js';
-import { h, fill, number, quantity, say, scaleOf, swatch, unitText, words, eachFrame } from './dom.js';
+import { h, fill, newest, number, quantity, say, scaleOf, swatch, unitText, words, eachFrame } from './dom.js';
 import { sliderRange, valueText } from './parameters.js';
 import { DASHES, INKS, LinePlot, XyPlot, isDense, scaled } from './plot.js';
 
@@ -22,6 +22,7 @@ class Simulation {
   constructor(section) {
     this.section = section;
     this.changes = {};
+    this.turn = newest();
     this.left = h('div', { class: 'panel' });
     this.middle = h('div', { class: 'panel' });
     this.right = h('div', { class: 'panel' });
@@ -41,22 +42,30 @@ class Simulation {
     this.choose(this.choice.value, last);
   }
 
-  async shown() { /* keeps its state */ }
+  /** The design may have changed since: its values are those of the sliders. */
+  async shown() {
+    const info = await get('/api/simulation');
+    if (JSON.stringify(info) === JSON.stringify(this.info)) return;
+    this.info = info;
+    this.choose(this.name);
+  }
 
   choose(name, job = null) {
     this.name = name;
-    this.window = null;
+    this.turn();
     cancelAnimationFrame(this.animation);
     for (const plot of this.plots ?? []) plot.destroy();
     this.plots = [];
     if (name === 'tip') this.openTip(); else this.openExperiment(job);
   }
 
-  slider(p, onchange, live = false) {
+  slider(p, onchange, live = false, text = p.text) {
     const range = p.range ?? sliderRange({ ...p, kind: 'number', low: p.low ?? 0, high: null });
-    const field = h('input', { type: 'text', value: p.text, title: p.text, 'aria-label': p.key, spellcheck: 'false' });
+    // A computed value may have more digits than the field has room for.
+    const shown = text.length > 12 ? `${Number(p.number.toPrecision(5))} ${p.unit}` : text;
+    const field = h('input', { type: 'text', value: shown, title: `design: ${p.text}`, 'aria-label': p.key, spellcheck: 'false' });
     const slider = h('input', { type: 'range', 'aria-label': `${p.key}, slider` });
-    Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: p.number });
+    Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: text === p.text ? p.number : Number.parseFloat(text) });
     slider.addEventListener('input', () => { field.value = valueText(p, slider.valueAsNumber, range.step); if (live) onchange(field.value, slider.valueAsNumber); });
     slider.addEventListener('change', () => onchange(field.value, slider.valueAsNumber));
     slider.addEventListener('dblclick', () => { field.value = p.text; slider.value = p.number; onchange(p.text, p.number); });
@@ -140,24 +149,30 @@ class Simulation {
       h('div', { class: 'card dim' }, h('p', {}, this.info.experiments[this.name])),
       this.stage ? null : h('div', { class: 'card' }, h('h3', {}, 'Friction model'), models),
       h('div', { class: 'card rows' }, h('h3', {}, 'Parameters'), this.info.parameters[this.stage ? 'stage' : 'body'].map((p) =>
-        this.slider({ ...p, text: this.changes[p.key] ?? p.text }, (text) => { this.changes[p.key] = text; this.run(); }))));
+        this.slider(p, (text) => { if (text === p.text) delete this.changes[p.key]; else this.changes[p.key] = text; this.run(); }, false, this.changes[p.key]))));
     this.features = h('div', { class: 'scroll' });
     fill(this.right, h('div', { class: 'head' }, h('h2', {}, 'Features')), this.features);
     fill(this.middle, h('p', { class: 'empty' }, 'simulating …'));
-    if (job) result(job).then((found) => this.draw(job.number, found)).catch(() => this.run());
+    const current = this.turn();
+    if (job) result(job).then((found) => { if (current()) this.draw(job.number, found); }).catch(() => { if (current()) this.run(); });
     else if (this.stage) fill(this.middle, h('p', { class: 'empty' }, 'This study takes a minute or more. ', h('button', { class: 'main', onclick: () => this.run() }, 'Simulate')));
     else this.run();
   }
 
   async run() {
     if (!this.models.size) { say('choose at least one friction model', 'bad'); return; }
-    const name = this.name;
+    const current = this.turn();
+    if (!this.plots.length) fill(this.middle, h('p', { class: 'empty' }, 'simulating …'));
     try {
-      const job = await post('/api/simulation/run', { experiment: name, models: [...this.models], changes: this.changes });
-      this.latest = job.number;
+      const job = await post('/api/simulation/run', { experiment: this.name, models: [...this.models], changes: this.changes });
       const found = await result(job);
-      if (this.name === name && this.latest === job.number) { this.draw(job.number, found); say(''); }
-    } catch (error) { if (error.name !== 'Cancelled') say(error.message, 'bad'); }
+      if (current()) { this.draw(job.number, found); say(''); }
+    } catch (error) {
+      if (!current()) return;
+      const cancelled = error.name === 'Cancelled';
+      say(cancelled ? 'Simulate: cancelled' : error.message, cancelled ? '' : 'bad');
+      if (!this.plots.length) fill(this.middle, h('p', { class: 'empty' }, h('span', { class: cancelled ? '' : 'bad' }, cancelled ? 'Cancelled.' : error.message), ' ', h('button', { onclick: () => this.run() }, 'Simulate')));
+    }
   }
 
   draw(job, found) {
@@ -171,7 +186,7 @@ class Simulation {
     const pick = this.pick[found.experiment] ??= { y: [...over], phase: [...pair] };
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
-    const selector = (value, set) => { const s = h('select', { onchange: () => { set(s.value); this.draw(job, found); } }, quantities.map((name) => h('option', { value: name }, title(name)))); s.value = value; return s; };
+    const selector = (value, set) => { const s = h('select', { 'aria-label': 'quantity', onchange: () => { set(s.value); this.draw(job, found); } }, quantities.map((name) => h('option', { value: name }, title(name)))); s.value = value; return s; };
     const inks = INKS();
     const inkOf = (k) => inks[k % inks.length];
     const legend = h('span', { class: 'legend' }, cases.map((name, k) => h('span', {}, swatch(inkOf(k)), words(name))));
@@ -192,24 +207,28 @@ class Simulation {
     const whole = [Math.min(...shown.map((one) => one.from)), Math.max(...shown.map((one) => one.to))];
     let range = null;
     const { job } = this;
+    const turn = newest();
     const plots = names.map((name, k) => new LinePlot(places[k], {
       x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4] })),
       onzoom: (next) => { range = next; load(); },
     }));
     this.plots.push(...plots);
     const load = async () => {
-      const [start, stop] = range ?? [null, null];
+      const current = turn();
+      const asked = range;
+      const [start, stop] = asked ?? [null, null];
       try {
         await Promise.all(plots.map(async (plot, k) => {
           const row = columns.indexOf(names[k]);
           const found = await Promise.all(shown.map((one) => curves(job, one.curves, [row], { start, stop, columns: plot.columns })));
+          if (!current() || !this.plots.includes(plot)) return;
           const joined = found.every(([x]) => same(x, found[0][0])) ? [found[0][0], ...found.map(([, y]) => y)] : join(found);
           const peak = joined.slice(1).reduce((m, y) => y.reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), m), 0);
           const { factor, unit } = scaleOf(peak, unitOf(names[k]));
           plot.plot.axes[1].label = `${words(names[k].split(' [')[0])} (${unit})`;
           plot.options.yFactor = factor;
           joined.slice(1).forEach((y, i) => { plot.plot.series[i + 1].dash = isDense(y) ? undefined : DASHES[i % 4]; });
-          plot.set([joined[0], ...joined.slice(1).map((y) => scaled(y, factor))], range);
+          plot.set([joined[0], ...joined.slice(1).map((y) => scaled(y, factor))], asked);
         }));
       } catch (error) { say(error.message, 'bad'); }
     };
@@ -218,7 +237,9 @@ class Simulation {
 
   async phasePlot(place, [xName, yName], columns, inkOf) {
     const rows = [columns.indexOf(xName), columns.indexOf(yName)];
-    const found = await Promise.all(this.found.curves.slice(0, 8).map((one) => curves(this.job, one.curves, rows, { columns: 6000, pairs: true })));
+    const shown = this.found;
+    const found = await Promise.all(shown.curves.slice(0, 8).map((one) => curves(this.job, one.curves, rows, { columns: 6000, pairs: true })));
+    if (!place.isConnected) return;
     const peak = (k) => found.reduce((m, f) => f[k].reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), m), 0);
     const [sx, sy] = [scaleOf(peak(1), unitOf(xName)), scaleOf(peak(2), unitOf(yName))];
     const plot = new XyPlot(place, { x: `${words(xName.split(' [')[0])} (${sx.unit})`, y: `${words(yName.split(' [')[0])} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });

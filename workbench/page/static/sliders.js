@@ -12,15 +12,22 @@ export class ModelSliders {
   constructor(predict, overlay) {
     this.predict = predict;
     this.overlay = overlay;
+    this.model = 0;
+    this.clear();
+  }
+
+  /** Forget the changed values: another model is shown. An answer that is still under way is not drawn. */
+  clear() {
+    this.model += 1;
+    this.values = {};
+    this.rows = [];
   }
 
   /** The card with the values of a document; parameters of `sliders` can be moved. */
   card(document, sliders) {
-    this.values = {};
-    this.found = null;
+    this.clear();
     const movable = new Map(sliders.map((one) => [one.name, one]));
     this.note = h('p', { class: 'dim moved' }, sliders.length ? 'Move a slider to see what the parameter does; a double click brings the fitted value back.' : '');
-    this.rows = [];
     return h('div', { class: 'card fitted-card' },
       h('h3', {}, 'Fitted values'),
       h('div', { class: 'fitted' }, Object.entries(document.parameters).filter(([, q]) => !q.nuisance).map(([key, q]) => this.row(key, q, movable.get(key)))),
@@ -50,7 +57,7 @@ export class ModelSliders {
     return row;
   }
 
-  set busy(busy) { for (const input of this.rows ?? []) input.disabled = busy; }
+  set busy(busy) { for (const input of this.rows) input.disabled = busy; }
 
   /** One request at a time, the last values always. */
   async ask() {
@@ -60,10 +67,13 @@ export class ModelSliders {
       do {
         this.again = false;
         if (!Object.keys(this.values).length) { this.overlay.moved(null); this.note.textContent = 'The fitted values.'; continue; }
-        const { record, channel } = this.overlay.one;
+        const { model } = this;
+        const { one, one: { record, channel } } = this.overlay;
         const job = await this.predict({ values: this.values, record, channel });
         const found = await result(job);
-        if (!this.again || !this.found) { this.found = found; await this.overlay.moved(job.number, found.overlays[0]); }
+        // By now another model, or another record, may be shown, or the slider be back at the fitted value.
+        if (model !== this.model || one !== this.overlay.one || !Object.keys(this.values).length) continue;
+        await this.overlay.moved(job.number, found.overlays[0]);
         const over = Object.entries(found.over_noise.validate)[0] ?? Object.entries(found.over_noise.fit)[0];
         if (over) this.note.textContent = `With these values the error of ${words(over[0])} is ${times(over[1])} the noise.`;
       } while (this.again);

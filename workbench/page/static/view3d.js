@@ -1,6 +1,6 @@
 // The machine in three dimensions: parts as meshes from the server, drawn only when something changed.
 import * as THREE from './vendor/three.min.js';
-import { h, fill, colour, number } from './dom.js';
+import { h, fill, colour, newest, number } from './dom.js';
 
 const UP = new THREE.Vector3(0, 0, 1);
 const VIEWS = { front: [0, -1, 0], right: [1, 0, 0], top: [0, -0.001, 1], oblique: [1, -1.25, 0.8] };
@@ -37,6 +37,7 @@ export class View3d {
     this.explosion = 0;
     this.loader = new THREE.GLTFLoader();
     this.shapes = new Map();
+    this.turn = newest();
     this.materials = new Map();
     this.instances = [];
     this.selected = null;
@@ -55,11 +56,15 @@ export class View3d {
     this.paint();
   }
 
-  /** Show the result of a job `solids`; resolves when all parts are drawn. */
+  /** Show the result of a job `solids`; resolves when all parts are drawn, to false when a newer one took its place. */
   async show(result) {
+    const current = this.turn();
+    const shapes = await Promise.all(Object.entries(result.parts).map(async ([name, { key }]) => [name, await this.load(name, key)]));
+    if (!current()) return false;
     const first = this.instances.length === 0;
-    const names = Object.keys(result.parts);
-    await Promise.all(names.map((name) => this.load(name, result.parts[name].key)));
+    const former = this.shapes;
+    this.shapes = new Map(shapes);
+    for (const [name, shape] of former) if (this.shapes.get(name) !== shape) { shape.geometry.dispose(); shape.edges.dispose(); }
     this.result = result;
     this.machine.clear();
     this.instances = result.instances.map((one, order) => {
@@ -81,10 +86,11 @@ export class View3d {
     this.select(this.selected, false);
     if (first) this.look('oblique');
     this.draw();
+    return true;
   }
 
   async load(name, key) {
-    if (this.shapes.get(name)?.key === key) return;
+    if (this.shapes.get(name)?.key === key) return this.shapes.get(name);
     const file = await this.loader.loadAsync(`/api/machine/artefacts/${key}/${name}.glb`);
     const geometries = [];
     let base = new THREE.Color(0x999999);
@@ -96,8 +102,7 @@ export class View3d {
       geometries.push(node.geometry.applyMatrix4(node.matrixWorld).rotateX(Math.PI / 2).scale(1000, 1000, 1000));
     });
     const geometry = geometries[0];
-    this.shapes.get(name)?.geometry.dispose();
-    this.shapes.set(name, { key, geometry, base, edges: new THREE.EdgesGeometry(geometry, 28) });
+    return { key, geometry, base, edges: new THREE.EdgesGeometry(geometry, 28) };
   }
 
   material(base) {
