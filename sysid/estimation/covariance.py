@@ -15,6 +15,9 @@ from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
 BLOCKS_PER_RECORD = 40
 
+NORMAL = 1.959964
+"""Two-sided 95 % point of the normal distribution."""
+
 IDENTIFIABLE = 1e-9
 """Eigenvalue of the scaled information matrix, relative to the largest, up to which its direction is not
 identifiable."""
@@ -103,10 +106,11 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
 
     with Student's t on 2/3 B - p degrees of freedom. The factor before the sum is the leverage correction CR3 (Bell and
     McCaffrey 2002; Cameron and Miller 2015). The weight 1/2 of the neighbouring block is Bartlett's (Newey and West
-    1987) for correlation across the edge of a block; it costs a third of the degrees of freedom. The variance is at
-    least that of independent noise, and that of noise with the residual's autocorrelation. Correlation, filtering and
-    uneven noise widen the interval; faster sampling does not narrow it. A prior enters as one more observation, and
-    the systematic errors (`sysid.estimation.systematic_errors`) as further terms of rank one.
+    1987) for correlation across the edge of a block; it costs a third of the degrees of freedom. The interval is at
+    least that of independent noise, and that of noise with the residual's autocorrelation, with the normal
+    distribution, since these are estimated from all samples. Correlation, filtering and uneven noise widen the
+    interval; faster sampling does not narrow it. A prior enters as one more observation, and the systematic errors
+    (`sysid.estimation.systematic_errors`) as further terms of rank one.
     """
     fit = fitted.fit
     if not fit.keys:
@@ -118,17 +122,18 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     free, root = information.free, information.root
     # Lower limits: with few blocks, or noise correlated over a block, the estimate may be smaller.
     limits = [np.diag(covariance), np.diag(root @ root.T), np.diag(_autoregressive(fitted, information))]
-    spread = np.max(limits, axis=0)
-    std = np.full(len(fit.keys), np.inf)
-    std[free] = np.sqrt(spread) / information.size[free]
+    deviations = np.sqrt(np.maximum(limits, 0.0)) / information.size[free]
+    std, reach = np.full(len(fit.keys), np.inf), np.full(len(fit.keys), np.inf)
+    std[free] = np.max(deviations, axis=0)
+    student = _student(max(int(count / 1.5) - int(free.sum()), 1))
+    reach[free] = np.max(np.array([[student], [NORMAL], [NORMAL]]) * deviations, axis=0)
     unidentified = []
     free_keys = [k for k, f in zip(fit.keys, free, strict=True) if f]
     for vector in information.vectors[:, ~information.identifiable].T:
         strong = [free_keys[i] for i in np.argsort(-np.abs(vector)) if abs(vector[i]) > 0.3]
         unidentified.append(" against ".join(strong[:3]))
         for key in strong:
-            std[fit.keys.index(key)] = np.inf
-    reach = _student(max(int(count / 1.5) - int(free.sum()), 1)) * std
+            std[fit.keys.index(key)] = reach[fit.keys.index(key)] = np.inf
     result = {}
     for k, key in enumerate(fit.keys):
         value = fit.values[key]
@@ -217,7 +222,7 @@ def _block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray,
 
 def _student(freedom: int) -> float:
     """Two-sided 95 % point of Student's t: Cornish-Fisher expansion, within 1 % from three degrees of freedom."""
-    z = 1.959964
+    z = NORMAL
     if freedom < 3:
         return {1: 12.706, 2: 4.303}[max(freedom, 1)]
     g1 = (z**3 + z) / 4.0

@@ -58,3 +58,14 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
         # A regular log with missing rows: samples at missing rows were not measured.
         hole = hole | ~on_row
     return grid, step, channels, hole
+
+
+def between_rows(record: Record, grid: np.ndarray) -> bool:
+    """Whether samples of the uniform grid (n,) lie between the rows of a record, so that their values are interpolated.
+
+    Rows within 2 % of a step of their samples count as these samples.
+    """
+    time, step = record.time - record.time[0], float(grid[1] - grid[0])
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    near = np.minimum(np.abs(time[after] - grid), np.abs(time[after - 1] - grid))
+    return bool(np.mean(near > 0.02 * step) > 0.5)

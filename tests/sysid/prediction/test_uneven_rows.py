@@ -1,0 +1,34 @@
+"""Rows at uneven times: beside a reversal, interpolated forces are mixtures of both directions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+import stagecad
+
+COULOMB, VISCOUS, NOISE, STEP = 2.2, 45.0, 0.02, 5e-3
+
+
+def _record(seed: int) -> pd.DataFrame:
+    """Coulomb and viscous friction of a slow multisine, sampled evenly, then interpolated to uneven times."""
+    random = np.random.default_rng(seed)
+    time = STEP * np.arange(4000)
+    velocity = 0.02 * np.sin(2.1 * time + 0.3) * np.sin(0.37 * time)
+    force = COULOMB * np.sign(velocity) + VISCOUS * velocity + NOISE * random.standard_normal(time.size)
+    uneven = time[1:-1] + STEP * random.uniform(-0.15, 0.15, time.size - 2)
+    columns = {"velocity [m/s]": velocity, "friction_force [N]": force}
+    return pd.DataFrame({"time [s]": uneven, **{name: np.interp(uneven, time, y) for name, y in columns.items()}})
+
+
+def test_reversals_of_an_unevenly_sampled_record_leave_noise_alone() -> None:
+    experiment = stagecad.Experiment.from_dataframes(
+        {"fit": _record(1), "validate": _record(2)},
+        rig="velocity-drive",
+        model=["coulomb", "viscous"],
+        noise={"friction_force": "0.02 N"},
+        validate=["validate"],
+    )
+    errors = stagecad.compare(experiment).errors
+    # Interpolation between rows averages their noise: what is left is less than it.
+    assert np.all((errors["over_noise"] > 0.6) & (errors["over_noise"] < 1.0))
