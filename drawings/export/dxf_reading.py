@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from ezdxf.document import Drawing
 
 from drawings.annotations.font import text_width
@@ -86,7 +87,7 @@ class PaperContent:
     Attributes:
         texts: all of them; `view_texts` those in viewports.
         sheet_lines: of the frame, the title block and tables; `view_lines` those in viewports.
-        part_lines: those of `view_lines` that are lines of the part.
+        part_lines: those of `view_lines` that are lines of the part; `part_boxes` boxes of their curves.
         symbols: boxes of symbols, and of the frames of tolerances and datum letters.
         dimensions: the DIMENSION entities.
         leaders: tips of the arrows that belong to no dimension; `triangles` corners of datum triangles.
@@ -99,6 +100,7 @@ class PaperContent:
         self.view_lines: list[Line] = []
         self.view_texts: list[TextBox] = []
         self.part_lines: list[Line] = []
+        self.part_boxes: list[Box2] = []
         self.symbols: list[Box2] = []
         self.cut_off: list[str] = []
         self.leaders: list[Point2] = []
@@ -150,11 +152,31 @@ class PaperContent:
             self.view_lines += lines
             if entity.dxf.layer in PART:
                 self.part_lines += lines
+                self.part_boxes.append(bounding_box(points))
             elif entity.dxftype() in ("LWPOLYLINE", "CIRCLE"):
                 box = bounding_box(points)
                 framed = len(points) == 5 and math.dist(points[0], points[4]) < 1e-9
                 if framed or max(box[2] - box[0], box[3] - box[1]) < SYMBOL:
                     self.symbols.append(box)
+
+
+def joined_boxes(boxes: Sequence[Box2], near: float) -> list[Box2]:
+    """Boxes around all boxes that overlap, or that are nearer to each other than `near` along both axes."""
+    found: list[Box2] = []
+    left = np.array(boxes, dtype=float).reshape(-1, 4)
+    while len(left):
+        (x0, y0, x1, y1), left = left[0], left[1:]
+        while True:
+            touched = (left[:, 0] < x1 + near) & (left[:, 2] > x0 - near)
+            touched &= (left[:, 1] < y1 + near) & (left[:, 3] > y0 - near)
+            if not touched.any():
+                break
+            x0, y0 = np.minimum(left[touched, :2].min(axis=0), (x0, y0))
+            x1, y1 = np.maximum(left[touched, 2:].max(axis=0), (x1, y1))
+            left = left[~touched]
+        found.append((float(x0), float(y0), float(x1), float(y1)))
+    # A box that has grown may reach one that was complete before.
+    return found if len(found) == len(boxes) else joined_boxes(found, near)
 
 
 def _viewports(document: Drawing) -> Iterator[Viewport]:

@@ -15,17 +15,21 @@ from typing import Literal
 
 from ezdxf.document import Drawing
 
-from drawings.export.dxf_reading import PaperContent, TextBox, entity_points, visible_entities
+from drawings.export.dxf_reading import PaperContent, TextBox, entity_points, joined_boxes, visible_entities
 from drawings.views.bounding_box import bounding_box
-from drawings.views.segment_index import SegmentIndex, boxes_overlap, line_meets_box
+from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_meets_box, polyline_lines
 from drawings.views.view import Box2, Point2
 
-Kind = Literal["text", "line", "leader", "callout", "frame", "title block", "dimensions", "value", "viewport", "file"]
+Kind = Literal[
+    "text", "line", "leader", "callout", "frame", "title block", "dimensions", "view", "value", "viewport", "file"
+]
 
 LEADER_END = 0.6
 """Half side of the box about the end of a leader in which a line of the part must lie, mm on paper."""
 UNDEFINED = re.compile(r"\b(both ways|each way|typ\.?|approx\.?|as required|or similar)(\s|$)", re.IGNORECASE)
 """Wordings in callouts that no standard defines."""
+NEAR = 0.5
+"""Distance up to which lines of the part belong to one view, mm on paper: less than between views."""
 TOUCH = 0.05
 """Overlap from which on a text touches something, mm on paper."""
 
@@ -60,6 +64,7 @@ def lint(document: Drawing) -> list[Hit]:
         *_callouts(content),
         *_off_the_sheet(document, content),
         *_shared_lines(content),
+        *_across_views(document, content),
         *_values(document, content),
         *_audit(document),
     ]
@@ -176,6 +181,32 @@ def _shared_lines(content: PaperContent) -> Iterator[Hit]:
             if _on_one_line((start, end), other[:2]):
                 yield Hit("dimensions", f"dimension lines of {d.text} and {other[2]} overlap on one line", start)
         placed.append((start, end, d.text))
+
+
+def _across_views(document: Drawing, content: PaperContent) -> Iterator[Hit]:
+    """Lines of a dimension in a view other than the one, or those, in which its points are.
+
+    A view is the box around lines of the part that touch or enclose each other.
+    """
+    views = joined_boxes(content.part_boxes, NEAR)
+    for dimension in content.dimensions:
+        d = dimension.dxf
+        viewport = content.viewport_of([(d.defpoint.x, d.defpoint.y)])
+        if d.dimtype & 7 != 0 or viewport is None:
+            continue
+        points = [viewport.to_paper((point.x, point.y)) for point in (d.defpoint2, d.defpoint3)]
+        others = [view for view in views if not any(_within(point, view, NEAR) for point in points)]
+        for entity in visible_entities(document, [dimension]):
+            if entity.dxftype() not in ("LINE", "LWPOLYLINE"):
+                continue
+            for line in polyline_lines(list(map(viewport.to_paper, entity_points(entity)))):
+                if any(line_meets_box(line, enlarged(view, TOUCH)) for view in others):
+                    yield Hit("view", f"a line of {d.text} crosses another view", line[:2])
+
+
+def _within(point: Point2, box: Box2, margin: float) -> bool:
+    """Whether a point is in a box or nearer to it than a margin."""
+    return box[0] - margin < point[0] < box[2] + margin and box[1] - margin < point[1] < box[3] + margin
 
 
 def _on_one_line(one: tuple[Point2, Point2], other: tuple[Point2, Point2]) -> bool:

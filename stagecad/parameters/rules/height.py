@@ -205,10 +205,11 @@ def tip_body(d: Design) -> Iterator[str]:
             f"{given(d, 'actuator.tip_height')} leaves no cone over {given(d, 'tip.arm_thickness')} and a nose of "
             f"{given(d, 'tip.nose_radius')}; at least {length(low + sag)} is needed"
         )
-    if tip.cone_diameter < tip.nose_diameter or tip.hub_diameter < tip.cone_diameter + 2 * tip.cone_fillet - ROUNDING:
+    root = tip.cone_fillet + tip.edge_chamfer
+    if tip.cone_diameter < tip.nose_diameter or tip.hub_diameter < tip.cone_diameter + 2 * root - ROUNDING:
         yield (
             f"{given(d, 'tip.nose_diameter', 'tip.cone_diameter', 'tip.hub_diameter')} must grow downwards, the hub by "
-            f"the fillet of {length(tip.cone_fillet)} on either side"
+            f"fillet and chamfer of {length(root)} on either side"
         )
     if tip.foot_diameter < tip.seat_diameter + 2 * wall - ROUNDING:
         yield (

@@ -49,6 +49,23 @@ def test_a_text_over_a_line_of_the_part_or_of_another_view_is_found() -> None:
     assert hits(replace(CLEAN, views=(VIEW, other)), "line")
 
 
+@pytest.mark.parametrize("across", [240.0, 330.0])
+def test_a_dimension_whose_lines_cross_another_view_is_found(across: float) -> None:
+    """Also where its extension lines run along the edges of the aligned view."""
+    other = replace(VIEW, name="right", place=(222.0, 150.0))
+    far = replace(HEIGHT, first=(200.0, 0.0), second=(200.0, 100.0), line_at=(across, 150.0), text_at=(345.0, 260.0))
+    assert hits(replace(CLEAN, views=(VIEW, other), annotations=(HEIGHT, far)), "view")
+    near = replace(far, line_at=(211.0, 150.0))
+    assert not hits(replace(CLEAN, views=(VIEW, other), annotations=(HEIGHT, near)), "view")
+
+
+def test_a_hole_in_an_outline_belongs_to_its_view() -> None:
+    hole = tuple(Segment((x, 40.0), (x, 60.0)) for x in (90.0, 110.0))
+    view = replace(VIEW, curves={"VISIBLE": (*EDGES, *hole)})
+    inside = LinearDimension("front", (90.0, 50.0), (110.0, 50.0), 0.0, (0.0, 140.0), "20.0", 20.0, ("width",))
+    assert not hits(replace(CLEAN, views=(view,), annotations=(inside,)), "view")
+
+
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
     """A line through the upright box about a slanting text, but past the text itself, is no hit; one through it is."""
     slanting = LinearDimension(

@@ -66,6 +66,7 @@ BREAKS = [
     ("height_screw", ["set_screw.length=1.5 in"], "the set screw leaves its thread"),
     ("holder_bores", ["holder.diameter=76 mm", "actuator.piezo_spacing=60 mm"], "it must be at least 83.332 mm"),
     ("holder_bores", ["holder.lift_radius=36 mm"], "over the edge of holder.diameter"),
+    ("tip_body", ["tip.hub_diameter=18.2 mm"], "the hub by fillet and chamfer of 1.8 mm"),
     ("tip_body", ["tip.arm_width=16 mm"], "is wider than tip.foot_diameter"),
     ("tip_over_holder", ["holder.height=45 mm"], "comes within"),
     ("tip_over_holder", ["base.pocket_clearance=0.2 mm"], "at least 0.5 mm"),
