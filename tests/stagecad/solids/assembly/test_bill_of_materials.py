@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,13 @@ def test_masses_add_up_to_the_machine(machine: Machine) -> None:
     table = list(csv.reader(io.StringIO(csv_text(machine.bill_of_materials))))
     assert table[-1][1] == "total"
     assert float(table[-1][-1]) == pytest.approx(total, abs=1e-4)
+
+
+@pytest.mark.parametrize("text", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "\t=1"])
+def test_a_part_number_that_a_spreadsheet_would_calculate_is_text(machine: Machine, text: str) -> None:
+    row = replace(machine.bill_of_materials[0], part_number=text)
+    cells = list(csv.reader(io.StringIO(csv_text([row]))))[1]
+    assert f"'{text}" in cells and text not in cells
 
 
 def test_command_writes_files_document_and_manifest(
