@@ -45,6 +45,15 @@ def run_cma(function: Callable[[Array], float], start: Array, budget: int, seed:
         pass
 
 
+def run_cobyla(function: Callable[[Array], float], start: Array, budget: int, seed: int) -> None:
+    """Linear models in a trust region, of scipy; the choice of nevergrad for this number of evaluations."""
+    from scipy.optimize import minimize
+
+    bounds = [(0.0, 1.0)] * len(start)
+    options = {"rhobeg": 0.25, "maxiter": budget, "tol": 1e-4}
+    minimize(function, start, method="COBYLA", bounds=bounds, options=options)
+
+
 def run_scipy(function: Callable[[Array], float], start: Array, budget: int, seed: int) -> None:
     """Differential evolution."""
     from scipy.optimize import differential_evolution
@@ -80,7 +89,7 @@ def run_pymoo(function: Callable[[Array], float], start: Array, budget: int, see
     minimize(Merit(), GA(pop_size=20, sampling=first), ("n_eval", budget), seed=seed)
 
 
-METHODS = {"cma": run_cma, "scipy": run_scipy, "nevergrad": run_nevergrad, "pymoo": run_pymoo}
+METHODS = {"cma": run_cma, "cobyla": run_cobyla, "scipy": run_scipy, "nevergrad": run_nevergrad, "pymoo": run_pymoo}
 
 
 def merit_of(method: str, budget: int, seed: int) -> float:

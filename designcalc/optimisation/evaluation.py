@@ -122,6 +122,11 @@ class Evaluator:
         changed = {one.key: values[one.key] for one in self.free if values[one.key] != one.start}
         return self.variations.changed(changed) if changed else self.base
 
+    def checks_of(self, values: Mapping[str, Any]) -> list[Check]:
+        """All checks of the design with these values."""
+        design = self.design(values)
+        return run_checks(design, changed_masses(design, self.base, self.masses), advise=False)
+
     def at(self, point: Array, names: Collection[str] | None = None) -> Evaluation:
         """The evaluation at a point; of all checks, or of those named."""
         return self.of(values_at(self.free, point), names, point)

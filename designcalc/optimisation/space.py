@@ -33,6 +33,7 @@ class Free:
         whole: whole numbers only.
         choices: values instead of a range, in the order of the file.
         start: present value.
+        weight: of its change in the distance.
     """
 
     key: str
@@ -42,6 +43,7 @@ class Free:
     whole: bool
     choices: tuple[Any, ...]
     start: Any
+    weight: float = 1.0
 
     @property
     def logarithmic(self) -> bool:
@@ -172,5 +174,5 @@ def start_point(free: Sequence[Free]) -> Array:
 
 
 def distance(free: Sequence[Free], values: Mapping[str, Any]) -> float:
-    """Sum of the changes in units of their ranges."""
-    return math.fsum(one.distance(values[one.key]) for one in free)
+    """Weighted sum of the changes in units of their ranges."""
+    return math.fsum(one.weight * one.distance(values[one.key]) for one in free)

@@ -1,0 +1,323 @@
+"""How far Table 1 can be met: the level of each requirement by itself and together, and Pareto fronts.
+
+The level of a requirement is searched as one more free parameter, from the required value to one that is weaker by
+`WEAKEST`. A search minimises the sum of the weakenings, as logarithms, over the designs that violate no rule and pass
+the checks of the requirements; a global optimum is not guaranteed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designcalc.optimisation.conflicts import out_of_reach
+from designcalc.optimisation.evaluation import Evaluation, Evaluator
+from designcalc.optimisation.search import Best, evaluator_offer, search
+from designcalc.optimisation.space import Free
+from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.units import format_quantity, to_si
+from stagecad.parameters.variations import Variations
+
+Array = NDArray[np.float64]
+
+TABLE = "Table 1"
+WEAKEST = 1e4
+"""Factor by which a requirement may be weakened."""
+CHANGE = 1e-3
+"""Weight of a change of the machine, in its range, against one of a requirement."""
+HALVINGS = 9
+"""Bisections of a level: the range over 2^9, a factor of 1.02."""
+SLACK = 1.05
+"""Factor by which a kept requirement is weaker than the best that was reached, so that it is certainly met."""
+FRONT = 5
+"""Designs of a Pareto front."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A requirement with a number that may be weakened.
+
+    Args:
+        name: in Table 1.
+        key: of its value.
+        larger: whether a larger value is harder to meet.
+        following: override of a key whose value may not be harder than this one.
+    """
+
+    name: str
+    key: str
+    larger: bool
+    following: str = ""
+
+    def weaker(self, value: float, factor: float) -> float:
+        """A level weaker by a factor."""
+        return value / factor if self.larger else value * factor
+
+
+LEVELS = (
+    Level("resolution", "requirements.resolution_coarse", False),
+    Level("speed", "requirements.speed", True),
+    Level("acceleration", "requirements.acceleration", True, "requirements.acceleration_low"),
+    Level("smoothness", "requirements.smoothness", False),
+)
+FRONTS = (("speed", "acceleration"), ("acceleration", "smoothness"), ("speed", "smoothness"))
+PRICED = ("speed", "acceleration", "smoothness")
+
+
+@dataclass(frozen=True)
+class Together:
+    """Levels that one design meets together.
+
+    Args:
+        kept: the requirement that was kept at the level it reaches by itself; empty for none.
+        levels: in the unit of their keys, by name; empty where no design was found.
+    """
+
+    kept: str
+    levels: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Price:
+    """A check that fails with the required value of one requirement, and not with the level that was reached.
+
+    Args:
+        requirement: name in Table 1.
+        check: name.
+        value, limit: of the check, SI.
+        unit: of both.
+    """
+
+    requirement: str
+    check: str
+    value: float | None
+    limit: float | None
+    unit: str
+
+
+@dataclass
+class Levels:
+    """Result of the study; levels are in the units of their keys.
+
+    Args:
+        required: values of the file.
+        units: of the levels.
+        never: checks that pass at no level, whatever the free parameters, by requirement.
+        alone: what each requirement reaches by itself, the others as required but not met.
+        together: designs that meet all other checks of Table 1; nothing is kept in the first one.
+        prices: what the required values of speed, acceleration and smoothness make fail.
+        fronts: levels (n, 2) of two requirements by their names, the other ones left aside.
+        evaluations: number of evaluated designs.
+    """
+
+    required: dict[str, float]
+    units: dict[str, str]
+    never: dict[str, list[str]] = field(default_factory=dict)
+    alone: dict[str, float] = field(default_factory=dict)
+    together: list[Together] = field(default_factory=list)
+    prices: list[Price] = field(default_factory=list)
+    fronts: dict[tuple[str, str], list[tuple[float, float]]] = field(default_factory=dict)
+    evaluations: int = 0
+
+
+def requirement_levels(
+    vary: Callable[[Sequence[str]], Variations],
+    machine: Sequence[Free],
+    masses: BodyMasses | None,
+    budget: int,
+    *,
+    seed: int = 1,
+    tell: Callable[[str], None] = lambda words: None,
+) -> Levels:
+    """Study how far the requirements of Table 1 can be met.
+
+    Args:
+        vary: the design with overrides `KEY=VALUE`.
+        machine: free parameters.
+        masses: of the present solids.
+        budget: evaluations of each search.
+        seed: of its random numbers.
+        tell: called with what is being done.
+    """
+    return _Study(vary, machine, masses, budget, seed, tell).levels()
+
+
+class _Study:
+    """The searches of a study, and what they share; arguments of `requirement_levels`."""
+
+    def __init__(self, vary: Any, machine: Any, masses: Any, budget: int, seed: int, tell: Any) -> None:
+        self.vary, self.masses, self.budget, self.seed, self.tell = vary, masses, budget, seed, tell
+        self.machine = [replace(one, weight=CHANGE) for one in machine]
+        design = vary(()).design
+        entries = {level.name: design.entry(level.key) for level in LEVELS}
+        self.following = [
+            f"{level.following}==min({design.entry(level.following).text}, {level.key})"
+            for level in LEVELS
+            if level.following
+        ]
+        self.result = Levels(
+            {name: float(entry.value) for name, entry in entries.items()},
+            {name: entry.unit for name, entry in entries.items()},
+        )
+        self.groups: dict[str, list[str]] = {}
+
+    def levels(self) -> Levels:
+        """All parts of the study."""
+        result = self.result
+        self._find_groups()
+        for level in LEVELS:
+            self.tell(f"{level.name} by itself")
+            found = self._reached((level,), {}, self.groups[level.name])
+            if found is not None:
+                result.alone[level.name] = found[level.name]
+        names = [name for group in self.groups.values() for name in group]
+        for kept in (None, *LEVELS):
+            if kept is not None and kept.name not in result.alone:
+                continue
+            self.tell("all together" if kept is None else f"all together, {kept.name} kept")
+            fixed = {} if kept is None else {kept.name: kept.weaker(result.alone[kept.name], SLACK)}
+            found = self._reached([level for level in LEVELS if level is not kept], fixed, names)
+            result.together.append(Together("" if kept is None else kept.name, found or {}))
+        for pair in FRONTS:
+            self._front(*pair)
+        return result
+
+    def _find_groups(self) -> None:
+        """The checks of each requirement, and those among them that pass at no level."""
+        self.tell("checks that pass at no level")
+        evaluator = self._evaluator(LEVELS, {})
+        weak = _weakest(evaluator)
+        for check in evaluator.checks:
+            if check.requirement.startswith(f"{TABLE}: "):
+                self.groups.setdefault(check.requirement.removeprefix(f"{TABLE}: "), []).append(check.name)
+        at_weakest = evaluator.at(weak)
+        before = evaluator.at(evaluator.start)
+        machine = range(len(self.machine))
+        for name, group in self.groups.items():
+            # A check that a weaker level makes fail judges the requirement (a candidate passed over), not the machine.
+            self.groups[name] = [
+                one
+                for one in group
+                if one not in at_weakest.unmet or one in before.unmet or set(machine) & set(evaluator.axes(one))
+            ]
+        names = [name for group in self.groups.values() for name in group]
+        never = out_of_reach(evaluator, [name for name in names if name in at_weakest.unmet], [at_weakest])[0]
+        for name, group in self.groups.items():
+            self.result.never[name] = [one for one in group if one in never]
+            self.groups[name] = [one for one in group if one not in never]
+        self.result.evaluations += evaluator.count
+
+    def _evaluator(self, free: Collection[Level], fixed: Mapping[str, float]) -> Evaluator:
+        """An evaluator of designs with free levels; the others as required, or `fixed`."""
+        texts = [f"{level.key}={self._text(level, fixed[level.name])}" for level in LEVELS if level.name in fixed]
+        ranges = []
+        for level in LEVELS:
+            if level in free:
+                value = self.result.required[level.name]
+                ends = sorted((value, level.weaker(value, WEAKEST)))
+                ranges.append(Free(level.key, self.result.units[level.name], ends[0], ends[1], False, (), value))
+        return Evaluator(self.vary([*self.following, *texts]), [*self.machine, *ranges], self.masses)
+
+    def _text(self, level: Level, value: float) -> str:
+        unit = self.result.units[level.name]
+        return format_quantity(to_si(value, unit), unit, 10)
+
+    def _reached(
+        self, free: Collection[Level], fixed: Mapping[str, float], names: Collection[str]
+    ) -> dict[str, float] | None:
+        """The hardest levels together of a design that passes the checks; None where none was found."""
+        evaluator = self._evaluator(free, fixed)
+        best = Best(names, evaluator.at(_weakest(evaluator), names))
+        for _ in range(2):
+            search(evaluator, names, self.budget // 2, seed=self.seed, best=best, subset=True, first=not best.satisfied)
+            if best.satisfied:
+                _harden(evaluator, best, names)
+        self.result.evaluations += evaluator.count
+        if not best.satisfied:
+            return None
+        assert best.evaluation is not None
+        if not fixed and len(free) == len(LEVELS):
+            self._price(evaluator, best.evaluation)
+        keys = {level.name: level.key for level in free}
+        return {**fixed, **{name: float(best.evaluation.values[key]) for name, key in keys.items()}}
+
+    def _price(self, evaluator: Evaluator, found: Evaluation) -> None:
+        """What fails in the design that meets most, with the required value of one requirement after another."""
+        failing = evaluator.of(found.values).unmet
+        for level in LEVELS:
+            if level.name not in PRICED:
+                continue
+            values = {**found.values, level.key: self.result.required[level.name]}
+            unmet = evaluator.of(values).unmet - failing
+            for check in evaluator.checks_of(values):
+                if check.name in unmet:
+                    self.result.prices.append(Price(level.name, check.name, check.value, check.limit, check.unit))
+
+    def _front(self, first: str, second: str) -> None:
+        """Levels of two requirements that are met together, each kept in turn at levels between its ends."""
+        alone = self.result.alone
+        if first not in alone or second not in alone:
+            return
+        self.tell(f"Pareto front of {first} and {second}")
+        one, other = (next(level for level in LEVELS if level.name == name) for name in (first, second))
+        names = [*self.groups[first], *self.groups[second]]
+        ends = self._reached((one,), {second: other.weaker(alone[second], SLACK)}, names)
+        if ends is None:
+            return
+        points = [(ends[first], ends[second])]
+        near, far = one.weaker(alone[first], SLACK), ends[first]
+        for value in np.geomspace(near, far, FRONT)[:-1]:
+            found = self._reached((other,), {first: float(value)}, names)
+            if found is not None:
+                points.append((found[first], found[second]))
+        self.result.fronts[first, second] = _undominated(points, one.larger, other.larger)
+
+
+def _weakest(evaluator: Evaluator) -> Array:
+    """The point of the present design with all free levels at their weakest."""
+    point = evaluator.start.copy()
+    for axis, one in enumerate(evaluator.free):
+        if one.weight == 1.0:
+            point[axis] = float(one.start == one.low)
+    return point
+
+
+def _harden(evaluator: Evaluator, best: Best, names: Collection[str]) -> None:
+    """Bring each level of a satisfying design as near to its required value as the checks allow, by bisection."""
+    for one in [one for one in evaluator.free if one.weight == 1.0] * 2:
+        assert best.evaluation is not None
+        values = dict(best.evaluation.values)
+        here, there = one.place(values[one.key]), one.place(one.start)
+        if evaluator_offer(evaluator, best, {**values, one.key: one.start}, names).satisfies(names):
+            continue
+        for _ in range(HALVINGS):
+            middle = 0.5 * (here + there)
+            found = evaluator_offer(evaluator, best, {**values, one.key: one.value(middle)}, names)
+            here, there = (middle, there) if found.satisfies(names) else (here, middle)
+
+
+def _undominated(points: Sequence[tuple[float, float]], larger: bool, other_larger: bool) -> list[tuple[float, float]]:
+    """The points of which no other one is better in one level and not worse in the other, by the first level."""
+
+    def score(point: tuple[float, float]) -> tuple[float, float]:
+        return (point[0] if larger else -point[0], point[1] if other_larger else -point[1])
+
+    kept = [
+        point
+        for point in points
+        if not any(
+            score(other) != score(point) and all(a >= b for a, b in zip(score(other), score(point), strict=True))
+            for other in points
+        )
+    ]
+    return sorted(set(kept))
+
+
+def margin_in_decades(level: Level, required: float, reached: float) -> float:
+    """How much weaker a level is than required, in decades."""
+    return math.log10(required / reached if level.larger else reached / required)
