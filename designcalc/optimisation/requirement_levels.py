@@ -1,8 +1,8 @@
 """How far Table 1 can be met: the level of each requirement by itself and together, and Pareto fronts.
 
-The level of a requirement is searched as one more free parameter, from the required value to one that is weaker by
-`WEAKEST`. A search minimises the sum of the weakenings, as logarithms, over the designs that violate no rule and pass
-the checks of the requirements; a global optimum is not guaranteed.
+A requirement is weakened by a factor of up to `WEAKEST`. The least common factor with which a design violates no rule
+and passes the checks is found by bisection, each step with a search of the free parameters; then each level is brought
+nearer to its required value by itself. A search that finds no design counts as none.
 """
 
 from __future__ import annotations
@@ -31,11 +31,17 @@ WEAKEST = 1e4
 CHANGE = 1e-3
 """Weight of a change of the machine, in its range, against one of a requirement."""
 HALVINGS = 9
-"""Bisections of a level: the range over 2^9, a factor of 1.02."""
+"""Bisections of a level for one machine: the range over 2^9, a factor of 1.02."""
+STEPS = 5
+"""Bisections of the common weakening, each with a search of a machine."""
 SLACK = 1.05
 """Factor by which a kept requirement is weaker than the best that was reached, so that it is certainly met."""
-FRONT = 5
+FIRST = 5
+"""Evaluations of the search of a first design, in those of the others."""
+FRONT = 4
 """Designs of a Pareto front."""
+ROUNDS = 2
+"""Levels that are kept one after another before the rest is brought nearer for one machine."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +146,7 @@ def requirement_levels(
         vary: the design with overrides `KEY=VALUE`.
         machine: free parameters.
         masses: of the present solids.
-        budget: evaluations of each search.
+        budget: evaluations of each search of a design.
         seed: of its random numbers.
         tell: called with what is being done.
     """
@@ -165,6 +171,7 @@ class _Study:
             {name: entry.unit for name, entry in entries.items()},
         )
         self.groups: dict[str, list[str]] = {}
+        self.active: set[str] = set()
 
     def levels(self) -> Levels:
         """All parts of the study."""
@@ -177,7 +184,7 @@ class _Study:
                 result.alone[level.name] = found[level.name]
         names = [name for group in self.groups.values() for name in group]
         for kept in (None, *LEVELS):
-            if kept is not None and kept.name not in result.alone:
+            if kept is not None and (kept.name not in result.alone or kept.name not in PRICED):
                 continue
             self.tell("all together" if kept is None else f"all together, {kept.name} kept")
             fixed = {} if kept is None else {kept.name: kept.weaker(result.alone[kept.name], SLACK)}
@@ -197,6 +204,7 @@ class _Study:
                 self.groups.setdefault(check.requirement.removeprefix(f"{TABLE}: "), []).append(check.name)
         at_weakest = evaluator.at(weak)
         before = evaluator.at(evaluator.start)
+        self.active = set(before.unmet)
         machine = range(len(self.machine))
         for name, group in self.groups.items():
             # A check that a weaker level makes fail judges the requirement (a candidate passed over), not the machine.
@@ -228,35 +236,100 @@ class _Study:
         return format_quantity(to_si(value, unit), unit, 10)
 
     def _reached(
-        self, free: Collection[Level], fixed: Mapping[str, float], names: Collection[str]
+        self, free: Sequence[Level], fixed: Mapping[str, float], names: Collection[str]
     ) -> dict[str, float] | None:
-        """The hardest levels together of a design that passes the checks; None where none was found."""
-        evaluator = self._evaluator(free, fixed)
-        best = Best(names, evaluator.at(_weakest(evaluator), names))
-        for _ in range(2):
-            search(evaluator, names, self.budget // 2, seed=self.seed, best=best, subset=True, first=not best.satisfied)
-            if best.satisfied:
-                _harden(evaluator, best, names)
-        self.result.evaluations += evaluator.count
-        if not best.satisfied:
-            return None
-        assert best.evaluation is not None
-        if not fixed and len(free) == len(LEVELS):
-            self._price(evaluator, best.evaluation)
-        keys = {level.name: level.key for level in free}
-        return {**fixed, **{name: float(best.evaluation.values[key]) for name, key in keys.items()}}
+        """The hardest levels together of designs that pass the checks; None where no design was found.
 
-    def _price(self, evaluator: Evaluator, found: Evaluation) -> None:
+        The level that is weakened most is kept where it is, then the least common weakening of the others is searched.
+        """
+        rest, found = list(free), dict(fixed)
+        best, levels = Best(names), dict[str, float]()
+        for number in range(ROUNDS):
+            evaluator = self._evaluator(rest, found)
+            if best.evaluation is not None:
+                machine = {one.key: best.evaluation.values[one.key] for one in self.machine}
+                best = Best(names)
+                _offer(evaluator, best, machine, {level.name: levels[level.name] for level in rest})
+            if not self._least_common(evaluator, rest, found, best):
+                return None
+            _harden(evaluator, best)
+            self.result.evaluations += evaluator.count
+            assert best.evaluation is not None
+            levels = {level.name: float(best.evaluation.values[level.key]) for level in rest}
+            worst = max(rest, key=lambda level: self._share(level, levels[level.name]))
+            if not self._share(worst, levels[worst.name]) or len(rest) == 1 or number == ROUNDS - 1:
+                break
+            found[worst.name] = levels[worst.name]
+            rest.remove(worst)
+        found.update({level.name: levels[level.name] for level in rest})
+        if len(free) == len(LEVELS) and best.evaluation is not None:
+            self._price({one.key: best.evaluation.values[one.key] for one in self.machine}, found)
+        return found
+
+    def _least_common(
+        self, evaluator: Evaluator, free: Sequence[Level], fixed: Mapping[str, float], best: Best
+    ) -> bool:
+        """Bisect the common weakening of the free levels, with a search of a machine at each; whether there is one."""
+        low, high = 0.0, 1.0
+        if best.satisfied:
+            high = _harden_together(evaluator, best, self._largest(free, best))
+        while high - low >= 0.5**STEPS or not best.satisfied:
+            share = 0.5 * (low + high) if best.satisfied else 1.0
+            levels = {level.name: self._weakened(level, share) for level in free}
+            machine = self._machine({**fixed, **levels}, best)
+            if machine is not None and _offer(evaluator, best, machine, levels).satisfies(best.names):
+                high = _harden_together(evaluator, best, share)
+            elif not best.satisfied:
+                return False
+            else:
+                low = share
+        return True
+
+    def _share(self, level: Level, value: float) -> float:
+        """The weakening of a level as a share of `WEAKEST`, on a logarithmic scale."""
+        return abs(math.log(value / self.result.required[level.name])) / math.log(WEAKEST)
+
+    def _largest(self, free: Sequence[Level], best: Best) -> float:
+        assert best.evaluation is not None
+        return max(self._share(level, best.evaluation.values[level.key]) for level in free)
+
+    def _weakened(self, level: Level, share: float) -> float:
+        """A level weaker than required by a share of `WEAKEST`, on a logarithmic scale."""
+        return level.weaker(self.result.required[level.name], WEAKEST**share)
+
+    def _machine(self, levels: Mapping[str, float], known: Best) -> dict[str, Any] | None:
+        """Values of the machine's parameters with which the checks pass at these levels; None where none were found."""
+        evaluator = self._evaluator((), levels)
+        if known.evaluation is not None:
+            evaluator.of({one.key: known.evaluation.values[one.key] for one in self.machine}, known.names)
+        # Most requirements never matter: those that a design found fails are added. A first design takes longest.
+        part = [name for name in known.names if name in self.active]
+        budget = self.budget if known.satisfied else FIRST * self.budget
+        found: Evaluation | None = None
+        while True:
+            best = search(evaluator, part, budget, seed=self.seed, subset=True, first=True)
+            found = best.evaluation if best.satisfied else None
+            new = evaluator.of(found.values, known.names).unmet.intersection(known.names) if found else ()
+            if not new:
+                break
+            self.active |= set(new)
+            part += sorted(new)
+        self.result.evaluations += evaluator.count
+        return dict(found.values) if found is not None else None
+
+    def _price(self, machine: Mapping[str, Any], levels: Mapping[str, float]) -> None:
         """What fails in the design that meets most, with the required value of one requirement after another."""
-        failing = evaluator.of(found.values).unmet
-        for level in LEVELS:
-            if level.name not in PRICED:
+        failing = self._evaluator((), levels).of(machine).unmet
+        for name in PRICED:
+            if name not in levels:
                 continue
-            values = {**found.values, level.key: self.result.required[level.name]}
-            unmet = evaluator.of(values).unmet - failing
-            for check in evaluator.checks_of(values):
-                if check.name in unmet:
-                    self.result.prices.append(Price(level.name, check.name, check.value, check.limit, check.unit))
+            evaluator = self._evaluator((), {**levels, name: self.result.required[name]})
+            unmet = evaluator.of(machine).unmet - failing
+            self.result.prices += [
+                Price(name, check.name, check.value, check.limit, check.unit)
+                for check in evaluator.checks_of(machine)
+                if check.name in unmet
+            ]
 
     def _front(self, first: str, second: str) -> None:
         """Levels of two requirements that are met together, each kept in turn at levels between its ends."""
@@ -287,18 +360,46 @@ def _weakest(evaluator: Evaluator) -> Array:
     return point
 
 
-def _harden(evaluator: Evaluator, best: Best, names: Collection[str]) -> None:
+def _offer(evaluator: Evaluator, best: Best, machine: Mapping[str, Any], levels: Mapping[str, float]) -> Evaluation:
+    """Evaluate values of the machine with levels, and keep the result if it is the best."""
+    keys = {level.key: levels[level.name] for level in LEVELS if level.name in levels}
+    free = {one.key for one in evaluator.free}
+    values = {**machine, **{key: value for key, value in keys.items() if key in free}}
+    return evaluator_offer(evaluator, best, values, best.names)
+
+
+def _harden_together(evaluator: Evaluator, best: Best, share: float) -> float:
+    """Bring all free levels of a satisfying design nearer to their required values by one factor; the share left."""
+    assert best.evaluation is not None
+    machine = {one.key: best.evaluation.values[one.key] for one in evaluator.free if one.weight != 1.0}
+    low, high = 0.0, share
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        levels = {one.key: one.value(_place(one, middle)) for one in evaluator.free if one.weight == 1.0}
+        found = evaluator_offer(evaluator, best, {**machine, **levels}, best.names)
+        low, high = (low, middle) if found.satisfies(best.names) else (middle, high)
+    return high
+
+
+def _place(one: Free, share: float) -> float:
+    """Place of a level weakened by a share of its range."""
+    return share if one.start == one.low else 1.0 - share
+
+
+def _harden(evaluator: Evaluator, best: Best) -> None:
     """Bring each level of a satisfying design as near to its required value as the checks allow, by bisection."""
-    for one in [one for one in evaluator.free if one.weight == 1.0] * 2:
+    levels = [one for one in evaluator.free if one.weight == 1.0]
+    for one in levels * min(len(levels), 2):
         assert best.evaluation is not None
         values = dict(best.evaluation.values)
-        here, there = one.place(values[one.key]), one.place(one.start)
-        if evaluator_offer(evaluator, best, {**values, one.key: one.start}, names).satisfies(names):
+        low, high = 0.0, abs(one.place(values[one.key]) - one.place(one.start))
+        if evaluator_offer(evaluator, best, {**values, one.key: one.start}, best.names).satisfies(best.names):
             continue
         for _ in range(HALVINGS):
-            middle = 0.5 * (here + there)
-            found = evaluator_offer(evaluator, best, {**values, one.key: one.value(middle)}, names)
-            here, there = (middle, there) if found.satisfies(names) else (here, middle)
+            middle = 0.5 * (low + high)
+            changed = {**values, one.key: one.value(_place(one, middle))}
+            found = evaluator_offer(evaluator, best, changed, best.names)
+            low, high = (low, middle) if found.satisfies(best.names) else (middle, high)
 
 
 def _undominated(points: Sequence[tuple[float, float]], larger: bool, other_larger: bool) -> list[tuple[float, float]]:
@@ -316,8 +417,3 @@ def _undominated(points: Sequence[tuple[float, float]], larger: bool, other_larg
         )
     ]
     return sorted(set(kept))
-
-
-def margin_in_decades(level: Level, required: float, reached: float) -> float:
-    """How much weaker a level is than required, in decades."""
-    return math.log10(required / reached if level.larger else reached / required)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stagecad.solids.assembly.machine import Machine
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
-STAMP = "made_from.json"
+STAMP = "made_from_{name}.json"
 
 
 @click.command("make")
@@ -111,21 +111,24 @@ def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Pat
     return {Path(name).stem: run.out / "pictures" / name for name in files}
 
 
-def _stamped(folder: Path, inputs: object, files: list[Path]) -> bool:
-    """Whether `folder` was made from the same inputs, and all of its files are still there."""
-    stamp = folder / STAMP
-    if not stamp.is_file() or not files or not all(file.is_file() for file in files):
-        return False
-    return json.loads(stamp.read_text("utf-8")).get("inputs") == _hash(inputs)
+def _made_files(folder: Path, name: str, inputs: str) -> list[Path]:
+    """The files of an experiment that `folder` has from the same inputs; none if one of them is missing."""
+    stamp = folder / STAMP.format(name=name)
+    if not stamp.is_file():
+        return []
+    made = json.loads(stamp.read_text("utf-8"))
+    files = [folder / file for file in made.get("files", ())]
+    return files if made.get("inputs") == inputs and all(file.is_file() for file in files) else []
 
 
 def _hash(inputs: object) -> str:
     return hashlib.sha256(json.dumps(inputs, sort_keys=True, default=str).encode()).hexdigest()
 
 
-def _stamp(folder: Path, inputs: object, files: list[Path]) -> None:
+def _stamp(folder: Path, name: str, inputs: str, files: list[Path]) -> None:
     names = [file.name for file in files]
-    atomic_write_text(folder / STAMP, json.dumps({"inputs": _hash(inputs), "files": names}, indent=1) + "\n")
+    text = json.dumps({"inputs": inputs, "files": names}, indent=1) + "\n"
+    atomic_write_text(folder / STAMP.format(name=name), text)
 
 
 def _source_of(*packages: str) -> str:
@@ -166,25 +169,27 @@ def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[s
 
 
 def _simulate(run: Run) -> list[Path]:
-    """Data and figures of the thesis's experiments; the figures, as PNG."""
+    """Data and figures of the thesis's experiments, each made again if its inputs have changed; the figures, as PNG."""
     from dataclasses import asdict
 
     from workbench.commands.simulate import simulate_into
-    from workbench.simulation.experiments import friction_of, tip_dimensions
+    from workbench.simulation.experiments import friction_of, moving_mass, tip_dimensions
 
     folder = run.out / "simulate"
-    inputs: list[Any] = [asdict(friction_of(run.design)), tip_dimensions(run.design), SIMULATED, _source_of("sim")]
-    stamp = folder / STAMP
-    known = json.loads(stamp.read_text("utf-8"))["files"] if stamp.is_file() else []
-    files = [folder / name for name in known]
-    if not _stamped(folder, inputs, files):
-        with run.progress() as progress:
-            task = progress.add_task("simulations", total=len(SIMULATED))
-            files = simulate_into(
-                run, folder, SIMULATED, lambda name: progress.update(task, advance=1, description=name)
-            )
-        _stamp(folder, inputs, files)
-        run.echo(f"simulations: {len(files)} files written")
-    else:
-        run.echo("simulations: unchanged")
+    source = _source_of("sim")
+    friction = [asdict(friction_of(run.design)), moving_mass(run.design, None)]
+    files: list[Path] = []
+    written = 0
+    with run.progress() as progress:
+        task = progress.add_task("simulations", total=len(SIMULATED))
+        for name in SIMULATED:
+            inputs = _hash([name, source, tip_dimensions(run.design) if name == "tip" else friction])
+            found = _made_files(folder, name, inputs)
+            if not found:
+                found = simulate_into(run, folder, (name,))
+                _stamp(folder, name, inputs, found)
+                written += len(found)
+            files += found
+            progress.update(task, advance=1, description=name)
+    run.echo(f"simulations: {written} files written" if written else "simulations: unchanged")
     return [file for file in files if file.suffix == ".png"]

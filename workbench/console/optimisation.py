@@ -9,12 +9,14 @@ from rich.markup import escape
 
 from designcalc.checks.analysis.report import counted, shown, shown_margin
 from workbench.console.tables import plain_table
+from workbench.machine.levels import level_rows, never_met, price_rows
 from workbench.options import Run
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
+    from designcalc.optimisation.requirement_levels import Levels
 
 
 def print_outcome(run: Run, outcome: Outcome, evaluator: Evaluator, after: Sequence[Check] | None) -> None:
@@ -71,3 +73,23 @@ def _print_conflicts(run: Run, outcome: Outcome) -> None:
         )
     if table.row_count:
         run.console.print(table)
+
+
+def print_levels(run: Run, levels: Levels) -> None:
+    """Levels of Table 1 that can be met, and what its values make fail."""
+    if run.json_target is not None:
+        return
+    headings, rows = level_rows(levels)
+    table = plain_table("levels that can be met", *headings, left=("requirement",))
+    for row in rows:
+        table.add_row(*row)
+    run.console.print(table)
+    for line in never_met(levels):
+        run.echo(f"met at no level: {line}")
+    if levels.prices:
+        columns = ("requirement", "check", "value", "limit")
+        prices = plain_table("what the values of Table 1 make fail", *columns, left=("requirement", "check"))
+        for row in price_rows(levels):
+            prices.add_row(*row)
+        run.console.print(prices)
+    run.echo(f"{levels.evaluations} designs evaluated")

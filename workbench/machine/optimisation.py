@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
+    from designcalc.optimisation.requirement_levels import Levels
     from designcalc.optimisation.space import Free
     from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.variations import Variations
 
 SAFETY = 0.002
 """Part of its limit by which a check must pass in the search, for the error of the masses without solids."""
@@ -37,13 +39,37 @@ class Effort:
 def evaluator_of(source: DesignSource, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
     """The evaluator of a design given as text and overrides."""
     from designcalc.optimisation.evaluation import Evaluator
+
+    return Evaluator(_variations(source, ()), free, masses, SAFETY if masses is not None else 0.0)
+
+
+def _variations(source: DesignSource, more: Sequence[str]) -> Variations:
+    """The design with `more` overrides, and its changes."""
     from stagecad.parameters.load import load_variations, variations_from_text
 
+    overrides = (*source.overrides, *more)
     if source.text is None:
-        variations = load_variations(None, source.overrides)
-    else:
-        variations = variations_from_text(source.text, source.name, source.overrides, source.folder)
-    return Evaluator(variations, free, masses, SAFETY if masses is not None else 0.0)
+        return load_variations(None, overrides)
+    return variations_from_text(source.text, source.name, overrides, source.folder)
+
+
+def studied_levels(run: Run, freed: Sequence[str], effort: Effort, masses: BodyMasses | None) -> Levels:
+    """How far Table 1 can be met by the run's design; arguments as of `optimised`."""
+    from designcalc.optimisation.requirement_levels import requirement_levels
+    from designcalc.optimisation.space import free_parameters
+
+    source = source_of(run)
+    free = free_parameters(source.design(rules=False), freed)
+    with run.progress() as progress:
+        task = progress.add_task("levels", total=None)
+        return requirement_levels(
+            partial(_variations, source),
+            free,
+            masses,
+            effort.budget,
+            seed=effort.seed,
+            tell=lambda words: progress.update(task, description=words),
+        )
 
 
 def optimised(

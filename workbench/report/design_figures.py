@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from designcalc.checks.analysis.grid import GridPoint
     from designcalc.checks.analysis.sweep import Range
     from designcalc.optimisation.evaluation import Evaluator
+    from designcalc.optimisation.requirement_levels import Levels
 
 Array = NDArray[np.float64]
 
@@ -68,6 +69,41 @@ def pareto_figure(evaluator: Evaluator, names: Sequence[str], path: Path) -> Non
     axes.set_ylabel(f"margin of '{second}', %", fontsize=8)
     axes.legend(frameon=False, fontsize=8)
     save(figure, path)
+
+
+def fronts_figure(levels: Levels, path: Path) -> None:
+    """Pareto fronts of the levels of two requirements each, with the values of Table 1."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    figure = Figure(figsize=(4.2 * max(len(levels.fronts), 1), 3.8), layout="constrained")
+    axes = figure.subplots(1, max(len(levels.fronts), 1), squeeze=False)[0]
+    for one, ((first, second), points) in zip(axes, levels.fronts.items(), strict=False):
+        scales, labels = zip(
+            *(_LEVEL_UNITS.get(levels.units[name], (1.0, "")) for name in (first, second)), strict=True
+        )
+        front, required = np.array(points) * scales, np.array([levels.required[name] for name in (first, second)])
+        one.plot(*front.T, marker="o", ms=4, color="tab:red", label="can be met together")
+        one.plot(*(required * scales)[:, None], marker="*", ms=10, ls="", color="tab:blue", label="Table 1")
+        both = np.vstack([front, required * scales])
+        wide = both.max(axis=0) > 5 * both.min(axis=0)
+        for axis, set_scale, is_wide in zip(
+            (one.xaxis, one.yaxis), (one.set_xscale, one.set_yscale), wide, strict=True
+        ):
+            set_scale("log" if is_wide else "linear")
+            axis.set_major_formatter("{x:g}")
+            if is_wide:
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                axis.set_minor_formatter(NullFormatter())
+        one.set_xlabel(f"{first}, {labels[0]}")
+        one.set_ylabel(f"{second}, {labels[1]}")
+        one.grid(which="both", color="0.9")
+        one.legend(frameon=False, fontsize=8)
+    save(figure, path)
+
+
+_LEVEL_UNITS = {"m": (1e9, "nm"), "m/s": (1e3, "mm/s"), "m/s^2": (1.0, "m/s²")}
+"""Scale and unit of an axis by the unit of a level."""
 
 
 def margins_of(evaluator: Evaluator, names: Sequence[str]) -> Array:

@@ -73,7 +73,7 @@ def write_report(run: Run, results: MachineResults) -> Path:
         parts=_parts(document["parts"], pictures, target),
         bill=results.bill,
         procedure=results.procedure,
-        sheets=_sheets(results.drawings, target),
+        sheets=_sheets(results.drawings, target, run),
         subjects=check_rows(results.checks),
         counted=counted(results.checks),
         failing=sum(check.verdict == "fails" for check in results.checks),
@@ -112,29 +112,32 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _sheets(drawings: Mapping[str, Any], page: Path) -> list[dict[str, Any]]:
+def _sheets(drawings: Mapping[str, Any], page: Path, run: Run) -> list[dict[str, Any]]:
     """The drawing sheets, each as a small picture that leads to the one that can be magnified."""
     shown = []
     for name, sheet in drawings["sheets"].items():
         files = {Path(file).suffix: Path(file) for file in sheet["files"]}
         entry = {key: sheet[key] for key in ("paper", "scale", "hits")}
-        entry |= {"title": name.replace("_", " "), "picture": _reduced(files[".png"])}
+        entry |= {"title": name.replace("_", " "), "picture": _reduced(files[".png"], run)}
         entry |= {"opens": link(files[".svg"], page)["href"], "files": [link(file, page) for file in files.values()]}
         shown.append(entry)
     return shown
 
 
-def _reduced(path: Path, width: int = 900) -> str:
-    """A sheet's picture, small enough for an overview."""
-    import io
+def _reduced(path: Path, run: Run, width: int = 900) -> str:
+    """A sheet's picture, small enough for an overview; it is kept, since making it takes longer than the check."""
+    from stagecad.solids.artefacts.store import ArtefactStore, sha256
 
-    from PIL import Image
+    def make(tracked: Any, folder: Path) -> None:
+        from PIL import Image
 
-    with Image.open(path) as picture:
-        small = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
-    stream = io.BytesIO()
-    small.quantize(16).save(stream, "png", optimize=True)
-    return data_url(stream.getvalue())
+        with Image.open(path) as picture:
+            small = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
+        small.quantize(16).save(folder / "small.png", optimize=True)
+
+    depends = (sha256(path.read_bytes()), str(width))
+    entry = ArtefactStore().make("reduced sheet", run.design, (), make, depends)
+    return data_url(entry.data("small.png"))
 
 
 def _mass(kilograms: float) -> str:

@@ -6,10 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
+from workbench.machine.levels import level_rows, never_met, price_rows
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.optimise import Outcome
+    from designcalc.optimisation.requirement_levels import Levels
 
 
 def optimisation_report(outcome: Outcome, before: Sequence[Check], after: Sequence[Check] | None, name: str) -> str:
@@ -64,6 +66,19 @@ def _not_met(outcome: Outcome, checks: Sequence[Check]) -> list[str]:
     if not rows:
         return []
     return ["", "## Not met", "", *_table(("requirement", "limit", "reached", "together with"), rows)]
+
+
+def levels_report(levels: Levels, name: str) -> str:
+    """The study of Table 1 as Markdown; `name`: of the parameter file."""
+    lines = [f"# How far {name} meets Table 1", "", f"{levels.evaluations} designs evaluated.", ""]
+    headings, rows = level_rows(levels)
+    lines += _table(headings, rows)
+    if never := never_met(levels):
+        lines += ["", "Met at no level:", "", *(f"- {line}" for line in never)]
+    if levels.prices:
+        lines += ["", "## What the values of Table 1 make fail", ""]
+        lines += _table(("requirement", "check", "value", "limit"), price_rows(levels))
+    return "\n".join(lines) + "\n"
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution, version
@@ -27,14 +27,27 @@ def _file(module: str) -> Path | None:
     return next((path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file()), None)
 
 
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from[ \t]+(?P<module>[\w.]+)[ \t]+import[ \t]*(?:\((?P<block>[^)]*)\)|(?P<line>[^\n(]+))"
+    r"|import[ \t]+(?P<modules>[\w.][^\n]*))",
+    re.MULTILINE,
+)
+
+
 def _names(source: str) -> Iterator[str]:
-    """All names that a source imports, at the top or in functions; an imported name may be a module."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+    """All names that a source imports, at the top or in functions; an imported name may be a module.
+
+    By a pattern: the syntax tree of all files takes seconds.
+    """
+    for match in _IMPORT.finditer(source):
+        listed = match["modules"] or match["block"] or match["line"] or ""
+        words = re.sub(r"#[^\n]*", "", listed).replace("\\\n", " ").split(",")
+        names = [word.split()[0] for word in words if word.strip()]
+        if match["module"]:
+            yield match["module"]
+            yield from (f"{match['module']}.{name}" for name in names)
+        else:
+            yield from names
 
 
 @cache

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
+    from stagecad.parameters.mass_properties import BodyMasses
+    from workbench.machine.optimisation import Effort
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,7 @@ class Options:
     solids: bool
     figures: bool
     scheduler: str | None
+    levels: bool
 
 
 @click.command("optimize")
@@ -68,6 +71,11 @@ class Options:
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the search.")
 @click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
 @click.option("--figures/--no-figures", default=True, help="Draw the Pareto fronts of the conflicts.")
+@click.option(
+    "--levels",
+    is_flag=True,
+    help="How far Table 1 can be met instead: each requirement by itself and all together, and the Pareto fronts.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Run searches from several seeds on a dask cluster.")
 @common_options
 @without_rules
@@ -90,6 +98,8 @@ def command(run: Run, **given: Any) -> int:
     # A design that violates a rule may have no solids.
     masses = masses_of_solids(run) if options.solids and not violations(run.design) else None
     effort = Effort(options.budget, options.evaluations, _seconds(options.limit), options.seed)
+    if options.levels:
+        return _levels(run, options, effort, masses)
     evaluator, outcome = optimised(run, options.freed, options.keep, effort, masses, options.scheduler)
     found = outcome.design if outcome.feasible or relax else None
     after: list[Check] | None = None
@@ -117,6 +127,30 @@ def command(run: Run, **given: Any) -> int:
         document["figures"] = _figures(run, outcome, evaluator)
     run.emit(document)
     return 130 if outcome.interrupted else 0
+
+
+def _levels(run: Run, options: Options, effort: Effort, masses: BodyMasses | None) -> int:
+    """The study of the levels of Table 1: tables, report, figure."""
+    from workbench.console.optimisation import print_levels
+    from workbench.machine.levels import levels_document
+    from workbench.machine.optimisation import studied_levels
+    from workbench.report.optimisation import levels_report
+
+    if options.target is not None or options.keep:
+        raise InputError("--levels: --keep and --write are not used with it")
+    levels = studied_levels(run, options.freed, effort, masses)
+    print_levels(run, levels)
+    atomic_write_text(run.out / "optimize" / "levels.md", levels_report(levels, run.design.file))
+    document = levels_document(levels)
+    if options.figures:
+        from workbench.report.design_figures import fronts_figure
+
+        path = run.out / "optimize" / "levels.png"
+        fronts_figure(levels, path)
+        document["figures"] = [str(path)]
+        run.echo(f"figure {path}")
+    run.emit(document)
+    return 0
 
 
 def _seconds(text: str | None) -> float:

@@ -1,0 +1,71 @@
+"""Levels of Table 1 that can be met."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from designcalc.checks import run_checks
+from designcalc.optimisation import requirement_levels as module
+from designcalc.optimisation.requirement_levels import Levels, Price, Together, requirement_levels
+from designcalc.optimisation.space import read_range
+from stagecad.parameters.load import load_design, load_variations
+from workbench.cli import run as stagecad
+from workbench.machine.levels import levels_document
+from workbench.report.design_figures import fronts_figure
+from workbench.report.optimisation import levels_report
+
+TIPPING = "acceleration at the end of the travel without tipping"
+PRODUCT = "PTFE pressure times speed"
+PRELOAD = "acceleration of 1 G with the preload asked for"
+
+
+@pytest.mark.slow
+def test_levels_by_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the preload up to the load itself, mu (1 + 1) g; p v of the film is proportional to the speed."""
+    monkeypatch.setattr(module, "LEVELS", tuple(one for one in module.LEVELS if one.name in ("speed", "acceleration")))
+    monkeypatch.setattr(module, "FRONTS", ())
+    design = load_design()
+    free = [read_range("preload.ratio", "0.1:1", ":", design, "--free")]
+    found = requirement_levels(lambda more: load_variations(None, more), free, None, 20)
+    checks = {check.name: check for check in run_checks(design)}
+    product = checks[PRODUCT]
+    assert product.limit is not None and product.value is not None
+    speed, acceleration = 0.2 * product.limit / product.value, 0.3 * 2 * 9.80665
+    assert 0.97 * speed < found.alone["speed"] <= speed
+    assert 0.97 * acceleration < found.alone["acceleration"] <= acceleration
+    assert TIPPING in found.never["acceleration"]
+    # Together with the smoothness of 1 nm, which is kept here, the tip's pulsation allows a smaller acceleration.
+    together = found.together[0].levels
+    assert together["speed"] == pytest.approx(found.alone["speed"], rel=0.03)
+    assert together["acceleration"] < 0.5 * acceleration
+    assert {(one.requirement, one.check) for one in found.prices} >= {("speed", PRODUCT), ("acceleration", PRELOAD)}
+
+
+def _levels() -> Levels:
+    required = {"resolution": 1e-8, "speed": 0.2, "acceleration": 9.80665, "smoothness": 1e-9}
+    units = {"resolution": "m", "speed": "m/s", "acceleration": "m/s^2", "smoothness": "m"}
+    found = Levels(required, units, {"acceleration": [TIPPING]}, {"speed": 0.03, "smoothness": 2.5e-7})
+    found.together = [Together("", {**required, "speed": 0.02}), Together("speed", {})]
+    found.prices = [Price("speed", PRODUCT, 2.8e6, 4e4, "Pa*m/s")]
+    found.fronts = {("speed", "smoothness"): [(0.01, 3e-7), (0.02, 5e-7)]}
+    return found
+
+
+def test_report_and_document_of_the_levels(tmp_path: Path) -> None:
+    report = levels_report(_levels(), "stage.toml")
+    assert "| speed | 200 mm/s | 30 mm/s | 20 mm/s | - |" in report
+    assert f"- acceleration: {TIPPING}" in report and f"| speed 200 mm/s | {PRODUCT} |" in report
+    document = levels_document(_levels())
+    assert document["alone"]["smoothness"] == {"value": 2.5e-7, "unit": "m"}
+    assert document["together"][1] == {"kept": "speed", "levels": {}}
+    fronts_figure(_levels(), tmp_path / "levels.png")
+    with Image.open(tmp_path / "levels.png") as picture:
+        assert picture.size[0] > 400
+
+
+def test_options_that_the_study_does_not_use(capsys: pytest.CaptureFixture[str]) -> None:
+    assert stagecad(["optimize", "--no-solids", "--levels", "--keep", "LVDT range"]) == 2
+    assert "--keep and --write are not used" in capsys.readouterr().err
