@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
-    from designcalc.optimisation.requirement_levels import Levels
+    from designcalc.optimisation.reached_levels import Levels
 
 
 def print_outcome(run: Run, outcome: Outcome, evaluator: Evaluator, after: Sequence[Check] | None) -> None:

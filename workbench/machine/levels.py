@@ -10,7 +10,7 @@ from designcalc.checks.analysis.report import shown
 from stagecad.parameters.units import as_json, format_quantity, to_si
 
 if TYPE_CHECKING:
-    from designcalc.optimisation.requirement_levels import Levels
+    from designcalc.optimisation.reached_levels import Levels
 
 
 def level_text(levels: Levels, name: str, value: float | None) -> str:

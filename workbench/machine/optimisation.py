@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
-    from designcalc.optimisation.requirement_levels import Levels
+    from designcalc.optimisation.reached_levels import Levels
     from designcalc.optimisation.space import Free
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.parameters.variations import Variations

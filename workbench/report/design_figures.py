@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from designcalc.checks.analysis.grid import GridPoint
     from designcalc.checks.analysis.sweep import Range
     from designcalc.optimisation.evaluation import Evaluator
-    from designcalc.optimisation.requirement_levels import Levels
+    from designcalc.optimisation.reached_levels import Levels
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from workbench.machine.levels import level_rows, never_met, price_rows
 if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.optimisation.optimise import Outcome
-    from designcalc.optimisation.requirement_levels import Levels
+    from designcalc.optimisation.reached_levels import Levels
 
 
 def optimisation_report(outcome: Outcome, before: Sequence[Check], after: Sequence[Check] | None, name: str) -> str:
