@@ -97,6 +97,9 @@ COMPUTED: dict[str, Formula] = {
         ),
         "X.X",
     ),
+    "base.pocket_bore": Formula(
+        "base.pocket_depth - base.seat_height", lambda d: _least(d.base.pocket_depth - d.base.seat_height), "X.X"
+    ),
     "tooth_bar.height": Formula(
         "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap + base.seat_height",
         lambda d: (

@@ -116,6 +116,7 @@ class Base:
     pocket_diameter: float = mm("of the pockets for the holders")
     pocket_clearance: float = mm("between holder and pocket floor, for the height adjustment")
     pocket_depth: float = mm("of the pockets' floors below the seats", computed=True)
+    pocket_bore: float = mm("depth of the pockets from the face they start in", computed=True)
     pocket_chamfer: float = mm("at the mouth of the pockets")
     pin_2_bore: float = mm("vertical guide of height pin 2")
     pin_1_bore: float = mm("horizontal guide of height pin 1")

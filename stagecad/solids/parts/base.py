@@ -123,7 +123,7 @@ def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
     pocket = stepped_hole(
         (x, y, low),
         (0, 0, -1),
-        [(base.pocket_diameter, base.pocket_depth + low), (base.pin_2_bore, base.pin_1_axis_depth + low)],
+        [(base.pocket_diameter, base.pocket_bore), (base.pin_2_bore, base.pin_1_axis_depth + low)],
         mouth_chamfer=base.pocket_chamfer,
     )
     bore = stepped_hole(

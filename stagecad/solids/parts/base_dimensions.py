@@ -75,8 +75,7 @@ def _pockets(d: DimensionDeclarations, design: Any) -> None:
     top = d.group(view="top")
     pocket = top.group(feature="pocket", count=3)
     pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left)
-    seat = (base.length / 2 - 3, base.width / 2 - 3, 0)
-    d.linear("floor of the pockets", "pocket_depth", seat, (0, radius / 2, floor), Z, count=3, view="section")
+    pocket.depth("pocket depth", "pocket_bore", (0, 0, mouth), (0, radius / 2, floor), Z)
     note = "3 pockets on an equilateral triangle"
     top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note, exact=True)
     keys, ends = ("base.actuator_spacing",), ((0, 0, 0), (x, y, 0))
