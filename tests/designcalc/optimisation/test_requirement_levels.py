@@ -38,10 +38,10 @@ def test_levels_by_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     assert 0.97 * speed < found.alone["speed"] <= speed
     assert 0.97 * acceleration < found.alone["acceleration"] <= acceleration
     assert TIPPING in found.never["acceleration"]
-    # Together with the smoothness of 1 nm, which is kept here, the tip's pulsation allows a smaller acceleration.
+    # The speed does not contradict the acceleration; checks of the smoothness of 1 nm, which is kept here, may.
     together = found.together[0].levels
     assert together["speed"] == pytest.approx(found.alone["speed"], rel=0.03)
-    assert together["acceleration"] < 0.5 * acceleration
+    assert together["acceleration"] <= acceleration
     assert {(one.requirement, one.check) for one in found.prices} >= {("speed", PRODUCT), ("acceleration", PRELOAD)}
 
 
