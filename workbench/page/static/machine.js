@@ -6,7 +6,7 @@ import { Drawings } from './drawings.js';
 import { ParameterList, sliderRange, toggle, valueText } from './parameters.js';
 import { View3d } from './view3d.js';
 
-const QUICK = 0.04;
+const QUICK = 0.025;
 const SOLIDS_AFTER = 120;
 
 class Machine {

@@ -12,8 +12,8 @@ export class Overlay {
     this.signal = h('div', { class: 'plot' });
     this.residual = h('div', { class: 'plot' });
     this.element = h('div', { class: 'overlay', title: '' },
-      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend, h('span', { class: 'space' }), h('span', { class: 'under-cursor dim', 'aria-hidden': 'true' }, this.values)),
-      this.signal, this.residual);
+      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend),
+      this.signal, this.residual, h('div', { class: 'under-cursor', 'aria-hidden': 'true' }, this.values));
     this.plots = [];
     addEventListener('themechange', () => { if (this.one) this.build(); });
     this.range = null;
@@ -75,7 +75,7 @@ export class Overlay {
     } catch (error) { say(error.message, 'bad'); }
   }
 
-  /** Values under the cursor, beside the legend: both plots share the cursor, and their values one place. */
+  /** Values under the cursor, beside the label of the time axis: both plots share the cursor. */
   readOut(plot, k, index) {
     this.values[k].textContent = index === null || !plot ? '' : this.texts[k](plot.data.map((values) => values[index]));
   }
