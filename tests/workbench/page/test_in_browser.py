@@ -218,8 +218,8 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     dialog.get_by_role("button", name="Create").click()
     page.locator(".map canvas").first.wait_for()
 
-    page.locator(".overlay .plot").first.hover()
-    page.locator(".under-cursor", has_text=re.compile(r"[\d.]+ s: .+ N.*residual .+ N")).wait_for()
+    page.locator(".overlay .u-over").first.hover()
+    page.locator(".under-cursor", has_text=re.compile(r"\d s: .*N.*residual .*N")).wait_for()
 
     # A slider of a fitted value moves the prediction; a double click brings it back.
     slider = page.get_by_label("coulomb.force, slider")

@@ -94,14 +94,21 @@ export async function listen() {
   await refresh();
 }
 
+let shown = { numbers: '', lines: [] };
+
 function showJobs() {
   const active = [...jobs.values()].filter((job) => !job.passing && !FINISHED.has(job.state));
-  fill(document.getElementById('jobs'), active.map((job) => {
-    const bar = h('progress', { 'aria-label': job.title });
-    if (job.total > 0) { bar.max = job.total; bar.value = job.done; }
-    const text = job.state === 'waiting' ? 'waiting' : `${job.step.replaceAll('_', ' ')}${job.total > 0 ? ` ${job.done}/${job.total}` : ''}`;
-    return h('span', { class: 'job' },
-      h('b', {}, `${job.title} ${job.subject}`.trim()), h('span', { class: 'step' }, text), bar,
-      h('button', { class: 'icon', title: `Cancel: ${job.title}`, 'aria-label': `Cancel ${job.title}`, onclick: () => cancel(job) }, '×'));
-  }));
+  const numbers = active.map((job) => job.number).join();
+  if (numbers !== shown.numbers) {
+    // The elements of a job stay while it works: a button that is made anew at each step cannot be clicked.
+    shown = { numbers, lines: active.map((job) => ({ step: h('span', { class: 'step' }), bar: h('progress', { 'aria-label': job.title }) })) };
+    fill(document.getElementById('jobs'), active.map((job, k) => h('span', { class: 'job' },
+      h('b', {}, `${job.title} ${job.subject}`.trim()), shown.lines[k].step, shown.lines[k].bar,
+      h('button', { class: 'icon', title: `Cancel: ${job.title}`, 'aria-label': `Cancel ${job.title}`, onclick: () => cancel(job) }, '×'))));
+  }
+  for (const [k, job] of active.entries()) {
+    const { step, bar } = shown.lines[k];
+    step.textContent = job.state === 'waiting' ? 'waiting' : `${job.step.replaceAll('_', ' ')}${job.total > 0 ? ` ${job.done}/${job.total}` : ''}`;
+    if (job.total > 0) { bar.max = job.total; bar.value = job.done; } else bar.removeAttribute('value');
+  }
 }

@@ -206,11 +206,15 @@ class Measurement {
   showProgress(job) {
     const busy = job !== null;
     this.setBusy(busy);
-    if (!busy) { fill(this.progress, ''); return; }
-    const bar = h('progress', { 'aria-label': job.title });
-    if (job.total > 0) { bar.max = job.total; bar.value = job.done; }
-    fill(this.progress, h('b', {}, job.title), h('span', { class: 'dim step' }, words(job.step || 'waiting')), bar,
-      h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+    if (!busy) { fill(this.progress, ''); this.line = null; return; }
+    // The elements of a job stay: a button that is made anew at each step cannot be clicked.
+    if (this.line?.number !== job.number || !this.line.bar.isConnected) {
+      this.line = { number: job.number, step: h('span', { class: 'dim step' }), bar: h('progress', { 'aria-label': job.title }) };
+      fill(this.progress, h('b', {}, job.title), this.line.step, this.line.bar, h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+    }
+    const { step, bar } = this.line;
+    step.textContent = words(job.step || 'waiting');
+    if (job.total > 0) { bar.max = job.total; bar.value = job.done; } else bar.removeAttribute('value');
   }
 
   setBusy(busy) {

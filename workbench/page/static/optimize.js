@@ -111,7 +111,13 @@ export class Optimize {
     const busy = job.state === 'running' || job.state === 'waiting';
     this.start.disabled = busy;
     this.progress.hidden = !busy;
-    if (busy) fill(this.progress, h('b', {}, 'Optimize'), h('span', { class: 'dim step' }, job.step || 'waiting'), h('progress', { 'aria-label': 'Optimize' }), h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+    if (!busy) return;
+    // The elements of a job stay: a button that is made anew at each step cannot be clicked.
+    if (this.line?.number !== job.number) {
+      this.line = { number: job.number, step: h('span', { class: 'dim step' }) };
+      fill(this.progress, h('b', {}, 'Optimize'), this.line.step, h('progress', { 'aria-label': 'Optimize' }), h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+    }
+    this.line.step.textContent = job.step || 'waiting';
   }
 
   show(found) {
