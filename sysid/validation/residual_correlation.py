@@ -20,7 +20,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import gammaincc
 
 from sysid.prediction.model import Model, PreparedRecord, predict
@@ -159,8 +158,8 @@ def _correlation(u: Sequence[np.ndarray], e: Sequence[np.ndarray]) -> np.ndarray
     total = np.zeros(2 * longest - 1)
     for a, b in zip(u, e, strict=True):
         lags = a.size + b.size - 1
-        size = next_fast_len(lags, real=True)
-        one = np.roll(irfft(rfft(b, size) * np.conj(rfft(a, size)), size), a.size - 1)[:lags]
+        size = 1 << (lags - 1).bit_length()
+        one = np.roll(np.fft.irfft(np.fft.rfft(b, size) * np.conj(np.fft.rfft(a, size)), size), a.size - 1)[:lags]
         start = longest - a.size
         total[start : start + lags] += one
     norm = np.sqrt(sum(float(a @ a) for a in u) * sum(float(b @ b) for b in e))

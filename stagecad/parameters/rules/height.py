@@ -183,6 +183,11 @@ def tip_over_holder(d: Design) -> Iterator[str]:
     headroom = derived.drive_surface_height - derived.holder_top - derived.height_adjustment
     if headroom <= 0.0:
         yield f"the holder, raised by the height adjustment, meets the stage; lower {given(d, 'holder.height')}"
+    if abs(d.base.pocket_bore + d.base.seat_height - d.base.pocket_depth) > ROUNDING:
+        yield (
+            f"{given(d, 'base.pocket_bore', 'base.seat_height')} are not {given(d, 'base.pocket_depth')} together; "
+            "leave base.pocket_bore out, so that it is computed"
+        )
     floor = d.base.pocket_depth + derived.holder_bottom - derived.height_adjustment
     if floor < -ROUNDING:
         yield (

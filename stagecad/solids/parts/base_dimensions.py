@@ -70,8 +70,8 @@ def _setting_pins(d: DimensionDeclarations, design: Any) -> None:
 def _pockets(d: DimensionDeclarations, design: Any) -> None:
     base = design.base
     _, (x, y), (_, y3) = Derived(design).actuator_places
-    radius, floor, left = base.pocket_diameter / 2, -base.pocket_depth, (-1.0, 0.0, 0.0)
-    mouth = -base.seat_height
+    mouth, left = -base.seat_height, (-1.0, 0.0, 0.0)
+    radius, floor = base.pocket_diameter / 2, mouth - base.pocket_bore
     top = d.group(view="top")
     pocket = top.group(feature="pocket", count=3)
     pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left)

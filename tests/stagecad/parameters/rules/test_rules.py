@@ -70,6 +70,7 @@ BREAKS = [
     ("tip_body", ["tip.arm_width=16 mm"], "is wider than tip.foot_diameter"),
     ("tip_over_holder", ["holder.height=45 mm"], "comes within"),
     ("tip_over_holder", ["base.pocket_clearance=0.2 mm"], "at least 0.5 mm"),
+    ("tip_over_holder", ["base.pocket_bore=30 mm"], "leave base.pocket_bore out"),
     ("tip_body", ["tip.foot_diameter=12 mm"], "at least 14.2 mm is needed"),
     ("tip_body", ["actuator.tip_height=7 mm", "tip.relief_cover=5 mm"], "leaves no cone"),
     (

@@ -165,8 +165,8 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     assert find_machine(thicker, store) is None
     other = build_machine(thicker, store)
     touched = {name for name in machine.parts if other.parts[name].entry.key != machine.parts[name].entry.key}
-    # The bracket carries the interferometer at half the height of the stage.
-    assert touched == {"stage", "sensor_bracket"}
+    # The beam of the interferometer is at half the height of the stage.
+    assert touched == {"stage", "interferometer", "mirror"}
     gain = other.moving_body.mass - machine.moving_body.mass
     plate = 0.230 * 0.270 * 0.001 * design.materials[design.stage.material].density
     assert gain == pytest.approx(plate, rel=0.03)
