@@ -12,7 +12,14 @@ MOST_PER_ROW = 100
 """Largest number of samples of the uniform grid, and largest number per row."""
 
 
-def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
+ON_ROW = 0.02
+"""Part of a step by which a sample may differ from a row and count as this row."""
+
+UniformGrid = tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]
+"""Time (n,), step, channels by name (n,), and the mask (n,) of samples that were not measured."""
+
+
+def uniform(record: Record) -> UniformGrid:
     """The record on a uniform grid of its median step.
 
     Returns:
@@ -51,21 +58,25 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
             resampled[~(known[nearest] & known[nearest - 1])] = np.nan
         channels[name] = resampled
     after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
-    near = np.minimum(np.abs(time[after] - grid), np.abs(time[after - 1] - grid))
     hole = (time[after] - time[after - 1]) > 3.0 * step
-    on_row = near <= 0.02 * step
+    on_row = np.abs(time[_nearest(time, grid)] - grid) <= ON_ROW * step
     if on_row.mean() > 0.5:
         # A regular log with missing rows: samples at missing rows were not measured.
         hole = hole | ~on_row
     return grid, step, channels, hole
 
 
-def between_rows(record: Record, grid: np.ndarray) -> bool:
-    """Whether samples of the uniform grid (n,) lie between the rows of a record, so that their values are interpolated.
+def distance_to_rows(record: Record, grid: np.ndarray) -> np.ndarray:
+    """Time (n,) between each sample of a grid (n,) and the nearest row, s."""
+    time = record.time - record.time[0]
+    return np.abs(time[_nearest(time, grid)] - grid)
 
-    Rows within 2 % of a step of their samples count as these samples.
-    """
-    time, step = record.time - record.time[0], float(grid[1] - grid[0])
+
+def nearest_row(record: Record, values: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """Value (n,) of a channel in the row nearest to each sample of a grid (n,)."""
+    return values[_nearest(record.time - record.time[0], grid)]
+
+
+def _nearest(time: np.ndarray, grid: np.ndarray) -> np.ndarray:
     after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
-    near = np.minimum(np.abs(time[after] - grid), np.abs(time[after - 1] - grid))
-    return bool(np.mean(near > 0.02 * step) > 0.5)
+    return np.where(time[after] - grid < grid - time[after - 1], after, after - 1)

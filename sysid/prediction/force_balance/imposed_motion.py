@@ -24,7 +24,7 @@ from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecor
 from sysid.prediction.rig_model import Noises, RigModel
 from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
-from sysid.signals.resampling import between_rows, uniform
+from sysid.signals.resampling import ON_ROW, UniformGrid, distance_to_rows, nearest_row, uniform
 
 SIGN_SIGMAS = 6.0
 SIGN_STEPS = 2.5
@@ -36,40 +36,48 @@ SLOPE_WIDTHS = (0.7, 1.0, 1.4, 2.0)
 noise: the first one at which the speed is clear of the noise too, since a wider one blurs motions of few samples."""
 
 
-MIXED_SAMPLES = 2
-"""Samples on each side of a reversal whose force may be a mixture of both directions where rows are unevenly spaced:
-the force of a row may be that of the row before it, and a sample lies between two rows."""
-
-MOST_MIXED = 0.5
-"""Largest part of the samples that is left out for that reason; a motion of more reversals is scored as it is."""
+BESIDE = 2
+"""Samples on each side of a reversal that may be interpolated from forces of both directions: the force of a row may be
+that of the row before it, and a sample lies between two rows."""
 
 
 def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
-    """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered."""
-    prepared = _of_given_motion(record, noise)
-    return _without_mixtures(prepared) if between_rows(record, prepared.axis.time) else prepared
+    """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered.
+
+    Friction jumps at a reversal. Where the samples of the uniform grid lie between the rows, those beside a reversal
+    have the force and the given velocity of the nearest row: interpolated, they would be mixtures of both directions,
+    which resemble presliding.
+    """
+    grid = uniform(record)
+    prepared = _on_grid(record, grid, noise)
+    time, step, channels, hole = grid
+    distance = distance_to_rows(record, time)
+    if np.median(distance) <= ON_ROW * step:
+        return prepared
+    beside = _beside_reversals(prepared)
+    jumping = {name: y for name, y in record.channels.items() if name in ("friction_force", "velocity")}
+    taken = {name: np.where(beside, nearest_row(record, y, time), channels[name]) for name, y in jumping.items()}
+    prepared = _on_grid(record, (time, step, {**channels, **taken}, hole), noise)
+    timing = float(np.hypot(prepared.timing_uncertainty, np.sqrt(np.mean(distance[~hole] ** 2))))
+    return replace(prepared, timing_uncertainty=timing)
 
 
-def _without_mixtures(record: ForceBalanceRecord) -> ForceBalanceRecord:
-    """The record without the samples beside a reversal: those of a grid between the rows are interpolated from forces
-    of both directions."""
+def _beside_reversals(record: ForceBalanceRecord) -> np.ndarray:
+    """Mask (n,) of the samples beside a change of the direction of motion; at rest it is that of the last motion."""
     moved = np.diff(record.axis.position, prepend=record.axis.position[0])
     sign = np.where(np.abs(moved) > record.stretch, np.sign(moved), 0.0)
     if record.velocity_sign is not None:
         sign = np.sign(record.velocity_sign)
     last = np.maximum.accumulate(np.where(sign != 0.0, np.arange(sign.size), 0))
     reversals = np.flatnonzero(np.diff(sign[last])) + 1
-    beside = reversals[:, None] + np.arange(-MIXED_SAMPLES, MIXED_SAMPLES + 1)
-    mixed = np.zeros(record.size, bool)
-    mixed[np.clip(beside, 0, record.size - 1)] = True
-    channel = record.force_channel
-    if np.mean(mixed) > MOST_MIXED:
-        return record
-    return replace(record, valid={**record.valid, channel: record.valid[channel] & ~mixed})
+    mask = np.zeros(record.size, bool)
+    mask[np.clip(reversals[:, None] + np.arange(-BESIDE, BESIDE + 1), 0, record.size - 1)] = True
+    return mask
 
 
-def _of_given_motion(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
-    time, step, channels, hole = uniform(record)
+def _on_grid(record: Record, grid: UniformGrid, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
+    """The record from its channels on a uniform grid."""
+    time, step, channels, hole = grid
     force, gap = filled(channels["friction_force"])
     valid = ~(gap | hole | _gaps(channels, "position") | _gaps(channels, "velocity"))
     valid[0] = False
