@@ -7,9 +7,11 @@ the number of processors give other last digits on another machine.
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import MutableMapping
+    from collections.abc import Iterator, MutableMapping
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What the libraries read as they are loaded."""
@@ -19,3 +21,12 @@ def use_one_thread(environment: MutableMapping[str, str]) -> None:
     """State one thread in an environment, unless its user has stated a number. Before NumPy is imported."""
     for name in VARIABLES:
         environment.setdefault(name, "1")
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """One thread in the block, whatever the process has: for a function that a user's Python calls."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        yield

@@ -72,6 +72,7 @@ LEVELS = (
     Level("acceleration", "requirements.acceleration", True, "requirements.acceleration_low"),
     Level("smoothness", "requirements.smoothness", False),
 )
+LEVEL_KEYS = frozenset(level.key for level in LEVELS)
 FRONTS = (("speed", "acceleration"), ("acceleration", "smoothness"), ("speed", "smoothness"))
 PRICED = ("speed", "acceleration", "smoothness")
 
@@ -101,7 +102,15 @@ def requirement_levels(
 class _Study:
     """The searches of a study, and what they share; arguments of `requirement_levels`."""
 
-    def __init__(self, vary: Any, machine: Any, masses: Any, budget: int, seed: int, tell: Any) -> None:
+    def __init__(
+        self,
+        vary: Callable[[Sequence[str]], Variations],
+        machine: Sequence[Free],
+        masses: BodyMasses | None,
+        budget: int,
+        seed: int,
+        tell: Callable[[str], None],
+    ) -> None:
         self.vary, self.masses, self.budget, self.seed, self.tell = vary, masses, budget, seed, tell
         self.machine = [replace(one, weight=CHANGE) for one in machine]
         design = vary(()).design
@@ -152,7 +161,8 @@ class _Study:
         self.active = set(before.unmet)
         machine = range(len(self.machine))
         for name, group in self.groups.items():
-            # A check that a weaker level makes fail judges the requirement (a candidate passed over), not the machine.
+            # A check that fails only at the weakest levels, and reads no free parameter, concerns the requirement alone
+            # (the choice of a sensor, for example): no machine can change it.
             self.groups[name] = [
                 one
                 for one in group
@@ -247,7 +257,7 @@ class _Study:
         evaluator = self._evaluator((), levels)
         if known.evaluation is not None:
             evaluator.of({one.key: known.evaluation.values[one.key] for one in self.machine}, known.names)
-        # Most requirements never matter: those that a design found fails are added. A first design takes longest.
+        # Most checks always pass: a search asks for those that some design has failed. The first design takes longest.
         part = [name for name in known.names if name in self.active]
         budget = self.budget if known.satisfied else FIRST * self.budget
         found: Evaluation | None = None
@@ -300,7 +310,7 @@ def _weakest(evaluator: Evaluator) -> Array:
     """The point of the present design with all free levels at their weakest."""
     point = evaluator.start.copy()
     for axis, one in enumerate(evaluator.free):
-        if one.weight == 1.0:
+        if one.key in LEVEL_KEYS:
             point[axis] = float(one.start == one.low)
     return point
 
@@ -316,11 +326,11 @@ def _offer(evaluator: Evaluator, best: Best, machine: Mapping[str, Any], levels:
 def _harden_together(evaluator: Evaluator, best: Best, share: float) -> float:
     """Bring all free levels of a satisfying design nearer to their required values by one factor; the share left."""
     assert best.evaluation is not None
-    machine = {one.key: best.evaluation.values[one.key] for one in evaluator.free if one.weight != 1.0}
+    machine = {one.key: best.evaluation.values[one.key] for one in evaluator.free if one.key not in LEVEL_KEYS}
     low, high = 0.0, share
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        levels = {one.key: one.value(_place(one, middle)) for one in evaluator.free if one.weight == 1.0}
+        levels = {one.key: one.value(_place(one, middle)) for one in evaluator.free if one.key in LEVEL_KEYS}
         found = evaluator_offer(evaluator, best, {**machine, **levels}, best.names)
         low, high = (low, middle) if found.satisfies(best.names) else (middle, high)
     return high
@@ -333,7 +343,7 @@ def _place(one: Free, share: float) -> float:
 
 def _harden(evaluator: Evaluator, best: Best) -> None:
     """Bring each level of a satisfying design as near to its required value as the checks allow, by bisection."""
-    levels = [one for one in evaluator.free if one.weight == 1.0]
+    levels = [one for one in evaluator.free if one.key in LEVEL_KEYS]
     for one in levels * min(len(levels), 2):
         assert best.evaluation is not None
         values = dict(best.evaluation.values)

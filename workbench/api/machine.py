@@ -98,13 +98,16 @@ def checks(design: Design | None = None, solids: bool = True, proposals: bool = 
         proposals: evaluate the changes that failed checks propose, which takes some seconds.
     """
     from designcalc.checks import run_checks
+    from stagecad.blas_threads import one_thread
     from workbench.commands.check import masses_of_solids
     from workbench.machine.margin_studies import evaluated_checks
 
     design = design or load_design()
     run = design.run()
     masses = masses_of_solids(run) if solids else None
-    return Checks(design, evaluated_checks(run, masses) if proposals else run_checks(design.values, masses))
+    with one_thread():
+        found = evaluated_checks(run, masses) if proposals else run_checks(design.values, masses)
+    return Checks(design, found)
 
 
 class Parts(Result):

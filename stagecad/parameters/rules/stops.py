@@ -108,7 +108,7 @@ def sensor(d: Design) -> Iterator[str]:
         yield f"{given(d, 'stop_bar.sensor_spacing')} puts the screws off {given(d, 'sensor_bracket.width')}"
     edge = (d.base.bracket_spacing_across - bar.counterbore - bar.sensor_spacing - drill) / 2
     if edge < wall - ROUNDING or bar.sensor_thread_depth > bar.sensor_drill_depth + ROUNDING:
-        yield (f"{given(d, 'stop_bar.sensor_spacing', 'stop_bar.sensor_thread_depth')} do not fit the stop bar")
+        yield f"{given(d, 'stop_bar.sensor_spacing', 'stop_bar.sensor_thread_depth')} do not fit the stop bar"
     if bar.sensor_drill_depth + drill > bar.overhang + bar.foot - wall:
         yield f"{given(d, 'stop_bar.sensor_drill_depth')} goes through the foot of the stop bar"
     engaged, where = d.screws.bar.length - bracket.flange, f"through {given(d, 'sensor_bracket.flange')}"
@@ -128,9 +128,13 @@ def sensor(d: Design) -> Iterator[str]:
         yield f"{given(d, 'interferometer.beam_height', 'interferometer.height')} put the beam over the optics"
     mirror, spacing = d.mirror, d.stage.target_spacing
     if mirror.width < spacing + mirror.screw_hole + 2 * wall - ROUNDING or mirror.height < mirror.screw_hole + 2 * wall:
-        yield (f"{given(d, 'mirror.width', 'mirror.height')} do not cover {given(d, 'stage.target_spacing')}")
-    if mirror.height / 2 - d.stage.thickness / 2 > -CLEAR - d.end_stop.height / MM - d.buffer.height / 2 + CLEAR:
-        yield f"{given(d, 'mirror.height')} reaches below the stage to the stop bar; {given(d, 'stage.thickness')}"
+        yield f"{given(d, 'mirror.width', 'mirror.height')} do not cover {given(d, 'stage.target_spacing')}"
+    below, room = (mirror.height - d.stage.thickness) / 2, -d.end_stop.height / MM - d.buffer.height / 2
+    if below > room - CLEAR + ROUNDING:
+        yield (
+            f"{given(d, 'mirror.height', 'stage.thickness')} let the mirror hang {length(below)} below the stage; "
+            f"{length(room - CLEAR)} is free above the stop bars and their buffers"
+        )
 
 
 @rule
