@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 CLEAR = 0.5
 """Least clearance of parts that pass each other, mm."""
+PASSING = 0.2
+"""Least clearance of the mirror over the stop bars, mm: their heights are toleranced by 0.1 each."""
 
 
 @rule
@@ -130,10 +132,10 @@ def sensor(d: Design) -> Iterator[str]:
     if mirror.width < spacing + mirror.screw_hole + 2 * wall - ROUNDING or mirror.height < mirror.screw_hole + 2 * wall:
         yield f"{given(d, 'mirror.width', 'mirror.height')} do not cover {given(d, 'stage.target_spacing')}"
     below, room = (mirror.height - d.stage.thickness) / 2, -d.end_stop.height / MM - d.buffer.height / 2
-    if below > room - CLEAR + ROUNDING:
+    if below > room - PASSING + ROUNDING:
         yield (
             f"{given(d, 'mirror.height', 'stage.thickness')} let the mirror hang {length(below)} below the stage; "
-            f"{length(room - CLEAR)} is free above the stop bars and their buffers"
+            f"{length(room - PASSING)} is free above the stop bars and their buffers"
         )
 
 
