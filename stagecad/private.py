@@ -18,8 +18,11 @@ CACHES = ("entries", "reads", "kernels")
 def make_private(folder: Path) -> Path:
     """Create `folder` for this user alone, or check that it is.
 
+    One that others could read is closed to them; one that others could write to is refused while anything is in it,
+    since they may have put it there.
+
     Raises:
-        PermissionError: another user owns it, or it cannot be written to.
+        PermissionError: another user owns it or could write to it, or it cannot be written to.
         OSError: it cannot be created.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -29,6 +32,9 @@ def make_private(folder: Path) -> Path:
             raise PermissionError(f"{folder} belongs to another user")
         if stat.S_IMODE(found.st_mode) & 0o077:
             folder.chmod(0o700)
+            if found.st_mode & 0o022 and any(folder.iterdir()):
+                folder.chmod(stat.S_IMODE(found.st_mode))
+                raise PermissionError(f"{folder} has files that other users could write; remove it")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PermissionError(f"{folder} cannot be written to")
     return folder

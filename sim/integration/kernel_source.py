@@ -201,7 +201,10 @@ def _compile(text: str, name: str, signature: Any, files: list[str]) -> Kernel |
 def _load_generated(text: str, name: str, files: list[str]) -> Any:
     """Write a generated module into the cache folder, keyed by all it depends on, and import it."""
     path = compilation.key_folder([*files, __file__, compilation.__file__]) / f"{name}.py"
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
+    if path.is_symlink():
+        # It would be written through, to the file it names.
+        path.unlink()
+    if not path.exists() or path.read_bytes() != text.encode("utf-8"):
         atomic_write_text(path, text)
     spec = importlib.util.spec_from_file_location(f"sim_kernel_{name}", path)
     assert spec is not None

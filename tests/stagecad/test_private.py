@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,55 @@ def test_a_cache_that_another_user_owns_is_passed_over(
     monkeypatch.setenv("STAGECAD_CACHE", str(shared))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "mine"))
     assert cache_root() == tmp_path / "mine" / "stagecad"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes and owners of POSIX")
+@pytest.mark.parametrize("mode", [0o777, 0o770, 0o1777])
+def test_what_others_could_write_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: int) -> None:
+    shared = tmp_path / "shared" / "kernels"
+    shared.mkdir(parents=True)
+    shared.chmod(mode)
+    monkeypatch.setenv("STAGECAD_CACHE", str(shared.parent))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "mine"))
+    (shared / "index.nbi").write_bytes(b"planted")
+    assert cache_root() == tmp_path / "mine" / "stagecad"
+    with pytest.raises(PermissionError, match="other users could write"):
+        make_private(shared)
+    # Empty, nothing can have been planted: it is closed and used.
+    (shared / "index.nbi").unlink()
+    shared.chmod(mode)
+    assert cache_root() == shared.parent and shared.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.skipif(sys.platform == "win32" or os.getuid() != 0, reason="only root can give a folder away")
+@pytest.mark.parametrize("given", ["root", "kernels", "target of a link", "link"])
+def test_a_cache_given_to_another_user_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str
+) -> None:
+    shared, real = tmp_path / "shared", tmp_path / "real"
+    shared.mkdir(mode=0o755)
+    real.mkdir(mode=0o700)
+    kernels = shared / "kernels"
+    if "link" in given:
+        kernels.symlink_to(real)
+    else:
+        kernels.mkdir(mode=0o700)
+    monkeypatch.setenv("STAGECAD_CACHE", str(shared))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "mine"))
+    assert cache_root() == shared
+    planted = {"root": shared, "kernels": kernels, "target of a link": real, "link": kernels}[given]
+    os.chown(planted, 65534, 65534, follow_symlinks=False)
+    assert cache_root() == tmp_path / "mine" / "stagecad"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes and owners of POSIX")
+def test_a_link_of_this_user_leads_to_a_closed_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = tmp_path / "disk"
+    (real / "kernels").mkdir(mode=0o755, parents=True)
+    (tmp_path / "link").symlink_to(real)
+    monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "link"))
+    assert cache_root() == tmp_path / "link"
+    assert (real / "kernels").stat().st_mode & 0o777 == 0o700
 
 
 def test_a_cache_whose_folders_others_may_rename_is_passed_over(
