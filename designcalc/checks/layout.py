@@ -55,6 +55,7 @@ def replaceable(r: DesignInputs) -> Check:
         at_least(play, 2 * fit, "m"),
         source=_SECTION + "; worst case of bore and case, both within X.XX",
         formula="bore - case >= 2 x tolerance: a stack slides out when it is defective",
+        note="the tip, bonded to all three piezos, is released by solvent first: last step of the assembly procedure",
         substituted=f"{show(r('holder.bore_diameter'), 'm')} - {show(r('piezo.diameter'), 'm')} = {show(play, 'm')}",
         proposal=f"a bore of {show(r('piezo.diameter') + 2 * fit, 'm')}",
         requirement="Section 2.2: modular",

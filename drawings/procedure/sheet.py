@@ -20,7 +20,8 @@ from stagecad.solids.assembly.bill_of_materials import Row
 
 NAME = "procedure"
 
-SCALES = (0.5, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05)
+SCALES = (0.5, 0.25, 0.2, 0.1, 0.05)
+"""Scales of the pictures that a title block states as a ratio of whole numbers."""
 SIZES: tuple[Paper, ...] = ("A2", "A1")
 SIDE, MARGIN, GUTTER = CENTRING + 2.0, 6.0, 8.0
 """Distance of the table from the sides of the frame, beyond the centring marks, from its top; of the columns, mm."""

@@ -32,6 +32,12 @@ class StepTemplate:
 
 
 _LOWERED = "Tip at its lowest. Lower the stage square onto the ways, pads on the running faces."
+_RELEASE = (
+    "Clamps open. Lift the actuator, holder with piezos and tip, out of its pocket by the lifting screws. Acetone into "
+    "the gaps around the three domes until the tip comes off by itself: do not pry or twist, the stacks bear no bending.",
+    "Loosen the soft-tipped screw of the piezo, draw the piezo out, put the new one in. Clean domes and seats, bond the "
+    "tip again, and repeat all steps of the actuator, from its pocket to the shift by clamping.",
+)
 _SLIDES = "It slides freely over the whole travel of {travel}."
 _STROKES = (
     "{run_in_cycles} strokes there and back over {travel} at up to {run_in_speed}: {run_in_distance}, {run_in_time}."
@@ -102,10 +108,11 @@ STEPS = (
     StepTemplate(
         "Bond the tip",
         ("tip",),
-        ("stiff adhesive", "flat plate"),
+        ("cyanoacrylate gel", "flat plate"),
         (
             "A drop of adhesive in each seat; set the tip on the piezos' domes ({piezo_spacing} apart), nose up, "
-            "and let it cure with the seats touching metal to metal.",
+            "and let it cure with the seats touching metal to metal. The adhesive carries tension only; it is soluble, "
+            "so that a piezo can be replaced.",
             "The apex is {tip_height} above the piezos' ends.",
         ),
     ),
@@ -230,6 +237,20 @@ STEPS = (
             _AFTER_RUN_IN,
         ),
         condition="film wears out",
+    ),
+    StepTemplate(
+        "Replace a piezo (service)",
+        (),
+        ("wooden wedges", "lifting screws {piezo_screw}", "acetone, syringe"),
+        ("Wedge the stage up evenly on all sides against the magnets ({magnet_pull}) and take it off.", *_RELEASE),
+        condition="teeth",
+    ),
+    StepTemplate(
+        "Replace a piezo (service)",
+        (),
+        ("lifting screws {piezo_screw}", "acetone, syringe"),
+        ("Take the stage off.", *_RELEASE),
+        condition="no teeth",
     ),
 )
 """All steps in the order of assembly."""

@@ -34,7 +34,7 @@ def accessories(design: Any) -> tuple[Accessory, ...]:
         Accessory("grease for the height pins", "lithium soap, NLGI 2", 1),
         Accessory("set screw, soft-tipped", "M4x0.7 x 8", 3 * fitted),
         Accessory("pair of leads", f"{design.piezo.highest_voltage:g} V, shielded", 3 * fitted),
-        Accessory("adhesive for the tip", "epoxy, filled, rigid", 1),
+        Accessory("adhesive for the tip", "cyanoacrylate gel, soluble in acetone", 1),
         Accessory("lifting screw of the holder", "M4x0.7 x 20", 3),
         Accessory("shim set", f"{1e3 * shim.thinnest:.3g} um to {1e3 * shim.thickest:.3g} um", 1),
         Accessory("PTFE film on the pads", f"{1e6 * design.bearing.film_thickness:g} um, by a coater", 1),

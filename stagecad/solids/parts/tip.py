@@ -6,7 +6,8 @@ bolt circle R = D / sqrt(3) around the apex's axis, so that equal strokes lift t
 
 Features and what each is for
 - Feet: round bosses over the piezos. Each has a shallow spot-faced seat, flat, on which the piezo's domed end rests
-  (a dome on a flat leaves the stack no bending), in a recess that centres the dome and holds the adhesive.
+  (a dome on a flat leaves the stack no bending), in a recess that centres the dome and holds the adhesive. The gap
+  around the dome stays open: solvent enters there and releases the tip when a piezo is replaced.
 - Arms: the shortest way from the feet to the hub; thin, since the tip's mass sets the actuator's first resonance.
 - Hub and cone: the cone on the hub's disc carries the drive force from the nose to the arms; fillets at the roots,
   where the cutter leaves them and where alternating stress would start a crack.

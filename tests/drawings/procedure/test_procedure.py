@@ -14,6 +14,7 @@ from drawings.procedure.steps import step_templates
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
+from stagecad.solids.assembly.accessories import accessories
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.modelling.registry import MADE, part_names
 
@@ -115,6 +116,21 @@ def test_the_height_is_set_before_clamping_and_checked_afterwards() -> None:
         "Check the shift by clamping",
     ]
     assert [title for title in titles if title in order] == order
+
+
+def test_the_bonded_tip_is_released_before_a_piezo_is_replaced() -> None:
+    """The tip is bonded to all three piezos: adhesive of the parts list, solvent that releases it, and order agree."""
+    (bond,) = (step for step in made().steps if "tip" in {use.part for use in step.parts})
+    (adhesive,) = (one for one in accessories(thesis()) if one.name == "adhesive for the tip")
+    assert bond.tools[0] in adhesive.specification and "soluble in acetone" in adhesive.specification
+    service = made().steps[-1]
+    assert service.title == "Replace a piezo (service)" and not service.parts
+    assert any("acetone" in tool for tool in service.tools)
+    text = " ".join(service.sentences)
+    order = [text.index(words) for words in ("take it off", "Clamps open", "Acetone", "draw the piezo out", "bond the")]
+    assert order == sorted(order)
+    plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None)).steps[-1]
+    assert plain.title == service.title and "Acetone" in " ".join(plain.sentences)
 
 
 def test_sentences_contain_no_literal_numbers() -> None:

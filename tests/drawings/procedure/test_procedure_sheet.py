@@ -122,9 +122,18 @@ def test_the_pictures_are_beside_the_table_and_have_a_balloon_for_every_part() -
         assert title_box(sheet.paper)[3] < box[1] < box[3] < y1
     assert boxes[0][1] > boxes[1][3]
     assert {mark.number for mark in sheet.annotations if isinstance(mark, Balloon)} == {row.item for row in listed}
-    # 2300 mm in all are to go into some 320: 1:10 it is, since 0.15 is too large.
+    # 2300 mm in all are to go into some 320: 1:10 it is, since 1:5 is too large.
     assert sheet.title.scale == "1:10"
     assert {view.scale for view in sheet.views} == {0.1}
+
+
+@pytest.mark.parametrize("size", [300.0, 500.0, 700.0, 1000.0, 3000.0])
+def test_the_scale_of_a_picture_is_stated_as_a_ratio(size: float) -> None:
+    """Not as a decimal number such as 0.300, which no rule of a drawing office knows."""
+    lines = (Segment((0.0, 0.0), (size, size)),)
+    views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
+    sheet = procedure_sheet(made(), TITLE, views, rows(thesis()))
+    assert re.fullmatch(r"1:\d+", sheet.title.scale)
 
 
 def test_a_table_of_two_columns_leaves_no_room_for_a_picture() -> None:
