@@ -34,9 +34,10 @@ class StepTemplate:
 _LOWERED = "Tip at its lowest. Lower the stage square onto the ways, pads on the running faces."
 _RELEASE = (
     "Clamps open. Lift the actuator, holder with piezos and tip, out of its pocket by the lifting screws. Acetone into "
-    "the gaps around the three domes until the tip comes off by itself: do not pry or twist, the stacks bear no bending.",
-    "Loosen the soft-tipped screw of the piezo, draw the piezo out, put the new one in. Clean domes and seats, bond the "
-    "tip again, and repeat all steps of the actuator, from its pocket to the shift by clamping.",
+    "the gaps around the three domes until the tip comes off by itself: no prying or twisting, the stacks bear no "
+    "bending.",
+    "Loosen the soft-tipped screw of the piezo, draw the piezo out, put the new one in. Clean domes and seats, bond "
+    "the tip again, and repeat all steps of the actuator, from its pocket to the shift by clamping.",
 )
 _SLIDES = "It slides freely over the whole travel of {travel}."
 _STROKES = (

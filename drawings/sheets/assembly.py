@@ -17,6 +17,7 @@ from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
+from drawings.views.segment_index import SegmentIndex, enlarged, line_meets_box
 from drawings.views.view import Box2, Curve, Point2, Segment, View
 from stagecad.solids.assembly.machine import CARRIED
 
@@ -26,10 +27,12 @@ if TYPE_CHECKING:
 
 SIZES: tuple[Paper, ...] = ("A1", "A0")
 """Sizes of the paper, the smallest on which the exploded view fits beside the other views."""
-COLUMNS = ((8.0, "item"), (8.0, "qty"), (50.0, "part"), (38.0, "number"), (58.0, "material"), (18.0, "mass"))
-"""Widths and headings of the parts list, mm."""
+HEADINGS: tuple[str, ...] = ("Item", "Qty", "Part", "Number", "Material", "Mass each")
+"""Of the columns of the parts list."""
 ROW = 6.5
 """Height of its rows, mm."""
+CELL = 3.0
+"""Distance of a text from both sides of its cell together, mm."""
 MARGIN = 24.0
 """Least distance around the top view and the section, mm."""
 
@@ -203,8 +206,49 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
     for column, x in ((chosen[:half], x0 - 3 * BALLOON), (chosen[half:], x1 + 3 * BALLOON)):
         ordered = sorted(column, key=lambda entry: view.to_paper(entry[2])[1])
         heights = spread([view.to_paper(at)[1] for _, _, at in ordered], 2.6 * BALLOON, y0, y1)
-        for (_, item, at), y in zip(ordered, heights):
+        order = uncrossed([view.to_paper(at) for _, _, at in ordered], [(x, y) for y in heights])
+        for place, y in zip(order, heights, strict=True):
+            _, item, at = ordered[place]
             yield Balloon(view.name, at, (x, y), item)
+
+
+def uncrossed(ends: Sequence[Point2], centres: Sequence[Point2]) -> list[int]:
+    """Which end each balloon of a column leads to, so that few leaders cross each other or another balloon.
+
+    Two balloons are exchanged as long as this reduces the number of conflicts, or the length of the leaders at an equal
+    number.
+
+    Args:
+        ends: of the leaders on the parts, in the order of their heights, mm on paper.
+        centres: of the balloons, in the same order.
+
+    Returns:
+        The index of the end for each balloon.
+    """
+    order = list(range(len(ends)))
+
+    def conflicts(i: int, j: int) -> int:
+        one, other = ((*centres[k], *ends[order[k]]) for k in (i, j))
+        boxes = [enlarged((*centres[k], *centres[k]), BALLOON) for k in (i, j)]
+        crossing = SegmentIndex([one]).count_crossing(other)
+        return crossing + line_meets_box(one, boxes[1]) + line_meets_box(other, boxes[0])
+
+    def cost(i: int, j: int) -> tuple[int, float]:
+        found = sum(conflicts(k, m) for k in (i, j) for m in range(len(order)) if m not in (i, j)) + conflicts(i, j)
+        return found, round(sum(math.dist(centres[k], ends[order[k]]) for k in (i, j)), 6)
+
+    improved = True
+    while improved:
+        improved = False
+        for i in range(len(order)):
+            for j in range(i):
+                before = cost(i, j)
+                order[i], order[j] = order[j], order[i]
+                if cost(i, j) < before:
+                    improved = True
+                else:
+                    order[i], order[j] = order[j], order[i]
+    return order
 
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
@@ -235,26 +279,38 @@ def spread(wanted: Sequence[float], apart: float, low: float, high: float) -> li
 def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = ()) -> Iterator[Primitive]:
     """The parts list above the title block, numbered from below (ISO 7573), accessories last."""
     x0, _, x1, y0 = title_box(paper)
-    cells = [["Item", "Qty", "Part", "Number", "Material", "Mass each"]]
+    cells = [list(HEADINGS)]
     for row in rows:
         mass = f"{row.mass:.2f} kg" if row.mass >= 1.0 else f"{1000 * row.mass:.3g} g"
         name = row.part.replace("_", " ")
         cells.append([str(row.item), str(row.quantity), name, row.part_number, row.material, mass])
     for item, other in enumerate(others, start=len(rows) + 1):
         cells.append([str(item), str(other.quantity), other.name, other.specification, "", ""])
+    widths = _column_widths(cells, x1 - x0)
     for index, texts in enumerate(cells):
         y = y0 + index * ROW
         yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
         left = x0
-        for number, ((width, _), text) in enumerate(zip(COLUMNS, texts)):
-            height = SMALL_HEIGHT if index == 0 else TEXT_HEIGHT * 0.8
+        for number, (width, text) in enumerate(zip(widths, texts)):
             # The specification of what has no material goes on into that column.
-            space = width if number + 1 < len(texts) and texts[number + 1] else sum(w for w, _ in COLUMNS[number:])
-            fitting = min(1.0, (space - 3.0) / max(1e-9, text_width(text, height)))
+            space = width if number + 1 < len(texts) and texts[number + 1] else sum(widths[number:])
+            fitting = min(1.0, (space - CELL) / max(1e-9, text_width(text, SMALL_HEIGHT)))
             if text:
-                yield Text(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
+                yield Text(text, (left + CELL / 2, y + (ROW - SMALL_HEIGHT) / 2), SMALL_HEIGHT * fitting)
                 yield Stroke(((left, y), (left, y + ROW)), "BORDER" if number else "FRAME")
             left += width
+
+
+def _column_widths(cells: Sequence[Sequence[str]], whole: float) -> list[float]:
+    """Widths of the columns in proportion to their longest texts, mm.
+
+    The specification of what has no material does not count: it goes on into the next columns.
+    """
+    needed = [
+        CELL + max(text_width(row[n], SMALL_HEIGHT) for row in cells if n + 1 == len(row) or row[n + 1])
+        for n in range(len(HEADINGS))
+    ]
+    return [width * whole / sum(needed) for width in needed]
 
 
 def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBlock:

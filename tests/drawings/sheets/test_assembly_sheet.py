@@ -16,17 +16,18 @@ import pytest
 
 from drawings.annotations.annotation import Balloon, LinearDimension, SectionMark
 from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.font import SMALL_HEIGHT
 from drawings.annotations.primitives import Text
 from drawings.artefacts.sheets import PICTURES, machine_size
 from drawings.export.lint import lint
 from drawings.pictures.machine import machine_picture
 from drawings.pictures.picture import Picture
 from drawings.pictures.scene import scene_of
-from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread
+from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread, uncrossed
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.views.bounding_box import view_box
-from drawings.views.segment_index import curve_points
+from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
 from drawings.views.view import Segment
 from stagecad.parameters.design import Design
 from stagecad.solids.assembly.assemble import assemble
@@ -91,6 +92,29 @@ def test_balloons_are_apart_and_within_the_frame(sheet: Sheet) -> None:
     for i, one in enumerate(centres):
         assert x0 + BALLOON < one[0] < x1 - BALLOON and y0 + BALLOON < one[1] < y1 - BALLOON
         assert all(math.dist(one, other) > 2 * BALLOON for other in centres[i + 1 :])
+
+
+def test_no_leader_of_a_balloon_crosses_another_or_a_balloon(sheet: Sheet) -> None:
+    placed = [(sheet.view(a.view).to_paper(a.at), a.centre) for a in sheet.annotations if isinstance(a, Balloon)]
+    for i, (end, centre) in enumerate(placed):
+        for other_end, other in placed[:i]:
+            assert not SegmentIndex([(*end, *centre)]).count_crossing((*other_end, *other))
+            assert not line_meets_box((*end, *centre), enlarged((*other, *other), BALLOON / 2))
+
+
+def test_balloons_whose_leaders_cross_are_exchanged() -> None:
+    """Three parts of equal height one behind the other, and one below: the nearest has the lowest balloon."""
+    ends = [(60.0, 0.0), (20.0, 50.0), (30.0, 50.0), (40.0, 50.0)]
+    centres = [(0.0, 0.0), (0.0, 50.0), (0.0, 63.0), (0.0, 76.0)]
+    assert uncrossed(ends, centres) == [0, 1, 2, 3]
+    assert uncrossed([ends[0], *reversed(ends[1:])], centres) == [0, 3, 2, 1]
+    assert uncrossed([], []) == []
+
+
+def test_the_texts_of_the_parts_list_are_legible(sheet: Sheet) -> None:
+    """The columns have widths that follow their contents: no text is reduced by more than a tenth."""
+    words = [ink for ink in sheet.tables if isinstance(ink, Text)]
+    assert min(ink.height for ink in words) > 0.9 * SMALL_HEIGHT
 
 
 def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: Machine) -> None:
