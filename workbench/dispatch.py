@@ -124,7 +124,10 @@ def run_line(arguments: Sequence[str]) -> int:
     except LostProcessError as error:
         sys.stderr.write(f"stagecad: {one_line(str(error))}; is there enough memory?\n")
         return 2
-    except MemoryError:
+    except (MemoryError, ImportError) as error:
+        # A library that finds no room for its code is an import that fails.
+        if isinstance(error, ImportError) and "failed to map segment" not in str(error):
+            raise
         sys.stderr.write("stagecad: there is not enough memory; give shorter records, or fewer of them\n")
         return 2
     except BrokenPipeError:

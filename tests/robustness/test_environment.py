@@ -7,9 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
+
+from sysid.experiment.experiment import load_experiment
+from tests.sysid.slide import SIGN, slide
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
 PROGRAM = f"{sys.executable} -m workbench.cli"
@@ -53,6 +57,27 @@ print(cache_root())
     assert list(tmp_path.iterdir()) == []
 
 
+def test_values_are_written_back_by_a_user_without_a_name(tmp_path: Path) -> None:
+    """A container may run a user id without an entry in the table of users, and without a home folder."""
+    slide(tmp_path / "rig", 1.3 * SIGN, '"coulomb"', held_out=True)
+    (tmp_path / "stage.toml").write_text(
+        'extends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
+    )
+    nobody = """
+import os, pwd, sys
+def unknown(number): raise KeyError(f"getpwuid(): uid not found: {number}")
+pwd.getpwuid = unknown
+for name in ("HOME", "USER", "LOGNAME", "XDG_CACHE_HOME", "XDG_STATE_HOME"):
+    os.environ.pop(name, None)
+from workbench.cli import run
+sys.exit(run(["add", "rig", "constant_bias", "--write-back", "friction.coulomb"]))
+"""
+    found = _shell(f"{sys.executable} - <<'END'\n{nobody}\nEND", tmp_path)
+    assert found.returncode == 0 and "Traceback" not in found.stderr, found.stderr
+    assert load_experiment(tmp_path / "rig").effects == ("coulomb", "constant_bias")
+    assert 'origin = "measured: rig, rung 001"' in (tmp_path / "stage.toml").read_text("utf-8")
+
+
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_is_read_only(tmp_path: Path) -> None:
     tmp_path.chmod(0o555)
@@ -83,6 +108,41 @@ def test_the_processes_that_make_parts_end_with_their_parent(tmp_path: Path, end
         while _alive(started.pid) and time.monotonic() < deadline:
             time.sleep(0.2)
         assert not _alive(started.pid)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wait", [0.0, 2.0, 5.0])
+def test_make_that_is_interrupted_says_so_in_a_word(tmp_path: Path, wait: float) -> None:
+    """Ctrl-C as a terminal sends it: to the program and to every process that it has started."""
+    started = subprocess.Popen(
+        [sys.executable, "-m", "workbench.cli", "make", "--no-simulations", "--out", str(tmp_path / "out")],
+        env={**os.environ, "PYTHONPATH": os.getcwd(), "STAGECAD_CACHE": str(tmp_path / "cache")},
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
+    )
+    deadline = time.monotonic() + 60.0
+    while not list((tmp_path / "cache").glob("entries/.making-*")):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    time.sleep(wait)
+    os.killpg(started.pid, signal.SIGINT)
+    said = started.communicate(timeout=60)[1]
+    assert started.returncode == 130 and said.endswith("stopped\n") and "Traceback" not in said
+    assert not _alive(started.pid)
+
+
+@pytest.mark.slow
+def test_the_assembly_of_two_clean_caches_is_the_same_to_the_byte(tmp_path: Path) -> None:
+    made = []
+    for name in ("one", "two"):
+        cache = str(tmp_path / f"cache {name}")
+        found = _shell(f"{PROGRAM} parts --out {name}", tmp_path, STAGECAD_CACHE=cache)
+        assert found.returncode == 0, found.stderr
+        made.append({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()})
+    assert "assembly.step" in made[0] and made[0] == made[1]
 
 
 def _alive(group: int) -> bool:

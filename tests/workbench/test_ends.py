@@ -18,6 +18,7 @@ from workbench.cli import run
     [
         (LostProcessError("'base': its process ended without a result, twice"), "'base': its process ended"),
         (MemoryError(), "there is not enough memory"),
+        (ImportError("lib.so: failed to map segment from shared object"), "there is not enough memory"),
         (TimeoutError("'base' took more than 120 s"), "'base' took more than 120 s"),
         (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), "no space is left to write to"),
         (OSError(errno.EFBIG, "File too large", "out\x1b/base.step"), r"out\x1b/base.step: File too large"),
@@ -37,3 +38,12 @@ def test_one_line(
         assert run(["parts"]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"stagecad: {line}") and said.count("\n") == 1 and said[:-1].isprintable()
+
+
+def test_a_library_that_is_missing_is_no_lack_of_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(run: object, wanted: object) -> None:
+        raise ImportError("No module named 'cadquery'")
+
+    monkeypatch.setattr(command, "write_parts", failing)
+    with pytest.raises(ImportError, match="cadquery"):
+        run(["parts"])

@@ -46,13 +46,18 @@ def test_a_value_beyond_its_range_is_refused_with_the_reason(override: str, said
     "override",
     [
         "magnet.thickness=0.5 mm",
+        "magnet.length=0.4 mm",
+        "magnet.height=0.05 mm",
         "magnet.height=0.55 mm",
         "tooth_iron.edge_chamfer=4 mm",
+        "tooth_iron.edge_chamfer=24.98 mm",
         "tooth_iron.corner_radius=60 mm",
         "tip.hub_diameter=120 mm",
+        "tip.hub_diameter=220 mm",
         "height_pin_2.crown_radius=6 mm",
         "height_pin_1.end_chamfer=5 mm",
         "sea.groove_depth=30 mm",
+        "holder.edge_chamfer=30 mm",
         "holder.index_depth=60 mm",
     ],
 )

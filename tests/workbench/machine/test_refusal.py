@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import pytest
 
@@ -57,3 +58,13 @@ def test_the_kernel_refuses_a_magnet_that_its_chamfers_consume(tmp_path) -> None
         build_part(ArtefactStore(tmp_path), "magnet", design)
     line = refusal_line(caught.value)
     assert line is not None and "magnet.edge_chamfer = 4 mm (packaged: 0.3 mm)" in line
+
+
+@pytest.mark.slow
+def test_what_no_rule_forbids_and_the_kernel_refuses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Slots of the clamps that cut the base in two."""
+    words = ["parts", "base", "--set", "base.clamp_reach=347.2 mm", "--out", str(tmp_path)]
+    assert run(words) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "'base' with base.clamp_reach = 347.2 mm (packaged: 69.5 mm)" in said
+    assert list(tmp_path.iterdir()) == []

@@ -251,6 +251,15 @@ def test_least_recently_used_artefacts_are_removed(store: ArtefactStore, monkeyp
     assert kept == [4, 5]
 
 
+def test_the_unfinished_folder_of_a_killed_run_is_removed_when_it_is_old(store: ArtefactStore) -> None:
+    store.make("part", Plan(), MODULES, Maker())
+    for name, age in ((".making-old", store_module.ABANDONED + 60.0), (".making-new", 60.0)):
+        (store.folder / "entries" / name).mkdir()
+        os.utime(store.folder / "entries" / name, (time.time() - age, time.time() - age))
+    store.make("another", Plan(), MODULES, Maker())
+    assert [path.name for path in (store.folder / "entries").glob(".*")] == [".making-new"]
+
+
 def test_two_runs_at_once_agree(tmp_path: Path) -> None:
     program = """
 import sys, time
