@@ -87,7 +87,8 @@ class ArtefactStore:
 
         Args:
             name: of the artefact.
-            design: the design itself (not a `TrackedDesign`).
+            design: the design; within the making of another artefact its `TrackedDesign`, so that the other depends
+                on what this one reads.
             modules: dotted names of the modules that make it; their imports within this project count as well.
             depends: keys of the artefacts it depends on.
         """

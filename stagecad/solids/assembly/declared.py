@@ -14,7 +14,8 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.mass_properties import MassProperties, combined
 from stagecad.solids.assembly.assemble import Instance, count
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.assembly.interference import CLASH, CONTACT, TOUCH, common_volume, near
+from stagecad.solids.assembly.interference import CLASH, CONTACT, TOUCH, near
+from stagecad.solids.assembly.pair_measurement import common_volume, relative_frame
 from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, scaled, transformed_box
 from stagecad.solids.modelling.mass import Geometry, mass_properties, placed
 from stagecad.solids.modelling.placed_shape import PlacedShape, colour_of
@@ -164,7 +165,7 @@ def overlaps_of(machine: DeclaredMachine) -> list[Overlap]:
     for one, two in combinations(machine.instances, 2):
         if not near(boxes[one.name], boxes[two.name], 1e-6):
             continue
-        volume = common_volume(one, two, shapes)
+        volume = common_volume(shapes[one.part], shapes[two.part], relative_frame(one.frame, two.frame))
         allowed = frozenset((one.part, two.part)) in machine.declaration.overlaps
         kind = CONTACT if volume <= TOUCH else OVERLAP if allowed else CLASH
         found.append(Overlap(one.name, two.name, kind, volume))

@@ -6,17 +6,14 @@ common volume, which must not exceed the ring between the two diameters. The tip
 sets its preload.
 """
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +21,8 @@ from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_error
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
-from stagecad.solids.modelling.frame import Box, Frame, Vector, dot, subtract, transformed_box
+from stagecad.solids.assembly.pair_measurement import common_volume, least_distance, relative_frame
+from stagecad.solids.modelling.frame import Box, Frame, transformed_box
 from stagecad.solids.modelling.registry import ASSEMBLY
 
 if TYPE_CHECKING:
@@ -136,39 +134,111 @@ class Interference:
         return self.kind == CLASH
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Two instances close to each other at one travel and height, and the frame of the second relative to the first."""
+
+    one: Instance
+    two: Instance
+    travel: float
+    height: float
+    frame: Frame
+
+    @property
+    def key(self) -> str:
+        """What the common volume depends on besides the parts."""
+        return repr((self.one.part, self.one.compression, self.two.part, self.two.compression, self.frame))
+
+    @property
+    def at_rest(self) -> bool:
+        return self.travel == self.height == 0.0
+
+
+@dataclass(frozen=True)
+class PairValues:
+    """Measured values of two kinds of part.
+
+    Attributes:
+        volumes: common volume by `_Place.key`, mm^3.
+        clearance: least distance at the first place at rest without a common volume, mm; None if not measured.
+    """
+
+    volumes: Mapping[str, float]
+    clearance: float | None
+
+
+Measure = Callable[[Sequence[_Place]], PairValues]
+
+
 def find_interferences(
     parts: Mapping[str, BuiltPart],
     design: Any,
     travels: Iterable[float] = TRAVEL_ENDS,
     heights: Iterable[float] = HEIGHT_ENDS,
+    measure: Measure | None = None,
 ) -> list[Interference]:
     """All pairs closer than `NEAR`, for every combination of travel and height.
 
-    Pairs with the same relative position in several combinations are intersected only once.
+    Args:
+        parts: the built parts by name.
+        design: the design.
+        travels, heights: positions of stage and height adjustment, -1 to 1.
+        measure: gives the values of two kinds of part at all places where they are close to each other; default:
+            measures them now. Places with the same relative position are measured only once.
     """
-    volumes: dict[tuple[Any, ...], float] = {}
-    measured: set[frozenset[str]] = set()
+    measure = measure or (lambda places: _measured(places, parts, design))
+    places = list(_close_places(parts, design, list(travels), list(heights)))
+    pairs: dict[frozenset[str], list[_Place]] = {}
+    for place in places:
+        pairs.setdefault(frozenset((place.one.part, place.two.part)), []).append(place)
+    values = {pair: measure(group) for pair, group in pairs.items()}
+    awaited = {pair for pair, found in values.items() if found.clearance is not None}
     found: list[Interference] = []
-    for travel in travels:
-        for height in heights:
-            instances = assemble(parts, design, travel, height)
-            shapes = shapes_of(instances, parts, design)
-            for one, two in combinations(instances, 2):
-                if not near(_box(one, parts), _box(two, parts), NEAR):
-                    continue
-                key = (one.shape, two.shape, _relative(one.frame, two.frame))
-                if key not in volumes:
-                    volumes[key] = common_volume(one, two, shapes)
-                volume = volumes[key]
-                pair = frozenset((one.part, two.part))
-                distance = 0.0 if volume > TOUCH else None
-                if travel == height == 0.0 and distance is None and pair in INTENDED and pair not in measured:
-                    measured.add(pair)
-                    distance = _distance(one, two, shapes)
-                kind = _kind(one.part, two.part, volume, distance, design)
-                if kind is not None:
-                    found.append(Interference(one.name, two.name, kind, travel, height, volume, distance))
+    for place in places:
+        pair = frozenset((place.one.part, place.two.part))
+        volume = values[pair].volumes[place.key]
+        distance = 0.0 if volume > TOUCH else None
+        if place.at_rest and distance is None and pair in awaited:
+            awaited.remove(pair)
+            distance = values[pair].clearance
+        kind = _kind(place.one.part, place.two.part, volume, distance, design)
+        if kind is not None:
+            found.append(
+                Interference(place.one.name, place.two.name, kind, place.travel, place.height, volume, distance)
+            )
     return found
+
+
+def _close_places(
+    parts: Mapping[str, BuiltPart], design: Any, travels: Sequence[float], heights: Sequence[float]
+) -> Iterator[_Place]:
+    """Pairs of instances whose bounding boxes are closer than `NEAR`."""
+    for travel, height in product(travels, heights):
+        instances = assemble(parts, design, travel, height)
+        boxes = [_box(instance, parts) for instance in instances]
+        for (one, box), (two, other) in combinations(zip(instances, boxes, strict=True), 2):
+            if near(box, other, NEAR):
+                yield _Place(one, two, travel, height, relative_frame(one.frame, two.frame))
+
+
+def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: Any) -> PairValues:
+    """Values of two kinds of part at all their places, measured now."""
+    shapes: dict[str, cq.Shape] = {}
+
+    def shape(instance: Instance) -> cq.Shape:
+        if instance.shape not in shapes:
+            shapes.update(shapes_of([instance], parts, design))
+        return shapes[instance.shape]
+
+    volumes: dict[str, float] = {}
+    for place in places:
+        if place.key not in volumes:
+            volumes[place.key] = common_volume(shape(place.one), shape(place.two), place.frame)
+    clearance = None
+    free = [place for place in places if place.at_rest and volumes[place.key] <= TOUCH]
+    if free and frozenset((free[0].one.part, free[0].two.part)) in INTENDED:
+        clearance = least_distance(shape(free[0].one), shape(free[0].two), free[0].frame, NEAR)
+    return PairValues(volumes, clearance)
 
 
 def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
@@ -183,13 +253,32 @@ def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], de
 
 
 def _compute(folder: Path, parts: Mapping[str, BuiltPart], design: Any, _: str = ASSEMBLY) -> Artefact:
+    store = ArtefactStore(folder)
+
     def make(tracked: Any, made: Path) -> None:
         with kernel_errors(ASSEMBLY, design):
-            found = [asdict(pair) for pair in find_interferences(parts, tracked)]
+            measure = partial(_stored_values, store, parts, tracked)
+            found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure)]
         (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
     depends = [part.entry.key for part in parts.values()]
-    return ArtefactStore(folder).make(NAME, design, (__name__,), make, depends)
+    return store.make(NAME, design, (__name__,), make, depends)
+
+
+def _stored_values(
+    store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any, places: Sequence[_Place]
+) -> PairValues:
+    """Values of two kinds of part, from the cache or measured now; they depend on the two and on their places."""
+
+    def make(tracked: Any, made: Path) -> None:
+        (made / "pair.json").write_text(json.dumps(asdict(_measured(places, parts, tracked)), indent=1), "utf-8")
+
+    pair = sorted({places[0].one.part, places[0].two.part})
+    # Each place once; those at rest in their order, since the first without a common volume is measured.
+    keys = [*dict.fromkeys(place.key for place in places), *(place.key for place in places if place.at_rest)]
+    depends = [*(parts[name].entry.key for name in pair), "\n".join(keys)]
+    entry = store.make(f"{NAME} of {' and '.join(pair)}", design, (__name__,), make, depends)
+    return PairValues(**entry.document("pair.json"))
 
 
 def clashes(found: Sequence[Interference]) -> list[Interference]:
@@ -220,34 +309,6 @@ def _value(design: Any, key: str) -> float:
     return value
 
 
-def common_volume(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float:
-    """Common volume of two instances, mm^3."""
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    common = BRepAlgoAPI_Common(_placed(one, shapes), _placed(two, shapes))
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(common.Shape(), properties)
-    return abs(properties.Mass())
-
-
-def _distance(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float | None:
-    """Least distance of two instances, mm; None if the kernel fails."""
-    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
-
-    distance = BRepExtrema_DistShapeShape(_placed(one, shapes), _placed(two, shapes))
-    return float(distance.Value()) if distance.IsDone() else None
-
-
-def _placed(instance: Instance, shapes: Mapping[str, cq.Shape]) -> Any:
-    from OCP.TopLoc import TopLoc_Location
-
-    from stagecad.solids.export.step_stl_glb import transformation
-
-    return shapes[instance.shape].wrapped.Moved(TopLoc_Location(transformation(instance.frame)))
-
-
 def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
     """Bounding box of an instance in the assembly, mm: that of the part's transformed box."""
     low, high = parts[instance.part].geometry.bounding_box
@@ -259,17 +320,3 @@ def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
 def near(one: Box, two: Box, gap: float) -> bool:
     """Whether two boxes are closer than a gap, mm, along every axis."""
     return all(one[0][axis] - gap <= two[1][axis] and two[0][axis] - gap <= one[1][axis] for axis in range(3))
-
-
-def _relative(one: Frame, two: Frame) -> tuple[float, ...]:
-    """Transformation from the first part to the second, rounded to the accuracy of the geometry."""
-    columns = [_triple(row[axis] for row in one.rotation) for axis in range(3)]
-    other = [_triple(row[axis] for row in two.rotation) for axis in range(3)]
-    apart = subtract(two.shift, one.shift)
-    turn = [round(dot(a, b), 9) + 0.0 for a in columns for b in other]
-    return (*turn, *(round(dot(a, apart), 7) + 0.0 for a in columns))
-
-
-def _triple(values: Iterable[float]) -> Vector:
-    a, b, c = values
-    return (a, b, c)
