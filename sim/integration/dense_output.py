@@ -6,7 +6,7 @@ valid up to the first of these events only, which is located on its dense output
 
 from __future__ import annotations
 
-from sim.integration.problem import inlined
+from sim.integration.problem import POSITION, VELOCITY, inlined
 from sim.integration.right_hand_side import drive_at
 
 HISTORY = 7
@@ -83,14 +83,14 @@ def spring_force(part, t, h, branch, problem, work):
         command = state_at(part, problem.layout.lag, work)
     else:
         command, _ = drive_at(t + part * h, problem.drive, branch.segment)
-    return command - problem.body.spring * state_at(part, 0, work)
+    return command - problem.body.spring * state_at(part, POSITION, work)
 
 
 @inlined
 def _leaves_branch(part, t, h, branch, margins, problem, work):
     """Whether the motion has reversed, or the backlash changed sides, at a part of the step."""
     still, slack = margins
-    if branch.direction * state_at(part, 1, work) < -still:
+    if branch.direction * state_at(part, VELOCITY, work) < -still:
         return True
     gap = problem.body.half_gap
     if gap == 0.0:
@@ -112,11 +112,11 @@ def _bulge(j, work):
 def _stays_on_branch(t, h, branch, problem, work):
     """Whether bounds of the dense output rule out a reversal and a change of sides of the backlash."""
     lag, gap = problem.layout.lag, problem.body.half_gap
-    if min(branch.direction * work.y[1], branch.direction * work.fresh[1]) <= _bulge(1, work):
+    if min(branch.direction * work.y[1], branch.direction * work.fresh[1]) <= _bulge(VELOCITY, work):
         return False
     if gap == 0.0:
         return True
-    bulge = problem.body.spring * _bulge(0, work)
+    bulge = problem.body.spring * _bulge(POSITION, work)
     if lag >= 0:
         bulge += _bulge(lag, work)
     elif problem.drive.amplitude != 0.0:

@@ -12,7 +12,7 @@ This module imports numba: import it only when something is integrated.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,18 +31,25 @@ from sim.integration.dense_output import (
 from sim.integration.problem import (
     AXIS_FIELDS,
     COLUMNS,
+    POSITION,
     SLOPES,
     SOURCES,
+    VELOCITY,
+    WITH_SLOPES,
     WORKS,
     Branch,
     Jacobian,
+    Output,
+    Problem,
     Terms,
+    Tolerance,
     Workspace,
     inlined,
 )
 from sim.integration.right_hand_side import drive_at, friction_terms, rates_of_change
 from sim.integration.rodas5p import STAGES, dense_coefficients, evaluate, squared_error, stages
-from sim.numerics.compilation import INLINED, compile_function
+from sim.numerics.compilation import INLINED
+from sim.numerics.views import Zeros, over_views
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 REPORT_HEAD = 4
@@ -95,7 +102,7 @@ def _start_step(t, segment, direction, margins, problem, work):
         direction = 1.0 if y[1] > 0.0 else -1.0
     branch, acting = Branch(direction, engaged, edge, segment), (0.0, 0.0)
     for turn in range(2):
-        friction_terms(t, y, branch.direction, delayed, 1, problem, work.terms)
+        friction_terms(t, y, branch.direction, delayed, WITH_SLOPES, problem, work.terms)
         acting = rates_of_change(t, y, branch, problem, work.terms, work.rates)
         if moves or turn == 1 or work.rates[1] * branch.direction >= 0.0:
             break
@@ -108,10 +115,10 @@ def _start_step(t, segment, direction, margins, problem, work):
 @inlined
 def _part_accepted(t, h, branch, margins, problem, work):
     """Part of the step within which its branch is valid."""
-    dense_coefficients(1, work)
+    dense_coefficients(VELOCITY, work)
     margins = (3.0 * margins[0], margins[1])
     if problem.body.half_gap > 0.0:
-        dense_coefficients(0, work)
+        dense_coefficients(POSITION, work)
         if problem.layout.lag >= 0:
             dense_coefficients(problem.layout.lag, work)
     return part_on_branch(t, h, branch, margins, problem, work)
@@ -183,7 +190,7 @@ def _finish_step(t, after, step, next_output, branch, problem, output, work):
     """Write the outputs up to `after`, and put the state there; returns the first output beyond, or -1 where the
     history of the speed is full."""
     due = next_output
-    while due < output.time.size and output.time[due] <= after:
+    while due < output.time.shape[0] and output.time[due] <= after:
         due += 1
     needed = 0
     if step.part < 1.0:
@@ -191,7 +198,7 @@ def _finish_step(t, after, step, next_output, branch, problem, output, work):
     elif due > next_output:
         needed = output.states.shape[0]
     for j in range(needed):
-        if j != 1:
+        if j != VELOCITY:
             dense_coefficients(j, work)
     _write_outputs(t, step.h, (next_output, due), branch, problem, output, work)
     if problem.body.friction_delay > 0.0 and not keep_velocity(t, step.h, work):
@@ -201,14 +208,14 @@ def _finish_step(t, after, step, next_output, branch, problem, output, work):
     return due
 
 
-def _steps(problem, tolerance, output, work):
-    """The integration, in arrays that are given: compiled without reference counting, which would cost more than the
-    arithmetic."""
-    rates = problem.drive.rates
-    t, end = output.time[0], output.time[output.time.size - 1]
+def _steps(memory):
+    """The integration, in arrays that are given."""
+    problem, tolerance, output, work = memory[0]
+    segments = problem.drive.rates.shape[0]
+    t, end = output.time[0], output.time[output.time.shape[0] - 1]
     # Of a type that does not change: a literal zero would compile what it is passed to once more.
     next_output, segment, steps, rejected, outcome = np.int64(0), np.int64(0), 0, 0, DONE
-    while segment + 1 < rates.size and problem.drive.knots[segment + 1] <= t:
+    while segment + 1 < segments and problem.drive.knots[segment + 1] <= t:
         segment += 1
     direction = 1.0 if work.y[1] >= 0.0 else -1.0
     margins = (1e-3 * tolerance.absolute[1], 1e-3 * tolerance.absolute[0] * problem.body.spring)
@@ -222,7 +229,7 @@ def _steps(problem, tolerance, output, work):
             outcome = TOO_MANY_STEPS
             break
         limit = end
-        if segment + 1 < rates.size and problem.drive.knots[segment + 1] < end:
+        if segment + 1 < segments and problem.drive.knots[segment + 1] < end:
             limit = problem.drive.knots[segment + 1]
         branch = _start_step(t, segment, direction, margins, problem, work)
         direction = branch.direction
@@ -247,48 +254,45 @@ def _steps(problem, tolerance, output, work):
         if step.rejected > 0:
             factor = min(factor, 1.0)
         h = min(longest, max(step.h * factor, step.next_h if factor >= 1.0 else 0.0))
-        if step.lands and segment + 1 < rates.size and problem.drive.knots[segment + 1] <= t:
+        if step.lands and segment + 1 < segments and problem.drive.knots[segment + 1] <= t:
             segment += 1
     output.report[0], output.report[1], output.report[2], output.report[3] = outcome, t, steps, rejected
     for j in range(problem.layout.size):
         output.report[REPORT_HEAD + j] = work.y[j]
 
 
-_compiled_steps = compile_function(_steps, SOURCES, **{**INLINED, "forceinline": False})
+_compiled_steps = over_views(_steps, SOURCES, INLINED["fastmath"])
 
 
-def _integrate(problem, start, tolerance, output):
+def integrate(problem: Problem, start: np.ndarray, tolerance: Tolerance, output: Output) -> None:
+    """Integrate from the first to the last instant of `output`; the report is [outcome, time, accepted steps, rejected
+    attempts, *state]."""
     size, m = problem.layout.size, max(problem.layout.size - 2, 1)
-    terms = Terms(np.zeros(AXIS_FIELDS), np.zeros(4 * COLUMNS), np.zeros((m, 8)), np.zeros(4), np.zeros((4, SLOPES)))
+    terms = Terms(Zeros((AXIS_FIELDS,)), Zeros((4 * COLUMNS,)), Zeros((m, 8)), Zeros((4,)), Zeros((4, SLOPES)))
     jacobian = Jacobian(
-        velocity_by_head=np.zeros(4),
-        element_by_self=np.zeros(m),
-        velocity_by_element=np.zeros(m),
-        element_by_head=np.zeros((m, 4)),
-        age=np.zeros(2),
-        work_by_head=np.zeros((WORKS, 4)),
-        work_by_element=np.zeros(m),
-        time=np.zeros(size),
-        inverse=np.zeros(m),
-        effective=np.zeros(4),
+        velocity_by_head=Zeros((4,)),
+        element_by_self=Zeros((m,)),
+        velocity_by_element=Zeros((m,)),
+        element_by_head=Zeros((m, 4)),
+        age=Zeros((2,)),
+        work_by_head=Zeros((WORKS, 4)),
+        work_by_element=Zeros((m,)),
+        time=Zeros((size,)),
+        inverse=Zeros((m,)),
+        effective=Zeros((4,)),
     )
     work = Workspace(
         y=start.copy(),
-        fresh=np.zeros(size),
-        rates=np.zeros(size),
-        point=np.zeros(size),
-        coupling=np.zeros(size),
-        increments=np.zeros((STAGES, size)),
-        dense=np.zeros((size, 3)),
-        history=np.empty((KEPT_STEPS if problem.body.friction_delay > 0.0 else 1, HISTORY)),
-        ring=np.zeros(2, np.int64),
+        fresh=Zeros((size,)),
+        rates=Zeros((size,)),
+        point=Zeros((size,)),
+        coupling=Zeros((size,)),
+        increments=Zeros((STAGES, size)),
+        dense=Zeros((size, 3)),
+        history=Zeros((KEPT_STEPS if problem.body.friction_delay > 0.0 else 1, HISTORY)),
+        ring=Zeros((2,), int),
         initial_speed=abs(start[1]),
         terms=terms,
         jacobian=jacobian,
     )
     _compiled_steps(problem, tolerance, output, work)
-
-
-integrate: Any = compile_function(_integrate, SOURCES, nogil=True)
-"""`integrate(problem, start, tolerance, output)`: integrate from the first to the last instant of `output`; the report
-is [outcome, time, accepted steps, rejected attempts, *state]."""

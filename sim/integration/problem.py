@@ -17,6 +17,7 @@ import numpy as np
 
 from sim.integration.kernel_source import QUANTITIES
 from sim.numerics.compilation import INLINED, compile_function
+from sim.numerics.views import Zeros
 
 SOURCES = [str(path) for path in sorted(Path(__file__).parent.glob("*.py"))]
 """Files that the compiled integrator depends on."""
@@ -27,6 +28,12 @@ COLUMNS = 1 + SLOPES
 AXIS_FIELDS = 10
 WORKS = 3
 """Integrated works: of the friction state model, of the other forces, of the drive."""
+
+# Not Python's integers: with each of those that a compiled function is called with, numba compiles it once more.
+POSITION, VELOCITY = np.int64(0), np.int64(1)
+"""Indices of the first states."""
+VALUES, WITH_SLOPES = np.int64(0), np.int64(1)
+"""Whether the laws are evaluated with their slopes."""
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -184,11 +191,11 @@ class Terms(NamedTuple):
         slope: of these four by `QUANTITIES`, at constant internal states, (4, 5).
     """
 
-    axis: np.ndarray
-    laws: np.ndarray
-    elements: np.ndarray
-    total: np.ndarray
-    slope: np.ndarray
+    axis: Zeros
+    laws: Zeros
+    elements: Zeros
+    total: Zeros
+    slope: Zeros
 
 
 class Jacobian(NamedTuple):
@@ -206,16 +213,16 @@ class Jacobian(NamedTuple):
         effective: velocity by head once the elements are eliminated, (4,).
     """
 
-    velocity_by_head: np.ndarray
-    element_by_self: np.ndarray
-    velocity_by_element: np.ndarray
-    element_by_head: np.ndarray
-    age: np.ndarray
-    work_by_head: np.ndarray
-    work_by_element: np.ndarray
-    time: np.ndarray
-    inverse: np.ndarray
-    effective: np.ndarray
+    velocity_by_head: Zeros
+    element_by_self: Zeros
+    velocity_by_element: Zeros
+    element_by_head: Zeros
+    age: Zeros
+    work_by_head: Zeros
+    work_by_element: Zeros
+    time: Zeros
+    inverse: Zeros
+    effective: Zeros
 
 
 class Workspace(NamedTuple):
@@ -233,14 +240,14 @@ class Workspace(NamedTuple):
     """
 
     y: np.ndarray
-    fresh: np.ndarray
-    rates: np.ndarray
-    point: np.ndarray
-    coupling: np.ndarray
-    increments: np.ndarray
-    dense: np.ndarray
-    history: np.ndarray
-    ring: np.ndarray
+    fresh: Zeros
+    rates: Zeros
+    point: Zeros
+    coupling: Zeros
+    increments: Zeros
+    dense: Zeros
+    history: Zeros
+    ring: Zeros
     initial_speed: float
     terms: Terms
     jacobian: Jacobian

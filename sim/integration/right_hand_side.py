@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sim.integration.kernel_calls import call_effect, call_elements
-from sim.integration.problem import COLUMNS, FORCE, FRICTION, SLOPES, inlined
+from sim.integration.problem import COLUMNS, FORCE, FRICTION, SLOPES, VALUES, inlined
 
 
 @inlined
@@ -37,7 +37,7 @@ def _add_slope_by_surroundings(row, problem, axis, laws):
     t, ahead = axis[0], 1e-4 * problem.laws.step
     level, factor, force = laws[0], laws[COLUMNS], laws[2 * COLUMNS]
     _set_surroundings(t + ahead, problem.laws, axis)
-    call_effect(row[0], axis, row[1], laws, False)
+    call_effect(row[0], axis, row[1], laws, VALUES)
     _set_surroundings(t, problem.laws, axis)
     laws[5] += (laws[0] - level) / ahead
     laws[COLUMNS + 5] += (laws[COLUMNS] - factor) / ahead

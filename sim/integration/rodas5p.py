@@ -18,7 +18,7 @@ import numpy as np
 
 from sim.integration.arrowhead import factorise, solve
 from sim.integration.dense_output import delayed_speed
-from sim.integration.problem import inlined
+from sim.integration.problem import VALUES, inlined
 from sim.integration.right_hand_side import friction_terms, rates_of_change
 
 STAGES = 8
@@ -164,7 +164,7 @@ def evaluate(t, y, branch, problem, work, f):
     delayed = (0.0, 0.0)
     if problem.body.friction_delay > 0.0:
         delayed = delayed_speed(t - problem.body.friction_delay, work)
-    friction_terms(t, y, branch.direction, delayed, 0, problem, work.terms)
+    friction_terms(t, y, branch.direction, delayed, VALUES, problem, work.terms)
     rates_of_change(t, y, branch, problem, work.terms, f)
 
 

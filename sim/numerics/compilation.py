@@ -116,11 +116,15 @@ def compile_function(function: Callable[..., Any], also: Iterable[str] = (), **o
     return made
 
 
-def compile_callback(function: Callable[..., Any], signature: Any, also: Iterable[str] = ()) -> Any:
-    """`function` compiled to a C callback (`.address`) with `signature`, cached on disk."""
+def compile_callback(function: Callable[..., Any], signature: Any, also: Iterable[str] = (), **options: Any) -> Any:
+    """`function` compiled to a C callback (`.address`) with `signature`, cached on disk; `options` are numba's.
+
+    It is recompiled as by `compile_function`.
+    """
     numba = _numba_parts()
-    with _caching_in(key_folder([function.__code__.co_filename, __file__, *also])):
-        return numba.cfunc(signature, cache=True, error_model="numpy", forceinline=True)(function)
+    chosen = {"cache": True, "error_model": "numpy", "forceinline": True, **options}
+    with _caching_in(key_folder([function.__code__.co_filename, __file__, *also, *_called(function)])):
+        return numba.cfunc(signature, **chosen)(function)
 
 
 @overload

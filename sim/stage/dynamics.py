@@ -30,6 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.numerics.compilation import INLINED, compile_function
+from sim.numerics.views import over_views
 from sim.stage import bending, slip_elements
 from sim.stage import state as state_module
 from sim.stage.state import Constants, State
@@ -81,7 +82,7 @@ def _stretch_piezo(c, voltage, play, creep, creep_step):
     """Free stretch of one stack at `voltage` from mid-stroke, m; updates its play operators, and its creep by
     `creep_step`, s."""
     u = voltage
-    for i in range(play.size):
+    for i in range(play.shape[0]):
         out = play[i]
         if voltage - out > c.thresholds[i]:
             out = voltage - c.thresholds[i]
@@ -91,7 +92,7 @@ def _stretch_piezo(c, voltage, play, creep, creep_step):
         u += c.strength * c.weights[i] * (out - voltage)
     u -= c.bias
     slow = 0.0
-    for i in range(creep.size):
+    for i in range(creep.shape[0]):
         if creep_step > 0.0:
             creep[i] += (u - creep[i]) * (1.0 - math.exp(-c.creep_rates[i] * creep_step))
         slow += c.creep_weights[i] * creep[i]
@@ -340,7 +341,8 @@ def _write_row(c, s, time, row, loads):
         row[at + 3], row[at + 4] = s.pad_totals[k, 0], s.pad_totals[k, 1]
 
 
-def _advance(c, s, commands, rows, stride, loads):
+def _advance(memory):
+    c, s, commands, rows, stride, loads = memory[0]
     h, half = c.step, 0.5 * c.step
     q, v, a = s.position, s.velocity, s.acceleration
     for n in range(commands.shape[0]):
@@ -369,7 +371,7 @@ def _advance(c, s, commands, rows, stride, loads):
     s.clock[0] += commands.shape[0] * h
 
 
-_compiled_advance: Any = compile_function(_advance, [state_module.__file__], _nrt=False)
+_compiled_advance = over_views(_advance, [state_module.__file__])
 
 
 def advance(constants: Constants, state: State, commands: np.ndarray, rows: np.ndarray, stride: int) -> None:

@@ -1,0 +1,212 @@
+"""Arrays of compiled functions by address and shape alone.
+
+numba represents an array by its owner, counts, shape and strides: a named tuple of 30 arrays is 250 numbers, which each
+function it is passed to receives, and most of the compile time is spent on them. A view is an address and a shape: of
+an array in C order of float64 or int64, whose owner is in Python. Its indices must not be negative. It has `shape`,
+and is indexed by integers, of which fewer than its dimensions give a view of the rest.
+
+Importing this module imports numba.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import operator
+import struct
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import lower_builtin, make_attribute_wrapper, models, register_model
+
+from sim.numerics.compilation import compile_callback
+
+
+class View(types.Type):
+    """Type of a view: `dtype` of its entries, `ndim` dimensions."""
+
+    def __init__(self, dtype: Any, ndim: int) -> None:
+        self.dtype, self.ndim = dtype, ndim
+        super().__init__(name=f"View({dtype}, {ndim})")
+
+
+@register_model(View)
+class _ViewModel(models.StructModel):
+    def __init__(self, manager: Any, kind: View) -> None:
+        members = [("data", types.CPointer(kind.dtype)), ("shape", types.UniTuple(types.int64, kind.ndim))]
+        super().__init__(manager, kind, members)
+
+
+make_attribute_wrapper(View, "shape", "shape")
+
+_infer_global: Any = infer_global
+
+
+def _indexed(view: Any, index: Any) -> tuple[Any, Any] | None:
+    """Types of the entry and of the index; None where this index is not for this view."""
+    if not isinstance(view, View):
+        return None
+    count = len(index) if isinstance(index, types.BaseTuple) else 1
+    if count > view.ndim or not isinstance(index, types.BaseTuple | types.Integer):
+        return None
+    entry = view.dtype if count == view.ndim else View(view.dtype, view.ndim - count)
+    return entry, types.UniTuple(types.int64, count) if isinstance(index, types.BaseTuple) else types.int64
+
+
+@_infer_global(operator.getitem)
+class _GetItem(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        found = _indexed(*args)
+        return None if found is None else signature(found[0], args[0], found[1])
+
+
+@_infer_global(operator.setitem)
+class _SetItem(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        found = _indexed(args[0], args[1])
+        if found is None or found[0] != args[0].dtype:
+            return None
+        return signature(types.none, args[0], found[1], args[0].dtype)
+
+
+def _entry(context: Any, builder: Any, kind: Any, view: Any, index: Any) -> tuple[Any, list[Any]]:
+    """Address of an entry, or of the first entry of a row; and the shape of the row."""
+    struct_of_view = cgutils.create_struct_proxy(kind)(context, builder, value=view)
+    shape = cgutils.unpack_tuple(builder, struct_of_view.shape)
+    indices = [index] if index.type == context.get_value_type(types.int64) else cgutils.unpack_tuple(builder, index)
+    place = indices[0]
+    for axis in range(1, kind.ndim):
+        place = builder.mul(place, shape[axis], flags=["nsw"])
+        if axis < len(indices):
+            place = builder.add(place, indices[axis], flags=["nsw"])
+    return builder.gep(struct_of_view.data, [place], inbounds=True), shape[len(indices) :]
+
+
+@lower_builtin(operator.getitem, View, types.Any)
+def _get(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    address, rest = _entry(context, builder, sig.args[0], *args)
+    if not rest:
+        return builder.load(address)
+    row = cgutils.create_struct_proxy(sig.return_type)(context, builder)
+    row.data, row.shape = address, cgutils.pack_array(builder, rest)
+    return row._getvalue()
+
+
+@lower_builtin(operator.setitem, View, types.Any, types.Any)
+def _set(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    address, _ = _entry(context, builder, sig.args[0], *args[:2])
+    builder.store(args[2], address)
+    return context.get_dummy_value()
+
+
+class Zeros(NamedTuple):
+    """An array of zeros that compiled code alone uses: those of one call are allocated together."""
+
+    shape: tuple[int, ...]
+    dtype: type = float
+
+
+_ADDRESS_CODE = {"d": "P", "l": "Q", "q": "Q"}
+"""Code of an address in a packed structure, by the type of the array's entries: tells float64 from int64."""
+
+
+class _Packed:
+    """Arguments as eight-byte words.
+
+    Args:
+        codes: of the words, for module `struct`.
+        words: numbers, addresses and lengths.
+        zeros: index of the address among the words, and offset, of each array of zeros.
+        length: of all these arrays together.
+    """
+
+    def __init__(self, arguments: Any) -> None:
+        self.codes: list[str] = []
+        self.words: list[Any] = []
+        self.zeros: list[tuple[int, int]] = []
+        self.length = 0
+        self._add(arguments)
+
+    def _add(self, value: Any) -> None:
+        if isinstance(value, float):
+            self.codes.append("d")
+            self.words.append(value)
+        elif isinstance(value, np.ndarray):
+            char = value.dtype.char
+            if char not in _ADDRESS_CODE or value.itemsize != 8 or not value.flags.c_contiguous:
+                raise TypeError(f"array of {value.dtype}, strides {value.strides}; must be float64 or int64 in C order")
+            self._add_array(char, value.ctypes.data, value.shape)
+        elif isinstance(value, Zeros):
+            self.zeros.append((len(self.words), self.length))
+            self.length += math.prod(value.shape)
+            self._add_array("d" if value.dtype is float else "q", 0, value.shape)
+        elif isinstance(value, tuple):
+            for part in value:
+                self._add(part)
+        elif isinstance(value, int | np.integer):
+            self.codes.append("q")
+            self.words.append(value)
+        else:
+            raise TypeError(f"{type(value).__name__}; must be a float, an integer, an array or a tuple of these")
+
+    def _add_array(self, char: str, address: int, shape: tuple[int, ...]) -> None:
+        self.codes += [_ADDRESS_CODE[char], *"q" * len(shape)]
+        self.words += [address, *shape]
+
+
+def _kind(value: Any) -> Any:
+    """numba's type of what `_Packed` has of a value."""
+    if isinstance(value, Zeros):
+        return View(types.float64 if value.dtype is float else types.int64, len(value.shape))
+    if isinstance(value, tuple):
+        parts = [_kind(part) for part in value]
+        return types.NamedTuple(parts, type(value)) if hasattr(value, "_fields") else types.Tuple(parts)
+    if isinstance(value, np.ndarray):
+        return View(types.float64 if value.dtype.char == "d" else types.int64, value.ndim)
+    return types.float64 if isinstance(value, float) else types.int64
+
+
+def over_views(
+    function: Callable[[Any], None], also: Iterable[str] = (), fastmath: Iterable[str] = ()
+) -> Callable[..., None]:
+    """Compile a function that receives its arguments in memory, the arrays among them as views, cached on disk.
+
+    Args:
+        function: of one argument `memory`, where `memory[0]` is the tuple of the arguments; it returns nothing.
+        also: further source files that it depends on.
+        fastmath: numba's.
+
+    Returns:
+        A function of these arguments: floats, integers, arrays in C order of float64 or int64, `Zeros`, (named) tuples
+        of these, the same ones in each call. It is compiled when it is first called with a combination of kinds and
+        numbers of dimensions. Other threads run meanwhile.
+
+    Raises:
+        TypeError: an argument of another kind.
+    """
+    ready: dict[str, tuple[Any, Any]] = {}
+
+    def call(*arguments: Any) -> None:
+        packed = _Packed(arguments)
+        zeros = np.zeros(packed.length)
+        begin = zeros.ctypes.data
+        for at, offset in packed.zeros:
+            packed.words[at] = begin + 8 * offset
+        form = "".join(packed.codes)
+        if form not in ready:
+            made = compile_callback(
+                function,
+                types.void(types.CPointer(_kind(arguments))),
+                [__file__, *also],
+                forceinline=False,
+                fastmath=set(fastmath),
+                _nrt=False,
+            )
+            ready[form] = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(made.address), made
+        ready[form][0](struct.pack("=" + form.replace("P", "Q"), *packed.words))
+
+    return call

@@ -1,0 +1,99 @@
+"""Arguments in memory: what a compiled function reads and writes is what Python's arrays hold."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from sim.numerics.views import Zeros, over_views
+
+
+class Inner(NamedTuple):
+    count: Any
+    vector: np.ndarray
+
+
+class Outer(NamedTuple):
+    factor: float
+    inner: Inner
+    matrix: np.ndarray
+    block: np.ndarray
+    places: np.ndarray
+
+
+def _work(memory):
+    outer, shift = memory[0]
+    vector, matrix, block, places = outer.inner.vector, outer.matrix, outer.block, outer.places
+    for i in range(outer.inner.count):
+        vector[i] = outer.factor * matrix[i, 1] + shift
+        row = block[i]
+        last = row[1]
+        last[2] += 10.0 * row[0, 1] + matrix[i][0]
+    for i in range(places.shape[0]):
+        places[i] = 100 * block.shape[0] + 10 * block.shape[1] + block.shape[2] + places[i]
+
+
+def _arguments():
+    random = np.random.default_rng(1)
+    outer = Outer(3.0, Inner(2, np.zeros(2)), random.random((2, 3)), random.random((2, 2, 4)), np.array([7, -8]))
+    return outer, 0.5
+
+
+def test_entries_rows_and_shapes_are_those_of_the_arrays():
+    compiled = over_views(_work)
+    outer, shift = _arguments()
+    block = outer.block.copy()
+    compiled(outer, shift)
+    assert outer.inner.vector == pytest.approx(3.0 * outer.matrix[:, 1] + 0.5, rel=1e-15)
+    block[:, 1, 2] += 10.0 * block[:, 0, 1] + outer.matrix[:, 0]
+    np.testing.assert_allclose(outer.block, block, rtol=1e-15)
+    assert outer.places.tolist() == [224 + 7, 224 - 8]
+
+
+def test_numbers_of_numpy_are_numbers_and_another_size_needs_no_other_kernel():
+    compiled = over_views(_work)
+    outer, shift = _arguments()
+    compiled(outer, shift)
+    longer = Outer(np.float64(2.0), Inner(np.int64(3), np.zeros(3)), np.ones((3, 2)), np.ones((3, 2, 3)), np.array([0]))
+    compiled(longer, 0.25)
+    assert longer.inner.vector.tolist() == [2.25, 2.25, 2.25]
+    assert longer.places.tolist() == [323]
+
+
+@pytest.mark.parametrize(
+    "wrong", [np.zeros(2, np.float32), np.zeros((3, 2)).T, np.zeros(2, bool), "text", None], ids=str
+)
+def test_what_compiled_code_would_misread_is_refused(wrong):
+    outer, shift = _arguments()
+    with pytest.raises(TypeError, match="must be"):
+        over_views(_work)(outer._replace(matrix=wrong), shift)
+
+
+class Spare(NamedTuple):
+    first: Zeros
+    second: Zeros
+    whole: Zeros
+
+
+def _fill(memory):
+    out, spare = memory[0]
+    for i in range(2):
+        out[0] += spare.first[i, 0] + spare.first[i, 1]
+        spare.first[i, 1] = 1.0
+    for i in range(3):
+        out[0] += spare.second[i]
+        spare.second[i] = 2.0
+    for i in range(4):
+        out[0] += spare.whole[i]
+        spare.whole[i] = 7 // 2
+    out[1] = spare.first[1, 1] + spare.second[0] + spare.second[2] + spare.whole[3]
+
+
+def test_arrays_of_zeros_are_zero_in_each_call_and_do_not_overlap():
+    compiled = over_views(_fill)
+    for _ in range(2):
+        out = np.zeros(2)
+        compiled(out, Spare(Zeros((2, 2)), Zeros((3,)), Zeros((4,), int)))
+        assert out.tolist() == [0.0, 8.0]
