@@ -5,8 +5,8 @@
 FOLDER holds one experiment per machine. The known answer of each machine is in the README of its folder; it is stated
 here in names of effects. `known` are the effects that must be named, in any order (`a|b`: either describes what is
 known), `also` those that are documented or equivalent and may be named; any other name is false. The loop adds what is
-named until it names nothing. A second count accepts a false first name where the program states that the records do not
-distinguish it from a true one (a tie of at most three names).
+named, and replaces what the program says to replace, until it names nothing. A second count accepts a false first name
+where the program states that the records do not distinguish it from a true one (a tie of at most three names).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ sys.path[:0] = [str(ROOT)]
 from benchmarks.hidden_effects import run_command  # noqa: E402
 from benchmarks.scoring import LARGEST_TIE, plain, said, same, worst_over_noise  # noqa: E402
 
-ROUNDS = 4
+ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -88,10 +88,13 @@ def follow(folder: Path) -> Followed:
                 document = run_command(["diagnose", str(work), "--no-figures", *place])
                 verdict, names = said(document)
                 rounds.append(f"{verdict} {_details(document)}")
-                if not names:
+                step = [document["effect"]] if names else _replacement(document)
+                if not step:
                     break
-                named.append(names)
-                run_command(["add", str(work), document["effect"], *place])
+                if not names:
+                    rounds.append(f"{step[0]} in place of {step[2]}")
+                named.append(names or [step[0]])
+                run_command(["add", str(work), *step, *place])
         except Exception as error:
             rounds.append(f"failed: {type(error).__name__}: {error}")
     wanted = [name.split("|") for name in known.known]
@@ -104,6 +107,12 @@ def follow(folder: Path) -> Followed:
         return found and all(any(same(name, k) for k in allowed for name in names) for names in first)
 
     return Followed(folder.name, tuple(rounds), right(1), right(LARGEST_TIE), time.perf_counter() - began)
+
+
+def _replacement(document: dict[str, Any]) -> list[str]:
+    """Arguments of `add` for the first replacement that a diagnosis recommends; empty for none."""
+    found = next((swap for swap in document["swaps"] if swap["effect"]), None)
+    return [] if found is None else [found["effect"], "--drop", found["instead_of"]]
 
 
 def _details(document: dict[str, Any]) -> str:

@@ -24,8 +24,8 @@ from sysid.estimation.screening import screen_and_refit
 from sysid.estimation.variant_selection import (
     fits_clearly_better,
     predicts_clearly_better,
+    reselectable_effects,
     select_variants,
-    selectable_effects,
     without_effect,
 )
 from sysid.experiment.experiment import DesignValues, Experiment
@@ -103,7 +103,7 @@ def add_effects(
     for name in effects:
         extended, fitted = _with_effect(extended, fitted, name)
     # A variant selected while an effect was missing may be the wrong one now.
-    free = _reselected_effects(problem, effects)
+    free = reselectable_effects(problem, effects)
     fitted, _ = select_variants(extended, fitted, free, partial(predicts_clearly_better, extended))
     after_fit = misfit(fitted.model, extended.fit_records)
     after_validate = misfit(fitted.model, extended.validate_records)
@@ -218,21 +218,6 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
         if fits_clearly_better(other.fitted, extended):
             extended = other.fitted
     return problem, fit_model(extended.model, problem.fit_records, iterations=40)
-
-
-def _reselected_effects(problem: Problem, added: Sequence[str]) -> tuple[str, ...]:
-    """Public names of the effects whose variant the program selects: those named without a variant in the file, in this
-    addition, or in the last revision."""
-    history = read_history(problem.experiment)
-    edited = not history or edited_by_hand(problem.experiment, history)
-    before = [] if edited else history[-1].document.get("open_laws", [])
-    named = [name for name in added if ":" not in name and "@" not in name]
-    effects = dict.fromkeys([*selectable_effects(problem), *before, *named])
-    return tuple(
-        name
-        for name in effects
-        if find(name, problem.custom).variants and find(name, problem.custom).friction_state is None
-    )
 
 
 def _with_quantisation(problem: Problem, name: str) -> tuple[Problem, FittedModel]:

@@ -36,7 +36,12 @@ from sysid.estimation.screening import (
     screen_candidate,
     search_lower_minimum,
 )
-from sysid.estimation.variant_selection import select_variants, with_bounds_of, without_public_effect
+from sysid.estimation.variant_selection import (
+    reselectable_effects,
+    select_variants,
+    with_bounds_of,
+    without_public_effect,
+)
 from sysid.prediction.model import Model, in_contact, public_name
 from sysid.prediction.problem import Problem
 
@@ -109,8 +114,7 @@ class ModelSearch:
         found.sort(key=lambda c: c.held_out.loss)
         if fitted is not base.fitted:
             found[:IN_FULL] = [self._refitted(c, problem, base) or c for c in found[:IN_FULL]]
-        found = self._with_lower_minima(found)
-        return sorted(self._with_reselected_variants(found), key=lambda c: c.held_out.loss)
+        return self._with_best_reselected(self._with_lower_minima(found))
 
     @cached_property
     def ranked(self) -> list[Candidate]:
@@ -170,8 +174,7 @@ class ModelSearch:
 
         fits = screening.fits[:ON_TOP]
         found = self._map(refit, fits, [*(fit.effect for fit in fits), *stated.model.effects])
-        found.sort(key=lambda c: c.held_out.loss)
-        return self._with_reselected_variants(found)
+        return self._with_best_reselected(found)
 
     def reshaped(self, option: Effect | None = None) -> list[Candidate]:
         """One effect added, and the shape of an effect of the model searched again at the same time, best first.
@@ -228,7 +231,7 @@ class ModelSearch:
 
         fits = fits[:REPLACEMENTS]
         found = self._map(refit, fits, [*(fit.effect for fit in fits), *below.fitted.model.effects])
-        return sorted(found, key=lambda c: c.held_out.loss)
+        return sorted((self._with_reselected_variants(c) for c in found), key=lambda c: c.held_out.loss)
 
     def _map(
         self, function: Callable[[Any], Candidate | None], items: Sequence[Any], identical: Sequence[object]
@@ -297,25 +300,38 @@ class ModelSearch:
                 found[k] = further
         return found
 
-    def _with_reselected_variants(self, found: list[Candidate]) -> list[Candidate]:
-        """The candidates, with the variants of the model selected again beside the best one: a variant that the program
-        selected while an effect was missing may be the wrong one."""
-        families = list(dict.fromkeys(public_name(name) for name in self.base.laws))
-        best = min(found, key=lambda c: c.held_out.loss, default=None)
-        whole = best is not None and best.fitted.fit.residual.size == self.base.fitted.fit.residual.size
-        if (
-            best is None
-            or not families
-            or not whole
-            or best.public_name in families
-            or best.held_out.loss <= NOISE_LOSS
-        ):
-            return found
-        fitted, _ = select_variants(self.problem, best.fitted, families)
-        other = self._evaluate(_refit_of(best, fitted)) if fitted is not best.fitted else None
-        if other is None or other.held_out.loss >= best.held_out.loss:
-            return found
-        return [other if candidate is best else candidate for candidate in found]
+    def _with_best_reselected(self, found: list[Candidate]) -> list[Candidate]:
+        """The candidates, lowest held-out loss first, the best one with the variants of the model selected again."""
+        found = sorted(found, key=lambda c: c.held_out.loss)
+        if found:
+            found[0] = self._with_reselected_variants(found[0])
+        return found
+
+    @cached_property
+    def _reselectable(self) -> tuple[str, ...]:
+        """Public names of the effects of the model whose variant the program selects."""
+        names = [public_name(name) for name in (*self.base.laws, *reselectable_effects(self.problem))]
+        present = {public_name(e.name) for e in self.base.fitted.model.effects}
+        return tuple(name for name in dict.fromkeys(names) if name in present)
+
+    def _with_reselected_variants(self, candidate: Candidate) -> Candidate:
+        """A candidate, with the variants of the model selected again beside it where that lowers its held-out loss: a
+        variant that was selected while an effect was missing, or a wrong one present, may be the wrong one."""
+        families = [n for n in self._reselectable if n not in (*candidate.families, candidate.removed)]
+        whole = candidate.fitted.fit.residual.size == self.base.fitted.fit.residual.size
+        if not families or not whole or candidate.held_out.loss <= NOISE_LOSS:
+            return candidate
+        fitted, _ = select_variants(self.problem, candidate.fitted, families)
+        if fitted is candidate.fitted:
+            return candidate
+        other = self.reference.evaluate(
+            fitted,
+            candidate.added,
+            candidate.removed,
+            candidate.predicted_reduction,
+            candidate.blocked_reduction,
+        )
+        return candidate if other is None or other.held_out.loss >= candidate.held_out.loss else other
 
     def _effects_of(self, pairs: Sequence[ScoredPair]) -> list[Effect]:
         return [part.known.effect for pair in pairs for part in pair.parts]

@@ -21,6 +21,7 @@ from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronise
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import residual_weights, weighted_residual
 from sysid.estimation.score_test import candidate_directions, profiled_residual, score_test
+from sysid.experiment.history import edited_by_hand, read_history
 from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, variant_group, with_effect
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import Problem
@@ -111,6 +112,21 @@ def selectable_effects(problem: Problem) -> tuple[str, ...]:
     given = {key.rpartition(".")[0] for key in problem.experiment.parameters}
     effects = [e for e in problem.start.effects if e.variants and e.name not in given]
     return tuple(e.name for e in effects if ":" not in e.name)
+
+
+def reselectable_effects(problem: Problem, added: Sequence[str] = ()) -> tuple[str, ...]:
+    """Public names of the effects whose variant the program selects again when the model changes: those named without a
+    variant in the file, in the last revision, or among the effects `added` now. Friction state models are left out."""
+    history = read_history(problem.experiment)
+    edited = not history or edited_by_hand(problem.experiment, history)
+    before = [] if edited else history[-1].document.get("open_laws", [])
+    named = [name for name in added if ":" not in name and "@" not in name]
+    effects = dict.fromkeys([*selectable_effects(problem), *before, *named])
+    return tuple(
+        name
+        for name in effects
+        if find(name, problem.custom).variants and find(name, problem.custom).friction_state is None
+    )
 
 
 def select_variants(

@@ -61,12 +61,12 @@ def is_observable(problem: Problem, effect: Effect) -> bool:
 
 
 def _varies(records: Sequence[object], name: str) -> bool:
-    for record in records:
-        if isinstance(record, ForceBalanceRecord):
-            values = getattr(record.axis, name)
-            if np.ptp(values) > 1e-9 * max(1.0, float(np.max(np.abs(values)))):
-                return True
-    return False
+    """Whether a recorded load or temperature varies, within a record or from one to the next."""
+    values = [getattr(record.axis, name) for record in records if isinstance(record, ForceBalanceRecord)]
+    if not values:
+        return False
+    low, high = min(float(np.min(v)) for v in values), max(float(np.max(v)) for v in values)
+    return high - low > 1e-9 * max(1.0, high)
 
 
 def on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
