@@ -75,8 +75,8 @@ def test_effect_with_priors_on_all_its_values_is_not_removed(tmp_path: Path, sta
 
 
 def _loaded_cylinder(folder: Path) -> Path:
-    """Slow strokes and fast returns at four constant loads: friction grows with a power of the load and is larger in the
-    direction of the strokes."""
+    """Slow strokes and fast returns at four constant loads: friction grows with a power of the load and is larger along
+    the strokes."""
     folder.mkdir()
     records = []
     for seed, load in enumerate((50.0, 150.0, 250.0, 350.0)):
