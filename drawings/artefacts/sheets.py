@@ -11,9 +11,11 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drawings.artefacts.machine_pictures import stored_picture
 from stagecad.parameters.mass_properties import combined
 from stagecad.parameters.tables.machine import schema
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part
@@ -136,7 +138,8 @@ def build_sheets(
     def make(tracked: Any, folder: Path) -> None:
         problems: list[str] = []
         if subject in PICTURES:
-            sheets: Sequence[Sheet] = [_machine_sheet(subject, parts, tracked, values, exact=exact)]
+            shown = partial(_pictures, store, subject, parts, tracked, exact=exact)
+            sheets: Sequence[Sheet] = [_machine_sheet(subject, parts, tracked, values, shown)]
         else:
             sheets, problems = _part_sheets(parts[subject], tracked, folder, exact=exact)
         documents = [write_sheet(sheet, folder) for sheet in sheets]
@@ -235,10 +238,28 @@ def parameters_of(reads: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(name for name in reads if name in schema()))
 
 
+def _pictures(
+    store: ArtefactStore,
+    subject: str,
+    parts: Mapping[str, BuiltPart],
+    design: Any,
+    instances: Sequence[Instance],
+    *,
+    exact: bool,
+) -> dict[str, Picture]:
+    """The pictures on a sheet of the machine, by name; without one that has nothing to show."""
+    pictures = {name: stored_picture(store, name, instances, parts, design, exact=exact) for name in PICTURES[subject]}
+    return {name: picture for name, picture in pictures.items() if picture is not None}
+
+
 def _machine_sheet(
-    subject: str, parts: dict[str, BuiltPart], design: Any, values: ProcedureValues | None, *, exact: bool
+    subject: str,
+    parts: dict[str, BuiltPart],
+    design: Any,
+    values: ProcedureValues | None,
+    shown: Callable[[Sequence[Instance]], dict[str, Picture]],
 ) -> Sheet:
-    """The sheet of the assembly or of its procedure.
+    """The sheet of the assembly or of its procedure, with the pictures that `shown` gives of its instances.
 
     Raises:
         ValueError: the procedure without its calculated values.
@@ -249,27 +270,13 @@ def _machine_sheet(
 
     instances = assemble(parts, design)
     machine = _assembled(instances, parts, design)
-    pictures = _pictures(subject, instances, parts, design, exact=exact)
+    pictures = shown(instances)
     if subject == ASSEMBLY:
         return assembly_sheet(machine, design, pictures)
     if values is None:
         raise ValueError("the procedure needs its calculated values")
     steps = procedure(design, machine.rows, values)
     return procedure_sheet(steps, title_of(machine, design, PROCEDURE), tuple(pictures.values()), machine.rows)
-
-
-def _pictures(
-    subject: str, instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any, *, exact: bool
-) -> dict[str, Picture]:
-    """The pictures on a sheet of the machine, by name; without one that has nothing to show."""
-    from drawings.pictures.machine import machine_picture
-    from drawings.pictures.scene import scene_of
-    from stagecad.solids.assembly.built_assembly import shapes_of
-
-    shapes = {name: solid.wrapped for name, solid in shapes_of(instances, parts, design).items()}
-    scene = scene_of(shapes, {name: part.mesh for name, part in parts.items()})
-    pictures = {name: machine_picture(name, instances, scene, exact=exact) for name in PICTURES[subject]}
-    return {name: picture for name, picture in pictures.items() if picture is not None}
 
 
 def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> AssemblyDescription:

@@ -49,11 +49,11 @@ def build_all_sheets(
         if sheets is not None:
             found[subject] = sheets
             advance(subject)
-    missing = _slowest_first(subject for subject in wanted if subject not in found)
+    missing = slowest_first(subject for subject in wanted if subject not in found)
     if missing:
         before: tuple[str, ...] = ()
         if any(subject in PICTURES for subject in missing):
-            parts = _slowest_first(name for name in part_names(design) if find_part(store, name, design) is None)
+            parts = slowest_first(name for name in part_names(design) if find_part(store, name, design) is None)
             before = tuple(f"{BUILD}{name}" for name in parts)
 
         def report(task: str) -> None:
@@ -77,7 +77,7 @@ def build_all_sheets(
     return {subject: found[subject] for subject in wanted}
 
 
-def _slowest_first(names: Iterable[str]) -> Sequence[str]:
+def slowest_first(names: Iterable[str]) -> Sequence[str]:
     return sorted(names, key=lambda name: SLOWEST_FIRST.index(name) if name in SLOWEST_FIRST else len(SLOWEST_FIRST))
 
 

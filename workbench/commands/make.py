@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from stagecad.parameters.atomic import atomic_write_text
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
     from stagecad.solids.assembly.machine import Machine
-
-SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
-STAMP = "made_from_{name}.json"
 
 
 @click.command("make")
@@ -43,7 +38,8 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     from workbench.commands.parts import write_parts
     from workbench.machine.artefacts import built_machine, stored_values, with_repair
     from workbench.machine.declared_machine import declared_machine
-    from workbench.machine.margin_studies import evaluated_checks
+    from workbench.machine.design_source import source_of
+    from workbench.making.stored_results import stored_checks
     from workbench.report.checks import write_check_files
     from workbench.report.machine import MachineResults, write_report
 
@@ -53,9 +49,10 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     design = run.design
     if trust:
         trust_own_checks(run)
+    store = ArtefactStore()
+    _fill(run, store, simulations)
     document = write_parts(run, chosen((), design))
     run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
-    store = ArtefactStore()
     machine = built_machine(run, store)
     pictures = with_repair(run, store, lambda: _pictures(run, store, machine))
     with run.busy("interference"):
@@ -66,11 +63,11 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
     run.echo(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
-    checks = evaluated_checks(run, masses)
+    checks = stored_checks(store, source_of(run), design, masses)
     run.echo(f"checks: {counted(checks)}")
     check_figures = with_repair(run, store, lambda: _check_figures(run, store, masses))
     write_check_files(checks, design, masses, run.out / "checks", check_figures)
-    figures = _simulate(run) if simulations else []
+    figures = with_repair(run, store, lambda: _simulations(run, store)) if simulations else []
     bill = machine.bill_of_materials
     steps = procedure(design, bill, stored_values(store, design, masses))
     results = MachineResults(
@@ -111,85 +108,53 @@ def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Pat
     return {Path(name).stem: run.out / "pictures" / name for name in files}
 
 
-def _made_files(folder: Path, name: str, inputs: str) -> list[Path]:
-    """The files of an experiment that `folder` has from the same inputs; none if one of them is missing."""
-    stamp = folder / STAMP.format(name=name)
-    if not stamp.is_file():
-        return []
-    made = json.loads(stamp.read_text("utf-8"))
-    files = [folder / file for file in made.get("files", ())]
-    return files if made.get("inputs") == inputs and all(file.is_file() for file in files) else []
-
-
-def _hash(inputs: object) -> str:
-    return hashlib.sha256(json.dumps(inputs, sort_keys=True, default=str).encode()).hexdigest()
-
-
-def _stamp(folder: Path, name: str, inputs: str, files: list[Path]) -> None:
-    names = [file.name for file in files]
-    text = json.dumps({"inputs": inputs, "files": names}, indent=1) + "\n"
-    atomic_write_text(folder / STAMP.format(name=name), text)
-
-
-def _source_of(*packages: str) -> str:
-    """Hash of the source of packages, on which their results depend."""
-    from importlib.util import find_spec
-
-    digest = hashlib.sha256()
-    for package in packages:
-        spec = find_spec(package)
-        assert spec is not None and spec.submodule_search_locations is not None
-        for place in spec.submodule_search_locations:
-            for file in sorted(Path(place).rglob("*.py")):
-                digest.update(file.read_bytes())
-    return digest.hexdigest()
-
-
 def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[str, Path]:
-    """The figures of the checks by title; each is drawn again only if a value that it reads has changed."""
-    from stagecad.solids.artefacts.outputs import write_stored
-    from workbench.report.check_figures import FIGURES
+    """The figures of the checks by title."""
+    from workbench.making.stored_results import check_figure, figures_of
 
-    folder = run.out / "checks"
-    files: dict[str, Path] = {}
-    entries: dict[str, Artefact] = {}
-    for title, (name, draw) in FIGURES.items():
-        if title == "map of the magnetic teeth" and not run.design.teeth.fitted:
-            continue
-
-        def make(tracked: Any, target: Path, name: str = name, draw: Any = draw) -> None:
-            draw(tracked, masses, target / f"{name}.png")
-
-        depends = (repr((masses.moving, masses.tip)),)
-        entry = store.make(f"figure {name}", run.design, ("workbench.report.check_figures", __name__), make, depends)
-        entries[f"{name}.png"] = entry
-        files[title] = folder / f"{name}.png"
-    write_stored(folder, entries)
-    return files
+    entries = {title: check_figure(store, run.design, masses, title) for title in figures_of(run.design)}
+    return {title: path for title, entry in entries.items() for path in _write(run.out / "checks", [entry])[0]}
 
 
-def _simulate(run: Run) -> list[Path]:
-    """Data and figures of the thesis's experiments, each made again if its inputs have changed; the figures, as PNG."""
-    from dataclasses import asdict
+def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
+    """Data and figures of the thesis's experiments; the figures, as PNG."""
+    from workbench.making.stored_results import SIMULATED, simulation
 
-    from workbench.commands.simulate import simulate_into
-    from workbench.simulation.experiments import friction_of, moving_mass, tip_dimensions
-
-    folder = run.out / "simulate"
-    source = _source_of("sim")
-    friction = [asdict(friction_of(run.design)), moving_mass(run.design, None)]
-    files: list[Path] = []
-    written = 0
     with run.progress() as progress:
         task = progress.add_task("simulations", total=len(SIMULATED))
+        entries = []
         for name in SIMULATED:
-            inputs = _hash([name, source, tip_dimensions(run.design) if name == "tip" else friction])
-            found = _made_files(folder, name, inputs)
-            if not found:
-                found = simulate_into(run, folder, (name,))
-                _stamp(folder, name, inputs, found)
-                written += len(found)
-            files += found
+            entries.append(simulation(store, run.design, name))
             progress.update(task, advance=1, description=name)
+    files, written = _write(run.out / "simulate", entries)
     run.echo(f"simulations: {written} files written" if written else "simulations: unchanged")
     return [file for file in files if file.suffix == ".png"]
+
+
+def _write(folder: Path, entries: Iterable[Artefact]) -> tuple[list[Path], int]:
+    """Copy the files of artefacts into a folder; their paths, and the number of those written."""
+    from stagecad.solids.artefacts.outputs import write_stored
+
+    files = {name: entry for entry in entries for name in entry.hashes}
+    return [folder / name for name in files], len(write_stored(folder, files))
+
+
+def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
+    """Make what the store lacks, side by side.
+
+    The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
+    """
+    from workbench.commands.drawings import with_sheet_overrides
+    from workbench.machine.design_source import source_of
+    from workbench.making.pool import absent, is_long, make_absent
+    from workbench.making.tasks import Making
+
+    making = Making(store.folder, run.design, with_sheet_overrides(run), source_of(run), simulations)
+    tasks = absent(making)
+    if not any(is_long(task) for task in tasks):
+        return
+    with run.progress() as progress:
+        if not progress.disable:
+            run.note("Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
+        task = progress.add_task("results", total=len(tasks))
+        make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name))

@@ -309,20 +309,3 @@ def _monte_carlo(run: Run, options: Options, selection: Selection, output: Outpu
     print_monte_carlo(run, study)
     run.echo(f"{len(output.written)} files in {output.folder}")
     run.emit(study.as_json(options.seed))
-
-
-def simulate_into(
-    run: Run, folder: Path, names: Sequence[str], advance: Callable[[str], None] = lambda name: None
-) -> list[Path]:
-    """Run the named experiments at the design's own values, all models; data and figures go to `folder`.
-
-    `advance` is called with each name once it is finished. Returns the files written.
-    """
-    from sim.experiments.friction_models import MODELS
-
-    output = Output(folder, ("csv",), figures=True)
-    mass = moving_mass(run.design, None)
-    for name in names:
-        _experiment(run, name, tuple(MODELS), mass, output, lambda: None)
-        advance(name)
-    return output.written

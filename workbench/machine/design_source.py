@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,6 +38,13 @@ class DesignSource:
         if self.text is None:
             return load_design(None, overrides, rules=rules)
         return design_from_text(self.text, self.name, overrides, rules=rules, folder=self.folder)
+
+    def contents(self) -> str:
+        """Hash of the text, of the project's tables of hardware, and of the overrides."""
+        from stagecad.parameters.file import parse_parameter_text
+
+        tables = () if self.text is None else parse_parameter_text(self.text, self.name, self.folder).tables
+        return hashlib.sha256(repr((self.text, tables, self.overrides)).encode()).hexdigest()
 
 
 def source_of(run: Run) -> DesignSource:

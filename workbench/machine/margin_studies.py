@@ -25,13 +25,17 @@ if TYPE_CHECKING:
 
 def evaluated_checks(run: Run, masses: BodyMasses | None) -> list[Check]:
     """Every check of the design, the changes that the failed ones propose evaluated."""
+    return evaluated(source_of(run), run.design, masses)
+
+
+def evaluated(source: DesignSource, design: Design, masses: BodyMasses | None) -> list[Check]:
+    """As `evaluated_checks`, of the design that `source` gives."""
     from designcalc.checks import run_checks
     from designcalc.checks.analysis.proposals import evaluate_proposals
 
-    source = source_of(run)
     register(source.own)
     load = partial(source.design, rules=False)
-    return evaluate_proposals(run_checks(run.design, masses), run.design, masses, load)
+    return evaluate_proposals(run_checks(design, masses), design, masses, load)
 
 
 def swept_point(source: DesignSource, swept: Range, base: Design, solids: bool, value: float) -> Point:

@@ -12,6 +12,7 @@ from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from workbench.report.checks import check_rows
 from workbench.report.html import data_url, embedded, link, render
+from workbench.report.reduced_sheet import SMALL, reduced_sheet
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
@@ -124,20 +125,12 @@ def _sheets(drawings: Mapping[str, Any], page: Path, run: Run) -> list[dict[str,
     return shown
 
 
-def _reduced(path: Path, run: Run, width: int = 900) -> str:
-    """A sheet's picture, small enough for an overview; it is kept, since making it takes longer than the check."""
+def _reduced(path: Path, run: Run) -> str:
+    """A sheet's picture, small enough for an overview."""
     from stagecad.solids.artefacts.store import ArtefactStore, sha256
 
-    def make(tracked: Any, folder: Path) -> None:
-        from PIL import Image
-
-        with Image.open(path) as picture:
-            small = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
-        small.quantize(16).save(folder / "small.png", optimize=True)
-
-    depends = (sha256(path.read_bytes()), str(width))
-    entry = ArtefactStore().make("reduced sheet", run.design, (), make, depends)
-    return data_url(entry.data("small.png"))
+    entry = reduced_sheet(ArtefactStore(), run.design, path, sha256(path.read_bytes()))
+    return data_url(entry.data(SMALL))
 
 
 def _mass(kilograms: float) -> str:

@@ -56,6 +56,11 @@ class Artefact:
     reads: tuple[str, ...]
     """The access paths of the parameters that it depends on, as text."""
 
+    @property
+    def content(self) -> str:
+        """Hash of all its files: equal for artefacts of equal contents, whatever parameters they were made from."""
+        return sha256(json.dumps(sorted(self.hashes.items())).encode())
+
     def path(self, name: str) -> Path:
         return self.folder / name
 

@@ -83,7 +83,7 @@ def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design:
 
 
 def _keys(parts: Mapping[str, BuiltPart]) -> list[str]:
-    return [part.entry.key for part in parts.values()]
+    return [part.entry.content for part in parts.values()]
 
 
 def placed_shapes(

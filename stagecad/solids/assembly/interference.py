@@ -243,17 +243,20 @@ def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: 
 
 def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
     """All interference pairs at the ends and middles, from the cache or computed now, in another process."""
-    depends = [part.entry.key for part in parts.values()]
-    if store.find(NAME, design, (__name__,), depends) is None:
+    if store.find(NAME, design, (__name__,), _contents(parts)) is None:
         # Without the loaded solids and meshes, which do not pickle.
         stored = {name: BuiltPart(name, part.entry) for name, part in parts.items()}
         in_processes(partial(_compute, store.folder, stored, design), [ASSEMBLY], design)
-    entry = _compute(store.folder, parts, design)
+    entry = stored_interferences(store, parts, design)
     return [Interference(**document) for document in entry.document("interferences.json")]
 
 
-def _compute(folder: Path, parts: Mapping[str, BuiltPart], design: Any, _: str = ASSEMBLY) -> Artefact:
-    store = ArtefactStore(folder)
+def _compute(folder: Path, parts: Mapping[str, BuiltPart], design: Any, _: str) -> None:
+    stored_interferences(ArtefactStore(folder), parts, design)
+
+
+def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> Artefact:
+    """The interference pairs as an artefact, from the cache or computed in this process."""
 
     def make(tracked: Any, made: Path) -> None:
         with kernel_errors(ASSEMBLY, design):
@@ -261,8 +264,11 @@ def _compute(folder: Path, parts: Mapping[str, BuiltPart], design: Any, _: str =
             found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure)]
         (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
-    depends = [part.entry.key for part in parts.values()]
-    return store.make(NAME, design, (__name__,), make, depends)
+    return store.make(NAME, design, (__name__,), make, _contents(parts))
+
+
+def _contents(parts: Mapping[str, BuiltPart]) -> list[str]:
+    return [part.entry.content for part in parts.values()]
 
 
 def _stored_values(
@@ -276,7 +282,7 @@ def _stored_values(
     pair = sorted({places[0].one.part, places[0].two.part})
     # Each place once; those at rest in their order, since the first without a common volume is measured.
     keys = [*dict.fromkeys(place.key for place in places), *(place.key for place in places if place.at_rest)]
-    depends = [*(parts[name].entry.key for name in pair), "\n".join(keys)]
+    depends = [*(parts[name].entry.content for name in pair), "\n".join(keys)]
     entry = store.make(f"{NAME} of {' and '.join(pair)}", design, (__name__,), make, depends)
     return PairValues(**entry.document("pair.json"))
 

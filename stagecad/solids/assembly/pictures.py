@@ -38,16 +38,18 @@ def build_pictures(
     """
     found: dict[str, Artefact] = {}
     for part in machine.parts.values():
-        entry = _part_pictures(store, part, machine.design)
+        entry = part_pictures(store, part, machine.design)
         found.update(dict.fromkeys(entry.hashes, entry))
         advance(f"{part.name}.png")
-    entry = _assembly_pictures(store, machine)
+    entry = assembly_pictures(store, machine)
     found.update(dict.fromkeys(entry.hashes, entry))
     advance(f"{ASSEMBLY}.png")
     return found
 
 
-def _part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefact:
+def part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefact:
+    """Picture of a part, and that from below of some, from the cache or rendered now."""
+
     def make(_: Any, folder: Path) -> None:
         shapes = [PlacedShape(part.name, part.name, part.colour)]
         meshes = {part.name: part.mesh}
@@ -55,10 +57,12 @@ def _part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefa
         if part.name in FROM_BELOW:
             (folder / f"{part.name}_below.png").write_bytes(picture(shapes, meshes, BELOW, PART_SIZE))
 
-    return store.make(f"picture of {part.name}", design, (__name__,), make, [part.entry.key])
+    return store.make(f"picture of {part.name}", design, (__name__,), make, [part.entry.content])
 
 
-def _assembly_pictures(store: ArtefactStore, machine: Machine) -> Artefact:
+def assembly_pictures(store: ArtefactStore, machine: Machine) -> Artefact:
+    """Pictures of the assembly and of the exploded view, from the cache or rendered now."""
+
     def make(_: Any, folder: Path) -> None:
         instances, parts = machine.assembly.instances, machine.parts
         changed = [instance for instance in instances if instance.shape != instance.part]
@@ -68,4 +72,5 @@ def _assembly_pictures(store: ArtefactStore, machine: Machine) -> Artefact:
         apart = placed_shapes(instances, parts, exploded=True)
         (folder / f"{EXPLODED}.png").write_bytes(picture(apart, meshes))
 
-    return store.make("picture of assembly", machine.design, (__name__,), make, [machine.assembly.entry.key])
+    depends = [machine.assembly.entry.content, *(part.entry.content for part in machine.parts.values())]
+    return store.make("picture of assembly", machine.design, (__name__,), make, depends)

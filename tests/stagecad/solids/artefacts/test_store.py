@@ -73,6 +73,17 @@ def test_reading_notes_each_way_to_a_value() -> None:
     }
 
 
+def test_equal_files_are_equal_content_whatever_was_read(store: ArtefactStore) -> None:
+    def make(design: Any, folder: Path) -> None:
+        (folder / "length.txt").write_text(str(round(design.plate.length)))
+
+    one, same, other = (
+        store.make("length", replace(Plan(), plate=Table(length=length)), MODULES, make) for length in (3.0, 3.1, 4.0)
+    )
+    assert one.key != same.key
+    assert one.content == same.content != other.content
+
+
 def test_reading_a_whole_table_depends_on_all_of_it(store: ArtefactStore) -> None:
     def make(design: Any, folder: Path) -> None:
         (folder / "sum.txt").write_text(str(sum(design.density.values())))

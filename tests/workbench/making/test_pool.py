@@ -1,0 +1,124 @@
+"""`stagecad make` makes again what a change affects, and nothing else; the files are those of an empty cache."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from stagecad.parallel import parallel_map
+from stagecad.parameters.errors import PartError
+from stagecad.parameters.load import load_design
+from stagecad.private import cache_root
+from workbench.machine.design_source import DesignSource
+from workbench.making import pool
+from workbench.making.pool import absent, is_long, make_absent
+from workbench.making.tasks import Making
+
+CHANGES = {
+    "stage.thickness=12.5 mm": {"stage", "assembly", "drawing of stage", "picture of stage"},
+    "actuator.tip_height=20.5 mm": {"tip", "base", "drawing of tip", "drawing of base", "simulation tip"},
+    "actuator.piezo_spacing=47 mm": {"tip", "holder", "drawing of tip", "drawing of holder", "simulation tip"},
+    "bearing.dynamic_friction=0.055": {"checks", "figure travel"},
+}
+"""A change, and some of the results that it affects; of parts, drawings and simulations all."""
+
+
+def making(folder: Path, *overrides: str) -> Making:
+    design = load_design(overrides=overrides)
+    return Making(folder, design, design, DesignSource(None, "", overrides), simulations=True)
+
+
+def test_each_task_comes_after_those_that_it_needs(tmp_path: Path) -> None:
+    tasks = making(tmp_path).tasks
+    for needed in tasks.values():
+        assert set(needed) <= set(tasks)
+    known = {task for task, needed in tasks.items() if not needed}
+    while len(known) < len(tasks):
+        following = {task for task, needed in tasks.items() if set(needed) <= known}
+        assert following > known, "tasks that need each other"
+        known = following
+
+
+def test_an_empty_store_lacks_everything(tmp_path: Path) -> None:
+    whole = making(tmp_path)
+    assert absent(whole) == list(whole.tasks)
+
+
+def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
+    done = ("part buffer", "rendering of buffer", "part mirror", "rendering of mirror", "simulation: tip")
+    first = making(tmp_path)
+    for task in done:
+        first.run(task)
+    assert set(done).isdisjoint(absent(first))
+    assert set(done).isdisjoint(absent(making(tmp_path, "bearing.dynamic_friction=0.055")))
+    wider = absent(making(tmp_path, "buffer.height=3.5 mm"))
+    assert [task for task in done if task in wider] == ["part buffer", "rendering of buffer"]
+    higher = absent(making(tmp_path, "actuator.tip_height=20.5 mm"))
+    assert [task for task in done if task in higher] == ["simulation: tip"]
+
+
+def test_processes_are_started_for_long_tasks_only() -> None:
+    assert is_long("part tip") and is_long("simulation: tip") and is_long("sheet of tip")
+    assert not is_long("checks") and not is_long("figure: error budgets")
+
+
+def test_a_solid_that_cannot_be_made_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def here(function, items, **named):
+        return parallel_map(function, items, **{**named, "limit": None, "isolate": False, "workers": 1})
+
+    def refuse(*_: object) -> None:
+        raise PartError("buffer", load_design(), "no solid")
+
+    monkeypatch.setattr(pool, "parallel_map", here)
+    monkeypatch.setattr("workbench.making.tasks.build_part", refuse)
+    with pytest.raises(PartError, match="buffer"):
+        make_absent(making(tmp_path), ["part buffer"])
+
+
+def entry_names(cache: Path) -> Counter[str]:
+    """Names of the artefacts in a cache, with their numbers."""
+    records = (json.loads(path.read_text()) for path in (cache / "entries").glob("*/entry.json"))
+    return Counter(record["name"] for record in records)
+
+
+def files_of(folder: Path) -> dict[str, str]:
+    """Hash of each file by its path."""
+    paths = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("make")
+@pytest.mark.parametrize("change", CHANGES)
+def test_result_after_a_change_is_that_of_an_empty_cache(tmp_path: Path, change: str) -> None:
+    def make(cache: str, *overrides: str) -> dict[str, str]:
+        words = [sys.executable, "-m", "workbench.cli", "make", "--out", str(tmp_path / "out"), *overrides]
+        monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / cache))
+        subprocess.run(words, check=True, capture_output=True)
+        made = files_of(tmp_path / "out")
+        shutil.rmtree(tmp_path / "out")
+        return made
+
+    for cache in ("one", "other"):
+        shutil.copytree(cache_root() / "kernels", tmp_path / cache / "kernels")
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        make("one")
+        before = entry_names(tmp_path / "one")
+        incremental = make("one", "--set", change)
+        again = entry_names(tmp_path / "one") - before
+        whole = make("other", "--set", change)
+    assert incremental == whole
+    assert again[max(again, key=again.__getitem__)] >= 1
+    affected = CHANGES[change]
+    assert affected <= set(again)
+    for prefix in ("drawing of ", "simulation "):
+        parts = {name for name in again if name.startswith(prefix)} - {"drawing of assembly", "drawing of procedure"}
+        assert parts == {name for name in affected if name.startswith(prefix)}
+    assert all(number == 1 for name, number in again.items() if name != "reduced sheet")

@@ -1,0 +1,81 @@
+"""Results of `stagecad make` without the CAD kernel, from the cache or made now: checks, their figures, simulations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.artefacts.stored_object import stored_object
+
+if TYPE_CHECKING:
+    from designcalc.checks.check import Check
+    from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import BodyMasses
+    from workbench.machine.design_source import DesignSource
+
+SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
+"""The friction experiments of the thesis."""
+COMPILED_BY = {"hysteresis": "presliding", "stick-slip": "presliding"}
+"""The experiment that compiles, with an empty cache, what another uses."""
+
+
+@dataclass(frozen=True)
+class _WithMasses:
+    """A design and the masses of its solids, so that the values read of either are recorded together."""
+
+    design: Design
+    masses: BodyMasses
+
+
+def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., bool]]]:
+    """Figures of the checks that a design has, by title: name, and what draws it."""
+    from workbench.report.check_figures import FIGURES
+
+    without_teeth = {title: figure for title, figure in FIGURES.items() if title != "map of the magnetic teeth"}
+    return FIGURES if design.teeth.fitted else without_teeth
+
+
+def check_figure(store: ArtefactStore, design: Design, masses: BodyMasses, title: str) -> Artefact:
+    """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
+    name, draw = figures_of(design)[title]
+
+    def make(tracked: Any, folder: Path) -> None:
+        draw(tracked.design, tracked.masses, folder / f"{name}.png")
+
+    return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.report.check_figures",), make)
+
+
+def stored_checks(store: ArtefactStore, source: DesignSource, design: Design, masses: BodyMasses) -> list[Check]:
+    """Every check with its proposals evaluated.
+
+    They depend on the whole parameter file, since a proposal is a change of any parameter. A project's own checks may
+    depend on anything: with them all are evaluated now.
+    """
+    from workbench.machine.margin_studies import evaluated
+
+    if source.own:
+        return evaluated(source, design, masses)
+
+    depends = (source.contents(), repr(design.entries), design.file, repr((masses.moving, masses.tip)))
+    modules = ("workbench.machine.margin_studies", "stagecad.parameters.load")
+    return stored_object(store, "checks", design, modules, lambda _: evaluated(source, design, masses), depends)
+
+
+def simulation(store: ArtefactStore, design: Design, name: str) -> Artefact:
+    """Data and figures of one of the friction experiments at the design's own values, all models."""
+
+    def make(tracked: Any, folder: Path) -> None:
+        from sim.experiments.friction_models import MODELS
+        from workbench.simulation.experiments import moving_mass, simulate_experiment
+        from workbench.simulation.figures import FIGURES
+        from workbench.simulation.tables import tables_of, write_table
+
+        results = simulate_experiment(tracked, name, tuple(MODELS), moving_mass(tracked, None))
+        for file, columns in tables_of(name, results).items():
+            write_table(folder / file, columns, ("csv",))
+        FIGURES[name](folder, results)
+
+    return store.make(f"simulation {name}", design, (__name__,), make)
