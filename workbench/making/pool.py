@@ -17,7 +17,6 @@ from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.modelling.registry import ASSEMBLY
 from workbench.making.tasks import CONTACTS, PART, RENDERING, SHAPES, SHEET, SIMULATION, VIEW, Making
 
-
 LONG = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, SIMULATION)
 """Kinds of task for which processes are started; the others alone take less than their start."""
 
