@@ -1,6 +1,6 @@
 // Dropped record files: upload, the program's proposal of channels and units with its questions, a new experiment.toml.
 import { get, post, upload } from './api.js';
-import { h, fill, say, words } from './dom.js';
+import { h, fill, newest, say, words } from './dom.js';
 
 export function newExperimentPlace(onfiles) {
   const input = h('input', { type: 'file', multiple: true, hidden: true, onchange: () => { onfiles([...input.files]); input.value = ''; } });
@@ -23,6 +23,7 @@ class Import {
   constructor(dialog, files) {
     this.dialog = dialog;
     this.files = files;
+    this.turn = newest();
     this.problem = h('p', { class: 'bad', role: 'alert' });
     this.name = h('input', { type: 'text', value: files[0].name.replace(/\.[^.]*$/, '').replace(/[^A-Za-z0-9_-]+/g, '_').slice(0, 40) || 'experiment', 'aria-label': 'name of the experiment', spellcheck: 'false' });
     this.next = h('button', { class: 'main' }, 'Upload');
@@ -64,7 +65,9 @@ class Import {
 
   /** What the program takes the columns for, with the kind of rig that it guesses or that was chosen. */
   async propose(kind = null) {
+    const current = this.turn();
     const found = await post('/api/propose', { name: this.name.value, files: this.records.map((record) => record.file), kind });
+    if (!current()) return;
     this.kind = choice('kind of rig', Object.fromEntries(this.kinds.map((name) => [name, name])), found.kind);
     this.kind.addEventListener('change', () => this.propose(this.kind.value).catch((error) => { this.problem.textContent = error.message; }));
     this.effects = h('input', { type: 'text', value: this.effects?.value ?? found.effects.join(', '), 'aria-label': 'effects of the model', spellcheck: 'false' });

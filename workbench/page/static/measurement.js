@@ -187,7 +187,7 @@ class Measurement {
 
   async follow(job) {
     const name = job.subject;
-    this.showProgress(jobs.get(job.number) ?? job);
+    if (this.name === name) this.showProgress(jobs.get(job.number) ?? job);
     try {
       const found = await result(job);
       if (job.task === 'add' || job.task === 'undo') { await this.readList(); if (this.name === name) await this.readLadder(); }

@@ -11,6 +11,7 @@ export class Optimize {
   constructor(place, machine) {
     this.machine = machine;
     this.turn = newest();
+    this.opened = 0;
     this.current = 0;
     this.free = new Map();
     this.list = h('div', { class: 'free-list' });
@@ -71,6 +72,8 @@ export class Optimize {
   /** Another file is open: the last result is of another design. */
   async reset() {
     this.current = Infinity;
+    this.opened += 1;
+    this.start.disabled = false;
     this.clear();
     this.showEmpty();
     await this.load();
@@ -85,11 +88,18 @@ export class Optimize {
     const free = Object.fromEntries([...this.free].filter(([, one]) => one.on).map(([key, one]) => [key, one.text]));
     const keep = this.keep.value.split(',').map((text) => text.trim()).filter(Boolean);
     this.start.disabled = true;
+    const { opened } = this;
     try {
       if (!Object.keys(free).length) throw new Error('let at least one parameter change');
       say('');
-      this.follow(await post('/api/machine/optimize', { free, keep, budget: Number(this.budget.value) }));
-    } catch (error) { this.start.disabled = false; say(error.message, 'bad'); }
+      const job = await post('/api/machine/optimize', { free, keep, budget: Number(this.budget.value) });
+      // Another file may be open by now.
+      if (opened === this.opened) this.follow(job);
+    } catch (error) {
+      if (opened !== this.opened) return;
+      this.start.disabled = false;
+      say(error.message, 'bad');
+    }
   }
 
   async follow(job) {

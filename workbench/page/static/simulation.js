@@ -23,6 +23,7 @@ class Simulation {
     this.section = section;
     this.changes = {};
     this.turn = newest();
+    this.asked = newest();
     this.left = h('div', { class: 'panel' });
     this.middle = h('div', { class: 'panel' });
     this.right = h('div', { class: 'panel' });
@@ -44,8 +45,9 @@ class Simulation {
 
   /** The design may have changed since: its values are those of the sliders. */
   async shown() {
+    const current = this.asked();
     const info = await get('/api/simulation');
-    if (JSON.stringify(info) === JSON.stringify(this.info)) return;
+    if (!current() || JSON.stringify(info) === JSON.stringify(this.info)) return;
     this.info = info;
     this.choose(this.name);
   }

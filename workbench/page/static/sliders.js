@@ -63,11 +63,12 @@ export class ModelSliders {
   async ask() {
     if (this.asking) { this.again = true; return; }
     this.asking = true;
+    let model;
     try {
       do {
         this.again = false;
+        ({ model } = this);
         if (!Object.keys(this.values).length) { this.overlay.moved(null); this.note.textContent = 'The fitted values.'; continue; }
-        const { model } = this;
         const { one, one: { record, channel } } = this.overlay;
         const job = await this.predict({ values: this.values, record, channel });
         const found = await result(job);
@@ -78,7 +79,7 @@ export class ModelSliders {
         if (over) this.note.textContent = `With these values the error of ${words(over[0])} is ${times(over[1])} the noise.`;
       } while (this.again);
     } catch (error) {
-      if (error.name !== 'Cancelled') say(error.message, 'bad');
+      if (error.name !== 'Cancelled' && model === this.model) say(error.message, 'bad');
     } finally { this.asking = false; }
   }
 }
