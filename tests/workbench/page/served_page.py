@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,27 +21,48 @@ FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshad
 ROOT = Path(__file__).parents[3]
 
 
+def started(folder: Path, *options: str) -> tuple[subprocess.Popen[str], str]:
+    """A server of `stagecad workbench` in a folder, and its address."""
+    command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", *options]
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "PYTHONPATH": path}
+    server = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True)
+    assert server.stderr is not None
+    line = server.stderr.readline()
+    found = re.search(r"http://\S+", line)
+    assert found, line + server.stderr.read()
+    return server, found[0]
+
+
+def ended(server: subprocess.Popen[str]) -> None:
+    """End a server with Ctrl-C."""
+    server.send_signal(signal.SIGINT)
+    try:
+        server.wait(15.0)
+    except subprocess.TimeoutExpired:
+        server.kill()
+        raise
+    finally:
+        assert server.stderr is not None
+        server.stderr.close()
+
+
+def killed(server: subprocess.Popen[str]) -> None:
+    """End a server as a power cut does."""
+    server.kill()
+    server.wait()
+    assert server.stderr is not None
+    server.stderr.close()
+
+
 @contextmanager
 def serving(folder: Path, *options: str) -> Iterator[str]:
-    """Address of `stagecad workbench` in a folder; the server is ended with Ctrl-C."""
-    command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", "--port", "0", *options]
-    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    with subprocess.Popen(
-        command, cwd=folder, env={**os.environ, "PYTHONPATH": path}, stderr=subprocess.PIPE, text=True
-    ) as server:
-        try:
-            assert server.stderr is not None
-            line = server.stderr.readline()
-            found = re.search(r"http://\S+", line)
-            assert found, line + server.stderr.read()
-            yield found[0]
-        finally:
-            server.send_signal(2)
-            try:
-                server.wait(15.0)
-            except subprocess.TimeoutExpired:
-                server.kill()
-                raise
+    """Address of `stagecad workbench` in a folder, at any free port; the server is ended with Ctrl-C."""
+    server, address = started(folder, "--port", "0", *options)
+    try:
+        yield address
+    finally:
+        ended(server)
 
 
 class Browser:
@@ -60,6 +83,14 @@ class Browser:
 
     def open(self, view: str) -> None:
         self.page.goto(f"{self.address}#{view}")
+
+
+def until(page: Any, holds: Callable[[], bool]) -> None:
+    """Wait for a condition; the content policy of the page forbids Playwright's own way."""
+    deadline = time.monotonic() + 60.0
+    while not holds():
+        assert time.monotonic() < deadline
+        page.wait_for_timeout(20)
 
 
 @contextmanager

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from served_page import Browser, chromium, looking, serving
+from served_page import Browser, chromium, looking, serving, until
 
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
@@ -40,14 +39,6 @@ def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
         one.errors = [text for text in one.errors if "422" not in text]
 
 
-def _until(page: Any, holds: Callable[[], bool]) -> None:
-    """Wait for a condition; the content policy of the page forbids Playwright's own way."""
-    deadline = time.monotonic() + 60.0
-    while not holds():
-        assert time.monotonic() < deadline
-        page.wait_for_timeout(20)
-
-
 class Held:
     """The first answers to requests of a pattern, made by the server at once and handed to the page by `release`."""
 
@@ -63,7 +54,7 @@ class Held:
             route.continue_()
 
     def wait(self) -> None:
-        _until(self.page, lambda: len(self.answers) == self.count)
+        until(self.page, lambda: len(self.answers) == self.count)
 
     def release(self) -> None:
         """Hand over the answers, and give the page the time to act on them."""
@@ -218,7 +209,7 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
     simulate("3 kg")
     answer.wait()
     simulate("1.5 kg")
-    _until(page, lambda: features.inner_text() != before)
+    until(page, lambda: features.inner_text() != before)
     shown = features.inner_text()
     answer.release()
     assert features.inner_text() == shown
@@ -247,7 +238,7 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
     page.evaluate("location.hash = 'machine'")
     page.evaluate("location.hash = 'simulation'")
     tip = page.get_by_label("actuator.tip_height", exact=True)
-    _until(page, lambda: tip.input_value() == "21 mm")
+    until(page, lambda: tip.input_value() == "21 mm")
     design.release()
     assert tip.input_value() == "21 mm"
 
@@ -258,7 +249,7 @@ def test_a_search_of_a_file_that_was_left_is_not_shown(browser: Browser) -> None
     page.wait_for_selector(".check >> nth=100")
     file = page.get_by_label("parameter file")
     file.select_option("thin.toml")
-    _until(page, lambda: file.input_value() == "thin.toml" and page.locator("#message.bad").count() == 0)
+    until(page, lambda: file.input_value() == "thin.toml" and page.locator("#message.bad").count() == 0)
     # What is free in the file that was open before.
     ranges = Held(page, "**/api/machine/optimize")
     page.get_by_role("button", name="Optimize", exact=True).first.click()
@@ -270,7 +261,7 @@ def test_a_search_of_a_file_that_was_left_is_not_shown(browser: Browser) -> None
     ranges.release()
     assert row.input_value() == "14 mm:20 mm"
     file.select_option("thin.toml")
-    _until(page, lambda: row.input_value() == "10 mm:14 mm")
+    until(page, lambda: row.input_value() == "10 mm:14 mm")
 
     # A search that the server begins while another file is opened.
     document = {"feasible": True, "evaluations": 20, "changes": [], "conflicts": [], "margins": [], "relax": []}
@@ -288,15 +279,15 @@ def test_a_search_of_a_file_that_was_left_is_not_shown(browser: Browser) -> None
     page.route("**/api/machine/optimize", begin)
     start = page.locator(".optimize .actions").get_by_role("button", name="Optimize")
     start.click()
-    _until(page, lambda: bool(asked))
+    until(page, lambda: bool(asked))
     file.select_option("thick.toml")
-    _until(page, lambda: row.input_value() == "14 mm:20 mm")
+    until(page, lambda: row.input_value() == "14 mm:20 mm")
     asked.pop().fulfill(json=job)
     page.wait_for_timeout(150)
     assert page.locator(".optimum .verdict").count() == 0
     # Without a change of the file it is shown.
     start.click()
-    _until(page, lambda: bool(asked))
+    until(page, lambda: bool(asked))
     asked.pop().fulfill(json={**job, "number": 9001})
     page.locator(".optimum .verdict.good").wait_for()
 
@@ -322,7 +313,7 @@ def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
     held: list[Any] = []
     page.route("**/api/jobs/9011/result", lambda route: held.append(route))
     page.get_by_role("button", name="tip", exact=True).click()
-    _until(page, lambda: bool(held))
+    until(page, lambda: bool(held))
     page.get_by_role("button", name="magnet", exact=True).click()
     note = page.locator(".sheet-note", has_text="paper of the magnet")
     note.wait_for()

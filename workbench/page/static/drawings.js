@@ -55,7 +55,7 @@ export class Drawings {
         sheet.hits.length ? h('span', { class: 'bad' }, `   ${sheet.hits.length} lint hits`) : '   no lint hits');
     } catch (error) {
       if (!current()) return;
-      if (error.name === 'Cancelled') fill(this.note, `${words(name)}: cancelled; choose the sheet again`);
+      if (error.name === 'Cancelled') fill(this.note, `${words(name)}: ${error.message}; choose the sheet again`);
       else { fill(this.note, h('span', { class: 'bad' }, error.message)); say(error.message, 'bad'); }
     }
   }

@@ -191,7 +191,7 @@ class Machine {
       if (!this.weighed) { this.weighed = true; this.checks.rebase(); }
     } catch (error) {
       if (!current()) return;
-      if (error.name === 'Cancelled') { this.fresh(false, 'cancelled; the next change makes the solids again'); return; }
+      if (error.name === 'Cancelled') { this.fresh(false, `${error.message}; the next change makes the solids again`); return; }
       this.fresh(false, error.message);
       // A design that cannot be built: the saved one is better than nothing to look at.
       if (!this.view.instances.length && Object.keys(this.changes).length) {

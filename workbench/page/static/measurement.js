@@ -23,6 +23,7 @@ class Measurement {
     this.makeRight();
     onJob((job) => this.jobChanged(job));
     addEventListener('keydown', (event) => this.key(event));
+    addEventListener('reconnected', () => this.readList().then(() => { if (this.name && !this.found) this.choose(this.name); }).catch((error) => say(error.message, 'bad')));
     for (const type of ['dragover', 'drop']) {
       section.addEventListener(type, (event) => {
         event.preventDefault();
@@ -193,7 +194,11 @@ class Measurement {
       if (job.task === 'add' || job.task === 'undo') { await this.readList(); if (this.name === name) await this.readLadder(); }
       if (this.name === name && job.number >= (this.shownJob ?? 0)) this.show(job, found);
     } catch (error) {
-      if (error.name === 'Cancelled') say(`${job.title}: cancelled`); else { say(this.name === name ? error.message : `${name}: ${error.message}`, 'bad'); if (this.name === name && !this.found) fill(this.statement, h('span', { class: 'bad' }, error.message)); }
+      const cancelled = error.name === 'Cancelled';
+      const text = cancelled ? `${job.title}: ${error.message}` : error.message;
+      say(this.name === name ? text : `${name}: ${text}`, cancelled ? '' : 'bad');
+      // Without a model that was fitted there is nothing to see: the fit can be begun again.
+      if (this.name === name && !this.found) fill(this.statement, h('span', { class: cancelled ? '' : 'bad' }, text), ' ', h('button', { class: 'small', onclick: () => { fill(this.statement, ''); this.start('compare'); } }, 'Compare'));
     }
     if (this.name === name) this.showProgress(this.active(name));
   }

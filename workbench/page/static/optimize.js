@@ -110,7 +110,7 @@ export class Optimize {
       if (job.number === this.current) this.show(found);
     } catch (error) {
       if (job.number !== this.current) return;
-      if (error.name === 'Cancelled') say('Optimize: cancelled'); else say(error.message, 'bad');
+      if (error.name === 'Cancelled') say(`Optimize: ${error.message}`); else say(error.message, 'bad');
     }
     this.showProgress(jobs.get(job.number) ?? job);
   }

@@ -172,8 +172,8 @@ class Simulation {
     } catch (error) {
       if (!current()) return;
       const cancelled = error.name === 'Cancelled';
-      say(cancelled ? 'Simulate: cancelled' : error.message, cancelled ? '' : 'bad');
-      if (!this.plots.length) fill(this.middle, h('p', { class: 'empty' }, h('span', { class: cancelled ? '' : 'bad' }, cancelled ? 'Cancelled.' : error.message), ' ', h('button', { onclick: () => this.run() }, 'Simulate')));
+      say(cancelled ? `Simulate: ${error.message}` : error.message, cancelled ? '' : 'bad');
+      if (!this.plots.length) fill(this.middle, h('p', { class: 'empty' }, h('span', { class: cancelled ? '' : 'bad' }, cancelled ? `${error.message}.` : error.message), ' ', h('button', { onclick: () => this.run() }, 'Simulate')));
     }
   }
 

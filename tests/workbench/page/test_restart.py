@@ -1,0 +1,145 @@
+"""A server that is killed while a job runs, and started again: the page recovers, and nothing saved is lost."""
+
+from __future__ import annotations
+
+import re
+import sys
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from served_page import chromium, ended, killed, looking, started, until
+
+from sysid.experiment.experiment import load_experiment
+from tests.sysid.slide import SIGN, VELOCITY, slide
+
+pytestmark = [
+    pytest.mark.xdist_group("browser"),
+    pytest.mark.skipif(sys.platform != "linux", reason="looks up processes in /proc"),
+]
+
+
+def _descendants(process: int) -> set[int]:
+    """Process ids of what a process has started, and of what those have."""
+    parents: dict[int, int] = {}
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                parents[int(entry.name)] = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+            except OSError:
+                continue
+    found, last = {process}, 0
+    while len(found) != last:
+        last = len(found)
+        found |= {child for child, parent in parents.items() if parent in found}
+    return found - {process}
+
+
+def _running(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Path) -> None:
+    folder = tmp_path / "project"
+    force = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
+    slide(folder / "rig", force, '"coulomb"', held_out=True)
+    server, address = started(folder, "--port", "0")
+    port = str(urlsplit(address).port)
+    try:
+        with chromium() as launched, looking(launched, address) as browser:
+            page = browser.page
+            page.route("**/api/machine/solids", lambda route: route.fulfill(status=422, json={"error": "not here"}))
+            # Work that is saved: a file, a change of it that is not in the file yet, a rung of the ladder, a result.
+            browser.open("machine")
+            page.wait_for_selector(".check >> nth=100")
+            thickness = page.get_by_label("stage.thickness", exact=True)
+            thickness.fill("13 mm")
+            thickness.press("Enter")
+            page.get_by_role("button", name="Save as").click()
+            page.get_by_label("name of the new file").fill("thick")
+            page.get_by_role("button", name="Save", exact=True).click()
+            page.locator("#message", has_text="saved as thick.toml").wait_for()
+            thickness.fill("14 mm")
+            thickness.press("Enter")
+            page.get_by_role("button", name="Difference (1)").wait_for()
+            page.evaluate("location.hash = 'measurement'")
+            page.locator(".map canvas").first.wait_for()
+            page.get_by_role("button", name="Diagnose", exact=True).click()
+            page.locator(".candidate", has_text="viscous").get_by_role("button", name="Add").click()
+            page.locator(".rung", has_text="viscous").wait_for()
+            page.locator(".search progress").wait_for(state="detached")
+            rungs, statement = page.locator(".ladder").inner_text(), page.locator(".statement").inner_text()
+
+            page.get_by_role("button", name="Diagnose", exact=True).click()
+            page.locator(".search .step", has_text=re.compile(r"\w+")).wait_for()
+            page.locator("#jobs .job").wait_for()
+            workers = _descendants(server.pid)
+            assert workers
+            killed(server)
+            page.locator("#message.bad", has_text="connection to the server lost").wait_for()
+            deadline = time.monotonic() + 20.0
+            while left := {process for process in workers if _running(process)}:
+                assert time.monotonic() < deadline, left
+                time.sleep(0.05)
+
+            server = started(folder, "--port", port)[0]
+            page.locator("#message:not(.bad)", has_text="Diagnose: the server ended").wait_for()
+            # The job that was running has ended; what was shown stays, and the next job runs.
+            page.locator("#jobs .job").wait_for(state="detached")
+            page.locator(".search progress").wait_for(state="detached")
+            assert page.locator(".ladder").inner_text() == rungs
+            assert page.locator(".statement").inner_text() == statement
+            page.get_by_label("coulomb.force, slider").fill("150")
+            page.locator(".moved", has_text="× the noise").wait_for()
+
+            # So it is for who opens the page anew.
+            page.reload()
+            page.locator(".map canvas").first.wait_for()
+            assert page.locator(".statement").inner_text() == statement
+            assert page.locator(".ladder").inner_text() == rungs
+            page.evaluate("location.hash = 'machine'")
+            page.get_by_role("button", name="Difference (1)").wait_for()
+            assert page.get_by_label("parameter file").input_value() == "thick.toml"
+            until(page, lambda: thickness.input_value() == "14 mm")
+            page.get_by_role("button", name="Undo").click()
+            page.get_by_role("button", name="Difference", exact=True).wait_for()
+            until(page, lambda: thickness.input_value() == "13 mm")
+            # What the browser says of requests to a server that is not there.
+            browser.errors = [text for text in browser.errors if "net::ERR" not in text and "422" not in text]
+    finally:
+        if server.poll() is None:
+            ended(server)
+    assert load_experiment(folder / "rig").effects == ("coulomb", "viscous")
+    assert "13 mm" in (folder / "thick.toml").read_text("utf-8")
+    assert not [path for path in folder.rglob("*") if path.name.startswith(".") and path.suffix != ".lock"]
+
+
+def test_a_page_that_is_used_while_the_server_is_away_says_so(tmp_path: Path) -> None:
+    server, address = started(tmp_path, "--port", "0")
+    try:
+        with chromium() as launched, looking(launched, address) as browser:
+            page = browser.page
+            page.route("**/api/machine/solids", lambda route: route.fulfill(status=422, json={"error": "not here"}))
+            browser.open("machine")
+            page.wait_for_selector(".check >> nth=100")
+            killed(server)
+            page.locator("#message.bad", has_text="connection to the server lost").wait_for()
+            thickness = page.get_by_label("stage.thickness", exact=True)
+            thickness.fill("13 mm")
+            thickness.press("Enter")
+            page.locator("#message.bad", has_text='is "stagecad workbench" still running?').wait_for()
+            # The value that the server does not know is not shown as if it were there.
+            assert thickness.input_value() == "12 mm"
+            server = started(tmp_path, "--port", str(urlsplit(address).port))[0]
+            page.locator("#message:not(.bad)").wait_for(state="attached")
+            thickness.fill("13 mm")
+            thickness.press("Enter")
+            page.get_by_role("button", name="Difference (1)").wait_for()
+            browser.errors = [text for text in browser.errors if "net::ERR" not in text and "422" not in text]
+    finally:
+        if server.poll() is None:
+            ended(server)
