@@ -266,8 +266,9 @@ def _feature_control_frame(f: FeatureControlFrame, view: View) -> Iterator[Primi
     widths += [max(BOX, symbol_text_width(letter) + TEXT_HEIGHT) for letter in f.datums]
     x = f.elbow[0] if f.elbow[0] >= at[0] - 1e-6 else f.elbow[0] - sum(widths)
     low = f.elbow[1] - BOX / 2
-    if math.dist(at, f.elbow) > ARROW:
+    if math.dist(at, f.elbow) > 2 * ARROW:
         yield _arrow(at, _unit(f.elbow, at))
+    if at != f.elbow:
         yield Stroke((at, f.elbow))
     for text, width in zip(("", f.tolerance, *f.datums), widths, strict=True):
         yield rectangle((x, low, x + width, low + BOX))

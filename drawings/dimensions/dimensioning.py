@@ -13,7 +13,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.edges import SQUARE, EdgeOfFace, centre_of_round, edge_of_face, places_along
+from drawings.dimensions.edges import (
+    SQUARE,
+    EdgeOfFace,
+    centre_of_round,
+    edge_of_face,
+    equal_holes,
+    outward_at,
+    places_of_texture,
+    rim_of_chamfer,
+)
 from drawings.dimensions.hole_table import HoleGroup, HoleTable, hole_group
 from drawings.dimensions.specification import (
     AngleSpec,
@@ -25,7 +34,8 @@ from drawings.dimensions.specification import (
     TagSpec,
     TargetSpec,
 )
-from drawings.dimensions.text import DIAMETER, callout, dimension_text, frame_text, number
+from drawings.dimensions.text import DIAMETER, callout, dimension_text, frame_text, number, wrapped_lines
+from drawings.dimensions.tolerances import frames_of_features, tolerance_text
 from drawings.views.view import View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -40,9 +50,6 @@ from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 EXACT = 1e-6
 """Greatest difference of the solid from a declared value, before rounding, mm."""
-
-AXIAL = ("perpendicularity", "parallelism", "angularity", "position", "coaxiality", "straightness")
-"""Characteristics that hold for the axis of a round feature, within a cylinder."""
 
 LONGEST_BESIDE = 12
 """Length of the longest note printed at its dimension, characters; a longer one is a numbered note of the sheet."""
@@ -84,7 +91,7 @@ def sheet_dimensions(
         ValueError: the solid differs from a declared value.
     """
     builder = _Builder(design, gauge, views)
-    builder.frames = _frames_of_features(requirements)
+    builder.frames = frames_of_features(requirements)
     done: set[str] = set()
     for dimension in dimensions:
         if dimension.name not in done:
@@ -95,21 +102,6 @@ def sheet_dimensions(
         if not (isinstance(requirement, GeometricTolerance) and requirement.feature):
             builder.require(requirement)
     return SheetDimensions(tuple(builder.specs), tuple(builder.notes), tuple(builder.missing), builder.table())
-
-
-def tolerance_text(tolerance: GeometricTolerance) -> str:
-    """The second compartment of a control frame: `⌀0.2 CZ`."""
-    cylindrical = tolerance.round and tolerance.characteristic in AXIAL
-    return f"{DIAMETER if cylindrical else ''}{tolerance.value:g}{' CZ' if tolerance.combined else ''}"
-
-
-def _frames_of_features(requirements: Sequence[FaceRequirement]) -> dict[str, list[GeometricTolerance]]:
-    """Tolerances by the name of the holes whose callout has their control frames."""
-    found: dict[str, list[GeometricTolerance]] = {}
-    for requirement in requirements:
-        if isinstance(requirement, GeometricTolerance) and requirement.feature:
-            found.setdefault(requirement.feature, []).append(requirement)
-    return found
 
 
 class _Builder:
@@ -298,16 +290,21 @@ class _Builder:
             lines = tuple(head.note.split("; "))
         elif len(group) == 1 and not head.feature:
             text = dimension_text(head, self._plus_minus(head))
-            lines = (text, head.note) if head.note else (text,)
+            lines = (text, *wrapped_lines([head.note])) if head.note else (text,)
         else:
             lines = self._callout_lines(group)
+        rim = rim_of_chamfer(view, head, self.gauge) if head.kind == "chamfer" else None
+        if rim:
+            return CalloutSpec(view.name, *rim, lines, tuple(d.name for d in group))
         holes = [d for d in group if d.kind in ("diameter", "tap_drill")]
         round_ends = holes and holes[0].direction and self._is_circle(view, holes[0])
         radius = max(THREAD_DIAMETER.get(d.note, d.value) for d in holes) / 2 if round_ends else 0.0
         # A hole seen from the side is touched at its wall.
         on = head.points[-1] if holes and not round_ends else head.points[0]
         at = view.projection.to_view(on)
-        return CalloutSpec(view.name, at, radius, lines, tuple(d.name for d in group))
+        outward = None if holes or head.kind == "chamfer" else outward_at(view, on, self.gauge)
+        names, equal = tuple(d.name for d in group), equal_holes(view, holes[0], self.gauge) if round_ends else ()
+        return CalloutSpec(view.name, at, radius, lines, names, equal, outward)
 
     def _surface(self, dimension: Dimension) -> Surface:
         for surface in self.gauge.surfaces:
@@ -353,20 +350,19 @@ class _Builder:
                     requirement.characteristic,
                     text,
                     requirement.datums,
+                    diameter=self._diameter(requirement) if text.startswith(DIAMETER) else 0.0,
                     at=at,
                 )
             case SurfaceTexture():
                 lines = (f"{{surface}}Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
-                places = tuple(
-                    (first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1]))
-                    for t in places_along(at, math.dist(first, second) * view.scale)
-                )
+                places = places_of_texture(view, requirement, line, self.gauge)
                 return CalloutSpec(
                     view.name, places[0], 0.0, lines, (f"texture {requirement.name}",), places[1:], outward
                 )
 
-    def _diameter(self, datum: DatumFeature) -> float:
-        bore = Dimension("datum", "diameter", 1.0, datum.letter, datum.points, datum.normal)
+    def _diameter(self, feature: DatumFeature | GeometricTolerance) -> float:
+        name = feature.letter if isinstance(feature, DatumFeature) else feature.name
+        bore = Dimension("feature", "diameter", 1.0, name, feature.points, feature.normal)
         return self.gauge.measure(bore) or 0.0
 
 

@@ -6,17 +6,29 @@ import math
 from collections.abc import Iterable
 
 from drawings.views.view import Point2, View, degrees_of, dot
-from stagecad.parameters.dimension import DatumFeature, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
+from stagecad.parameters.dimension import (
+    DatumFeature,
+    Dimension,
+    FaceRequirement,
+    GeometricTolerance,
+    Point,
+    SurfaceTexture,
+)
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 SQUARE = 1e-6
 """Sine of the greatest angle by which perpendicular or parallel directions may differ."""
+
+NEARLY_SQUARE = 0.1
+"""Cosine of the angle to the direction of sight below which a face is seen as a line."""
 
 LONGEST = 40.0
 """Greatest length of the line on either side of the declared point, mm on the paper."""
 
 CLEAR_OF_END = 2.5
 """Distance from the ends of the line of a face within which a leader is ambiguous, mm on the paper."""
+MOST_CHOICES = 3
+"""Most equal holes, besides the declared one, at which a callout may be."""
 _PLACES = (0.5, 0.3, 0.7, 0.15, 0.85, 0.4, 0.6, 0.05, 0.95, 0.22, 0.78)
 
 EdgeOfFace = tuple[Point2, Point2, float, float]
@@ -48,6 +60,57 @@ def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerif
             ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
             return ends[0], ends[1], degrees_of((u, v)), -low / (high - low) if high > low else 0.5
     return None
+
+
+def outward_at(view: View, point: Point, gauge: DimensionVerifier) -> float | None:
+    """Direction out of the material at a point of a flat or crowned face that a view shows from the side, degrees.
+
+    None for a face seen from the front, and where no such face is.
+    """
+    for surface in gauge.surfaces:
+        if surface.kind in ("PLANE", "SPHERE") and surface.holds(point):
+            normal = surface.face.normalAt(surface.face.Center()).toTuple()
+            if abs(dot(normal, view.projection.towards_eye)) < NEARLY_SQUARE:
+                return degrees_of(view.projection.to_view(normal))
+    return None
+
+
+def rim_of_chamfer(view: View, chamfer: Dimension, gauge: DimensionVerifier) -> tuple[Point2, float] | None:
+    """Centre and radius of the circle as which a view shows a conical chamfer; None for any other."""
+    point, eye = chamfer.points[0], view.projection.towards_eye
+    for surface in gauge.surfaces:
+        if surface.kind == "CONE" and abs(abs(dot(surface.axis, eye)) - 1) < SQUARE and surface.holds(point):
+            return view.projection.to_view(surface.origin), surface.off_axis(point)
+    return None
+
+
+def equal_holes(view: View, hole: Dimension, gauge: DimensionVerifier) -> tuple[Point2, ...]:
+    """Centres of the other holes to which a callout applies, those nearest to the declared one first."""
+    at = view.projection.to_view(hole.points[0])
+    centres = {view.projection.to_view(surface.origin) for surface in gauge.holes(hole)}
+    others = sorted((math.dist(at, centre), centre) for centre in centres)
+    return tuple(centre for away, centre in others if away > 1e-3)[:MOST_CHOICES]
+
+
+def places_of_texture(
+    view: View, texture: SurfaceTexture, line: EdgeOfFace, gauge: DimensionVerifier
+) -> tuple[Point2, ...]:
+    """Points of a face at which the leader of a texture may end: on the face and not at its ends, the best first."""
+    first, second, _, declared = line
+    point = next((p for p in texture.points if view.cut and view.cut.holds(p)), texture.points[0])
+    faces = [surface for surface in gauge.surfaces if surface.holds(point)]
+    right, up = view.projection.right, view.projection.up
+
+    def on_face(at: float) -> bool:
+        u, v = ((at - declared) * (b - a) for a, b in zip(first, second, strict=True))
+        x, y, z = (p + u * r + v * w for p, r, w in zip(point, right, up, strict=True))
+        return any(surface.holds((x, y, z)) for surface in faces)
+
+    length = math.dist(first, second) * view.scale
+    parts = places_along(declared, length)
+    for wanted in (lambda t: not near_end(t, length), on_face):
+        parts = tuple(filter(wanted, parts)) or parts
+    return tuple((first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1])) for t in parts)
 
 
 def centre_of_round(surface: Surface, on: Point) -> Point:

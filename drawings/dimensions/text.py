@@ -142,7 +142,7 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
     if not lines:
         lines = [dimensions[0].name]
     lines[0] = times(count) + lines[0]
-    return tuple(_wrapped(lines))
+    return tuple(wrapped_lines(lines))
 
 
 def frame_text(characteristic: str, tolerance: str, datums: Sequence[str]) -> str:
@@ -175,7 +175,7 @@ def _names(depth: Dimension, dimensions: Sequence[Dimension], value: dict[str, s
     )
 
 
-def _wrapped(lines: Sequence[str], longest: int = 34) -> list[str]:
+def wrapped_lines(lines: Sequence[str], longest: int = 34) -> list[str]:
     """Long lines broken at spaces."""
     return [
         part for line in lines for part in textwrap.wrap(line, longest, break_long_words=False, break_on_hyphens=False)

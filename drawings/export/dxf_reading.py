@@ -20,6 +20,8 @@ from drawings.views.view import Arc, Box2, Point2
 
 PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH", "PHANTOM", "THREAD")
 """Layers of the part's own lines."""
+EDGES = ("VISIBLE", "HIDDEN")
+"""Layers of its edges."""
 LONGEST_ARROW = 3.3
 """Longest arrow head of a leader, mm on paper; those of cutting lines are longer."""
 SYMBOL = 6.0
@@ -87,10 +89,12 @@ class PaperContent:
     Attributes:
         texts: all of them; `view_texts` those in viewports.
         sheet_lines: of the frame, the title block and tables; `view_lines` those in viewports.
-        part_lines: those of `view_lines` that are lines of the part; `part_boxes` boxes of their curves.
+        part_lines: those of `view_lines` that are lines of the part; `edges` those of its edges;
+            `part_boxes` boxes of the curves.
         symbols: boxes of symbols, and of the frames of tolerances and datum letters.
         dimensions: the DIMENSION entities.
-        leaders: tips of the arrows that belong to no dimension; `triangles` corners of datum triangles.
+        leaders: tips of the arrows that belong to no dimension; `triangles` corners of datum triangles;
+            `sight_arrows` tips of the larger arrows in the direction of sight of a section or view.
         cut_off: descriptions of entities that no viewport shows completely.
     """
 
@@ -100,11 +104,13 @@ class PaperContent:
         self.view_lines: list[Line] = []
         self.view_texts: list[TextBox] = []
         self.part_lines: list[Line] = []
+        self.edges: list[Line] = []
         self.part_boxes: list[Box2] = []
         self.symbols: list[Box2] = []
         self.cut_off: list[str] = []
         self.leaders: list[Point2] = []
         self.triangles: list[tuple[Point2, ...]] = []
+        self.sight_arrows: list[Point2] = []
         self.viewports = list(_viewports(document))
         for entity in document.paperspace():
             if entity.dxftype() == "TEXT":
@@ -134,8 +140,8 @@ class PaperContent:
         wide, long = math.dist(one, other), math.dist(tip, ((one[0] + other[0]) / 2, (one[1] + other[1]) / 2))
         if wide > 0.8 * long:
             self.triangles.append(tuple(corners))
-        elif long < LONGEST_ARROW:
-            self.leaders.append(tip)
+        else:
+            (self.leaders if long < LONGEST_ARROW else self.sight_arrows).append(tip)
 
     def _add_from_model_space(self, entity: Any) -> None:
         points = entity_points(entity)
@@ -152,6 +158,7 @@ class PaperContent:
             self.view_lines += lines
             if entity.dxf.layer in PART:
                 self.part_lines += lines
+                self.edges += lines if entity.dxf.layer in EDGES else []
                 self.part_boxes.append(bounding_box(points))
             elif entity.dxftype() in ("LWPOLYLINE", "CIRCLE"):
                 box = bounding_box(points)

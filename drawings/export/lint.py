@@ -16,6 +16,7 @@ from typing import Literal
 from ezdxf.document import Drawing
 
 from drawings.export.dxf_reading import PaperContent, TextBox, entity_points, joined_boxes, visible_entities
+from drawings.export.leaders import TOUCH, leader_faults
 from drawings.views.bounding_box import bounding_box
 from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_meets_box, polyline_lines
 from drawings.views.view import Box2, Point2
@@ -24,14 +25,10 @@ Kind = Literal[
     "text", "line", "leader", "callout", "frame", "title block", "dimensions", "view", "value", "viewport", "file"
 ]
 
-LEADER_END = 0.6
-"""Half side of the box about the end of a leader in which a line of the part must lie, mm on paper."""
 UNDEFINED = re.compile(r"\b(both ways|each way|typ\.?|approx\.?|as required|or similar)(\s|$)", re.IGNORECASE)
 """Wordings in callouts that no standard defines."""
 NEAR = 0.5
 """Distance up to which lines of the part belong to one view, mm on paper: less than between views."""
-TOUCH = 0.05
-"""Overlap from which on a text touches something, mm on paper."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,7 @@ def lint(document: Drawing) -> list[Hit]:
         *_texts_on_texts(content),
         *_texts_on_lines(content),
         *_symbols_on_parts(content),
-        *_leaders(content),
+        *_leaders(document, content),
         *_callouts(content),
         *_off_the_sheet(document, content),
         *_shared_lines(content),
@@ -113,16 +110,9 @@ def _symbols_on_parts(content: PaperContent) -> Iterator[Hit]:
             yield Hit("line", "a symbol, or the frame of a tolerance or datum, is over the part", box[:2])
 
 
-def _leaders(content: PaperContent) -> Iterator[Hit]:
-    """Leaders whose arrow touches no edge of the part, or ends on the triangle of a datum."""
-    part = SegmentIndex(content.part_lines)
-    for x, y in content.leaders:
-        if not part.count_in((x - LEADER_END, y - LEADER_END, x + LEADER_END, y + LEADER_END)):
-            yield Hit("leader", "a leader ends where no line of the part is", (x, y))
-        for triangle in content.triangles:
-            low, high = bounding_box(triangle)[:2], bounding_box(triangle)[2:]
-            if low[0] - TOUCH < x < high[0] + TOUCH and low[1] - TOUCH < y < high[1] + TOUCH:
-                yield Hit("leader", "a leader ends on the triangle of a datum", (x, y))
+def _leaders(document: Drawing, content: PaperContent) -> Iterator[Hit]:
+    for what, at in leader_faults(document, content):
+        yield Hit("leader", what, at)
 
 
 def _callouts(content: PaperContent) -> Iterator[Hit]:

@@ -14,10 +14,8 @@ from drawings.annotations.annotation import (
     AngularDimension,
     Annotation,
     Callout,
-    DatumSymbol,
     DatumTarget,
     DetailMark,
-    FeatureControlFrame,
     HoleTag,
     LinearDimension,
     RadialDimension,
@@ -27,16 +25,15 @@ from drawings.annotations.annotation import (
 from drawings.annotations.annotation_geometry import ARROW, GAP, TARGET, readable
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.edges import near_end, places_along
 from drawings.dimensions.specification import (
     AngleSpec,
     CalloutSpec,
     DistanceSpec,
-    FrameSpec,
     RoundSpec,
     TagSpec,
     TargetSpec,
 )
+from drawings.placement.vectors import direction, dot, plus, view_point
 from drawings.views.segment_index import SegmentIndex
 from drawings.views.view import Box2, Point2, View
 
@@ -56,11 +53,6 @@ BESIDE_COST, BESIDE_DISTANCE_COST = 0.5, 0.25
 """Of a text outside its dimension line: cost, mm, and cost per mm away from it."""
 LEADER_COST = 0.4
 """Cost of a leader per mm."""
-FRAME_LEADER_COST, FRAME_SHIFT_COST, OFF_CENTRE_COST = 0.5, 0.3, 2.0
-"""Of a control frame or datum symbol: cost of its leader per mm, of its shift along the face per mm, and of a leader
-at the end of the face instead of at its middle, mm."""
-END_COST = 10.0
-"""Cost of a leader at an end of the line of its face, mm."""
 OBLIQUE_COST = 0.05
 """Cost of a leader that is not normal to its arc, mm per degree."""
 INSIDE_OUTLINE_COST = 9.0
@@ -105,19 +97,19 @@ def distance_candidates(
         part: lines of the part.
     """
     levels = [0.5 * level for level in range(30)] if extended else [float(level) for level in range(9)]
-    u = _direction(spec.angle)
+    u = direction(spec.angle)
     n = (-u[1], u[0])
     points = (view.to_paper(spec.first), view.to_paper(spec.second))
-    heights = [_dot(point, n) for point in points]
+    heights = [dot(point, n) for point in points]
     runs = [part.collinear_run(point, n) for point in points]
     corners = [(x, y) for x in (outline[0], outline[2]) for y in (outline[1], outline[3])]
-    span = abs(_dot(points[0], u) - _dot(points[1], u))
-    reach = [_dot(corner, n) for corner in corners]
+    span = abs(dot(points[0], u) - dot(points[1], u))
+    reach = [dot(corner, n) for corner in corners]
     across = (min(reach), max(reach))
     places: list[tuple[float, float]] = []
     for side in (-1, 1):
         own = max(side * height + max(side * end for end in run) for height, run in zip(heights, runs, strict=True))
-        edge = max(side * _dot(corner, n) for corner in corners) if spec.angle in (0.0, 90.0) else own
+        edge = max(side * dot(corner, n) for corner in corners) if spec.angle in (0.0, 90.0) else own
         for level in levels:
             height = edge + FIRST + PITCH * level
             places.append((LEVEL_COST * level + EXTENSION_COST * (height - own), side * height))
@@ -126,19 +118,19 @@ def distance_candidates(
             places += [(INSIDE_COST + INSIDE_SPAN_COST * span + step, side * (own + FIRST + step)) for step in steps]
     if abs(heights[0] - heights[1]) < 1e-6:
         places.append((ACROSS_COST + ACROSS_SPAN_COST * span, heights[0]))
-    ends = sorted(_dot(point, u) for point in points)
-    up = _direction(readable(spec.angle) + 90.0)
+    ends = sorted(dot(point, u) for point in points)
+    up = direction(readable(spec.angle) + 90.0)
     rise = TEXT_HEIGHT / 2 + GAP
     for cost, height in sorted(places):
         starts = []
         for own, run, point in zip(heights, runs, (spec.first, spec.second), strict=True):
             start = own + min(max(height - own, run[0]), run[1])
-            starts.append(_plus(point, n, (start - own) / view.scale))
+            starts.append(plus(point, n, (start - own) / view.scale))
             within = min(max(start, height), across[1]) - max(min(start, height), across[0])
             cost += min(THROUGH_MOST, THROUGH_COST * max(0.0, within))
         line_at = (u[0] * ends[0] + n[0] * height, u[1] * ends[0] + n[1] * height)
         for text_cost, middle in _text_positions(spec.text, ends[0], ends[1], extended):
-            text_at = _plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
+            text_at = plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
             dimension = LinearDimension(
                 spec.view,
                 starts[0],
@@ -183,12 +175,12 @@ def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bo
         turns = [spec.towards, spec.towards + spread, spec.towards - spread]
     sides = (0.0, 180.0) if spec.kind == "radius" and radius > 0 else (0.0,)
     for towards in turns:
-        on = _plus(centre, _direction(towards), radius)
+        on = plus(centre, direction(towards), radius)
         for side in sides:
             for oblique in obliques:
-                out = _direction(towards + side + oblique)
+                out = direction(towards + side + oblique)
                 for length in LEADERS:
-                    elbow = _plus(on, out, length)
+                    elbow = plus(on, out, length)
                     side_of_text = 1.0 if out[0] >= -1e-9 else -1.0
                     text_at = (elbow[0] + side_of_text * (width / 2 + GAP), elbow[1] + TEXT_HEIGHT / 2 + GAP)
                     cost = LEADER_COST * length + OBLIQUE_COST * abs(oblique) + _leader_cost(elbow, out, outline)
@@ -218,16 +210,16 @@ def callout_candidates(
     steps, pitch = (range(-60, 61), 3.0) if extended else (range(-9, 10), 7.0)
     for rank, choice in enumerate((spec.at, *spec.choices)):
         at, radius = view.to_paper(choice), spec.radius * view.scale
-        elbows = [(0.0, _plus(at, _direction(turn), radius + length)) for turn in directions for length in LEADERS]
+        elbows = [(0.0, plus(at, direction(turn), radius + length)) for turn in directions for length in LEADERS]
         elbows += [(-COLUMN_BONUS, (x, at[1] + pitch * step)) for x in columns for step in steps]
         for extra, elbow in elbows:
             away = math.dist(at, elbow)
             if away < radius + 4.0:
                 continue
             out = ((elbow[0] - at[0]) / away, (elbow[1] - at[1]) / away)
-            on = _view_point(_plus(at, out, radius), view)
+            on = view_point(plus(at, out, radius), view)
             cost = extra + LEADER_COST * (away - radius) + _leader_cost(elbow, out, outline) + rank
-            if spec.outward is not None and _dot(out, _direction(spec.outward)) < 0.1:
+            if spec.outward is not None and dot(out, direction(spec.outward)) < 0.1:
                 cost += INWARD_COST
             yield cost, Callout(spec.view, on, elbow, spec.lines, spec.names, out[0] < 0)
 
@@ -255,72 +247,26 @@ def angle_candidates(spec: AngleSpec, view: View, *, extended: bool = False) -> 
             yield cost + ARC_TEXT_COST * abs(fraction - 0.5), dimension
 
 
-def frame_candidates(spec: FrameSpec, view: View, *, extended: bool = False) -> Iterator[Candidate]:
-    """Frames on leaders normal to the face, at several places along it; a control frame may be shifted sideways."""
-    lengths = [9.0 + 4.0 * k for k in range(25)] if extended else (9.0, 14.0, 20.0, 27.0, 35.0, 44.0, 54.0)
-    shifts = [4.0 * k for k in range(-15, 16)] if extended else (0.0, 6.0, -6.0, 14.0, -14.0, 26.0, -26.0)
-    first, second = view.to_paper(spec.first), view.to_paper(spec.second)
-    out = _direction(spec.outward)
-    along = (-out[1], out[0])
-    face = math.dist(first, second)
-    for fraction in places_along(spec.at, face):
-        on = _between(spec.first, spec.second, fraction)
-        at = _between(first, second, fraction)
-        for length in lengths:
-            cost = FRAME_LEADER_COST * length + OFF_CENTRE_COST * abs(fraction - spec.at)
-            cost += END_COST * near_end(fraction, face)
-            place = _plus(at, out, length)
-            if spec.letter:
-                yield cost, DatumSymbol(spec.view, on, place, spec.letter)
-                continue
-            assert spec.characteristic is not None
-            for shift in shifts:
-                frame = FeatureControlFrame(
-                    spec.view, on, _plus(place, along, shift), spec.characteristic, spec.tolerance, spec.datums
-                )
-                yield cost + FRAME_SHIFT_COST * abs(shift), frame
-
-
-def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> Iterator[Candidate]:
-    """Datum symbols in line with the dimension line of a diameter: the datum is the axis (ISO 5459)."""
-    u = _direction(diameter.angle)
-    base = _dot(diameter.line_at, u)
-    for point, out in (
-        (diameter.first, 1.0),
-        (diameter.second, 1.0),
-        (diameter.first, -1.0),
-        (diameter.second, -1.0),
-    ):
-        step = _dot(view.to_paper(point), u) - base
-        other = diameter.second if point is diameter.first else diameter.first
-        if out * (_dot(view.to_paper(other), u) - base - step) > 0.0:
-            continue
-        foot = _plus(diameter.line_at, u, step)
-        for length in (10.0, 14.0, 18.0, 24.0, 32.0, 44.0):
-            frame_at = _plus(foot, u, out * length)
-            yield FRAME_LEADER_COST * length, DatumSymbol(spec.view, _view_point(foot, view), frame_at, spec.letter)
-
-
 def tag_candidates(spec: TagSpec, view: View, *, extended: bool = False) -> Iterator[Candidate]:
     """Names of a hole next to it in all directions, the nearest first."""
     at, radius = view.to_paper(spec.at), spec.radius * view.scale
     half = symbol_text_width(spec.text) / 2
     steps = [TAG_STEP * k for k in range(40 if extended else 14)]
     for turn in (45, 135, -45, -135, 0, 90, 180, -90, 20, 70, 110, 160, -20, -70, -110, -160):
-        out = _direction(turn)
+        out = direction(turn)
         # The box of the text touches a circle about the hole.
         clear = radius + TAG_CLEARANCE + abs(out[0]) * half + abs(out[1]) * TEXT_HEIGHT / 2
         for step in steps:
-            yield step, HoleTag(spec.view, spec.at, _plus(at, out, clear + step), spec.text)
+            yield step, HoleTag(spec.view, spec.at, plus(at, out, clear + step), spec.text)
 
 
 def target_candidates(spec: TargetSpec, view: View, outline: Box2) -> Iterator[Candidate]:
     """Circles of a datum target in all directions, preferably outside the outline of the part."""
     at = view.to_paper(spec.at)
     for turn in range(-175, 180, 5):
-        out = _direction(turn)
+        out = direction(turn)
         for length in LEADERS:
-            centre = _plus(at, out, length + TARGET)
+            centre = plus(at, out, length + TARGET)
             cost = LEADER_COST * length + _leader_cost(centre, out, outline)
             yield cost, DatumTarget(spec.view, spec.at, centre, spec.text)
 
@@ -330,7 +276,7 @@ def detail_mark_candidates(mark: DetailMark, view: View) -> Iterator[Candidate]:
     centre, radius = view.to_paper(mark.centre), mark.radius * view.scale
     for turn in (45, 135, -45, -135, 90, -90, 0, 180, 65, 25, 115, 155, -65, -25, -115, -155):
         for away in (4.0, 6.0, 9.0, 12.0, 16.0, 20.0, 26.0):
-            yield away, replace(mark, letter_at=_plus(centre, _direction(turn), radius + away))
+            yield away, replace(mark, letter_at=plus(centre, direction(turn), radius + away))
 
 
 def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
@@ -338,7 +284,7 @@ def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
     along = (-arrow.sight[1], arrow.sight[0])
     for away in range(10):
         for shift in (0.0, 8.0, -8.0, 16.0, -16.0, 28.0, -28.0, 40.0, -40.0):
-            tip = _plus(_plus(arrow.tip, arrow.sight, -CUTTING_LINE_STEP * away), along, shift)
+            tip = plus(plus(arrow.tip, arrow.sight, -CUTTING_LINE_STEP * away), along, shift)
             yield CUTTING_LINE_STEP * away + 0.1 * abs(shift), replace(arrow, tip=tip)
 
 
@@ -349,8 +295,8 @@ def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:
     for i in range(16):
         for j in range(16):
             start, end = (
-                _plus(mark.start, u, -CUTTING_LINE_STEP * i),
-                _plus(mark.end, u, CUTTING_LINE_STEP * j),
+                plus(mark.start, u, -CUTTING_LINE_STEP * i),
+                plus(mark.end, u, CUTTING_LINE_STEP * j),
             )
             yield CUTTING_LINE_STEP * (i + j), replace(mark, start=start, end=end)
 
@@ -361,25 +307,3 @@ def _leader_cost(elbow: Point2, out: Point2, outline: Box2) -> float:
     angle = abs(math.degrees(math.atan2(out[1], out[0]))) % 90
     parallel = min(angle, 90 - angle) < AXIS_PARALLEL_ANGLE
     return (INSIDE_OUTLINE_COST if inside else 0.0) + (AXIS_PARALLEL_COST if parallel else 0.0)
-
-
-def _direction(degrees: float) -> Point2:
-    turn = math.radians(degrees)
-    return (math.cos(turn), math.sin(turn))
-
-
-def _plus(point: Point2, direction: Point2, length: float) -> Point2:
-    return (point[0] + length * direction[0], point[1] + length * direction[1])
-
-
-def _between(first: Point2, second: Point2, fraction: float) -> Point2:
-    return (first[0] + fraction * (second[0] - first[0]), first[1] + fraction * (second[1] - first[1]))
-
-
-def _view_point(point: Point2, view: View) -> Point2:
-    """View coordinates of a point of the paper."""
-    return ((point[0] - view.place[0]) / view.scale, (point[1] - view.place[1]) / view.scale)
-
-
-def _dot(a: Point2, b: Point2) -> float:
-    return a[0] * b[0] + a[1] * b[1]

@@ -27,6 +27,7 @@ from drawings.annotations.annotation_geometry import TARGET, annotation_primitiv
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.annotations.symbols import BOX_RISE
+from drawings.dimensions.text import DIAMETER
 from drawings.views.bounding_box import enclosing_box
 from drawings.views.segment_index import (
     Line,
@@ -37,6 +38,7 @@ from drawings.views.segment_index import (
     enlarged,
     line_box,
     line_meets_box,
+    points_beside,
     polyline_lines,
 )
 from drawings.views.view import Box2, Layer, Point2, View
@@ -45,10 +47,17 @@ OUTLINE: tuple[Layer, ...] = ("VISIBLE", "HIDDEN")
 """Layers of the edges of the part, without centre lines and hatch."""
 LEADER_TIP = 0.3
 """Half side of the box about the tip of a leader in which a line of the part must lie, mm."""
+CALLOUT_TIP = 0.5
+"""The same for a callout, which may end between the two lines of a chamfer, mm."""
 SELF_CLEARANCE, TEXT_CLEARANCE, LINE_CLEARANCE = 0.2, 1.2, 0.4
 """Clearance of a text from the lines of its own annotation, from everything else, and of a line from a text, mm."""
 FRAME_REACH = 1.0
 """How far a control frame within a callout reaches beyond its line of text, mm."""
+ONE_POINT, ALONG = 0.8, 1.0
+"""Distance below which two leaders end at one point or one ends on a dimension line, and below which the line under a
+text runs along another line, mm."""
+TRIANGLE = 2.8
+"""Distance from the foot of a datum triangle below which a leader ends on the triangle, mm."""
 DIMENSION_LINE_SPACING = 6.0
 """Least distance of parallel dimension lines, mm."""
 
@@ -61,14 +70,19 @@ class Footprint:
         texts: bounding boxes of the texts.
         lines: all other lines.
         dimension_lines: those of `lines` that need distance from parallel dimension lines.
+        leaders: those of `lines` that are a leader, or the stem and triangle of a datum symbol.
+        shelf: line under a text, or before it, at the end of a leader.
         own_text_checked: whether an own line that meets an own text is a conflict. False for a text at an angle,
-            whose bounding box is larger than the text, and where text and lines cannot meet.
+            whose bounding box is larger than the text, for a number in a frame, which is closer to its own line than
+            another text may be, and where text and lines cannot meet.
     """
 
     texts: list[Box2]
     lines: list[Line]
     dimension_lines: list[Line]
     own_text_checked: bool = True
+    leaders: tuple[Line, ...] = ()
+    shelf: Line | None = None
 
     @property
     def boxes(self) -> list[Box2]:
@@ -86,6 +100,7 @@ class Occupancy:
         self.annotation_lines = SegmentIndex()
         self.texts: list[Box2] = []
         self.dimension_lines: list[Line] = []
+        self.dimension_index, self.leader_index = SegmentIndex(), SegmentIndex()
         self.leader_tips: list[Point2] = []
         self.datum_feet: list[Point2] = []
         self._boxes: list[Box2] = [enclosing_box([line_box(line) for line in part])]
@@ -105,6 +120,11 @@ class Occupancy:
         self.texts += footprint.texts
         self.annotation_lines.add(footprint.lines)
         self.dimension_lines += footprint.dimension_lines
+        if isinstance(annotation, LinearDimension):
+            self.dimension_index.add([_lengthened(line, ONE_POINT) for line in footprint.dimension_lines])
+        elif isinstance(annotation, SectionMark | ReferenceArrow):
+            self.dimension_index.add(footprint.lines)
+        self.leader_index.add(footprint.leaders)
         self._boxes += footprint.boxes
 
     def add_text(self, box: Box2) -> None:
@@ -115,6 +135,41 @@ class Occupancy:
     def is_on_outline(self, point: Point2) -> bool:
         """Whether an edge of the part is drawn at a point."""
         return bool(self.outline_lines.count_in(enlarged((*point, *point), LEADER_TIP)))
+
+    def is_on_part(self, tip: Point2 | None) -> bool:
+        """Whether a line of the part, of any kind, is drawn at the end of a leader."""
+        return tip is None or bool(self.part_lines.count_in(enlarged((*tip, *tip), CALLOUT_TIP)))
+
+    def is_on_arc(self, tip: Point2, centre: Point2) -> bool:
+        """Whether an edge of the part is drawn along an arc on either side of the end of a leader."""
+        return all(self.is_on_outline(point) for point in points_beside(tip, centre))
+
+    def leader_conflicts(self, annotation: Annotation, view: View, footprint: Footprint) -> int:
+        """Number of leaders, dimension lines and cutting lines that the leader of an annotation crosses, or that its
+        dimension line crosses; of those on which it ends, of leaders that end at the same point, and of edges and
+        lines along which it runs."""
+        conflicts = sum(
+            self.dimension_index.count_crossing(line) + self.leader_index.count_crossing(line)
+            for line in footprint.leaders
+        )
+        if isinstance(annotation, LinearDimension):
+            longer = [_lengthened(line, ONE_POINT) for line in footprint.dimension_lines]
+            conflicts += sum(self.leader_index.count_crossing(line) for line in longer)
+            near = [enlarged((*tip, *tip), ONE_POINT) for tip in self.leader_tips]
+            conflicts += sum(line_meets_box(line, box) for line in footprint.dimension_lines for box in near)
+        tip = leader_tip(annotation, view)
+        if tip:
+            conflicts += sum(math.dist(tip, other) < ONE_POINT for other in self.leader_tips)
+            conflicts += sum(math.dist(tip, other) < TRIANGLE for other in self.datum_feet)
+            if isinstance(annotation, DatumSymbol):
+                conflicts += sum(math.dist(tip, other) < TRIANGLE for other in self.leader_tips)
+            box = enlarged((*tip, *tip), ONE_POINT)
+            ended_on = [line for line in self.dimension_index.near(box) if line_meets_box(line, box)]
+            conflicts += sum(not _in_line(line, footprint.leaders[:1]) for line in ended_on)
+        conflicts += sum(self.outline_lines.count_parallel(line, ALONG) for line in footprint.leaders[:2])
+        if footprint.shelf:
+            conflicts += self.annotation_lines.count_parallel(footprint.shelf, ALONG)
+        return conflicts
 
     def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
         """Number of texts that the lines of an annotation pass, and of its dimension lines too near to another.
@@ -180,22 +235,34 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
                 # The frame of the number counts as text.
                 texts = [enlarged(texts[0], BOX_RISE * TEXT_HEIGHT)]
                 lines = [line for line in lines if not _is_within(line, enlarged(texts[0], 0.1))]
-            return Footprint(texts, lines, [dimension_line], annotation.angle in (0.0, 90.0))
+            checked = annotation.angle in (0.0, 90.0) and "{box:" not in annotation.text
+            return Footprint(texts, lines, [dimension_line], checked)
         case FeatureControlFrame() | DatumSymbol():
             # The whole frame counts as text.
             cells = [item.points for item in primitives if isinstance(item, Stroke) and len(item.points) == 5]
             frame = enclosing_box([(*points[0], *points[2]) for points in cells])
-            return Footprint([frame], [line for line in lines if not _is_within(line, enlarged(frame, 0.1))], [], False)
+            outside = [line for line in lines if not _is_within(line, enlarged(frame, 0.1))]
+            if isinstance(annotation, DatumSymbol):
+                return Footprint([frame], outside, [], False, _datum_lines(primitives))
+            return Footprint(
+                [frame], outside, [], False, tuple(line for line in _leader(primitives) if line in outside)
+            )
         case Callout():
             # Symbols within the text count as text; the rest is the leader.
             texts = [callout_box(annotation, number) for number in range(len(annotation.lines))]
             near = [enlarged(box, FRAME_REACH) for box in texts]
-            return Footprint(texts, [line for line in lines if not any(_is_within(line, box) for box in near)], [])
+            outside = [line for line in lines if not any(_is_within(line, box) for box in near)]
+            leader = _leader(primitives)
+            return Footprint(texts, outside, [], leaders=leader, shelf=leader[-1])
+        case RadialDimension():
+            leader = _leader(primitives)
+            return Footprint(texts, lines, [], leaders=leader, shelf=leader[-1])
         case DatumTarget():
             # The whole circle counts as text.
             circle = enlarged((*annotation.centre, *annotation.centre), TARGET)
-            leader = [line for line in lines if not _is_within(line, enlarged(circle, 0.1))]
-            return Footprint([circle], leader, [], False)
+            outside = [line for line in lines if not _is_within(line, enlarged(circle, 0.1))]
+            end = view.to_paper(annotation.at)
+            return Footprint([circle], outside, [], False, tuple(line for line in outside if line[2:] == end))
         case SectionMark():
             # Dimension lines keep away from the stems of the arrows.
             u, v = annotation.sight
@@ -205,6 +272,18 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             return Footprint(texts, lines, [], not isinstance(annotation, DetailMark | ReferenceArrow))
 
 
+def _leader(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
+    """Lines of the leader: the first line of a callout, radius or control frame."""
+    first = next(item for item in primitives if isinstance(item, Stroke))
+    return tuple(polyline_lines(first.points))
+
+
+def _datum_lines(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
+    """Stem of a datum symbol, and the two sides of its triangle that meet in the stem."""
+    apex, *base = next(item.points for item in primitives if isinstance(item, FilledPolygon))
+    return (*_leader(primitives), *((*apex, *corner) for corner in base))
+
+
 def attachment_point(annotation: Annotation, view: View) -> Point2 | None:
     """Point at which the arrow or datum triangle of an annotation must meet a line of the part; None if it need not."""
     match annotation:
@@ -212,10 +291,17 @@ def attachment_point(annotation: Annotation, view: View) -> Point2 | None:
             turn = math.radians(annotation.towards)
             u, v = annotation.centre
             return view.to_paper((u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn)))
+        case FeatureControlFrame() if is_axial(annotation):
+            return None
         case FeatureControlFrame() | DatumSymbol():
             return view.to_paper(annotation.at)
         case _:
             return None
+
+
+def is_axial(annotation: Annotation) -> bool:
+    """Whether an annotation is the control frame of an axis, in line with the dimension line of its diameter."""
+    return isinstance(annotation, FeatureControlFrame) and annotation.tolerance.startswith(DIAMETER)
 
 
 def leader_tip(annotation: Annotation, view: View) -> Point2 | None:
@@ -269,6 +355,19 @@ def _lines(item: Primitive) -> list[Line]:
             return polyline_lines((*item.points, item.points[0]))
         case _:
             return []
+
+
+def _lengthened(line: Line, by: float) -> Line:
+    """A line made longer at both ends."""
+    length = max(math.dist(line[:2], line[2:]), 1e-9)
+    u, v = by * (line[2] - line[0]) / length, by * (line[3] - line[1]) / length
+    return (line[0] - u, line[1] - v, line[2] + u, line[3] + v)
+
+
+def _in_line(line: Line, others: Sequence[Line]) -> bool:
+    """Whether a line is parallel to all others, as a datum symbol is to the dimension line that it continues."""
+    dx, dy = line[2] - line[0], line[3] - line[1]
+    return all(abs(dx * (y1 - y0) - dy * (x1 - x0)) < 1e-6 for x0, y0, x1, y1 in others)
 
 
 def _too_near(one: Line, other: Line) -> bool:

@@ -13,9 +13,18 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation import Annotation, DetailMark, LinearDimension, ReferenceArrow, SectionMark
+from drawings.annotations.annotation import (
+    Annotation,
+    Callout,
+    DetailMark,
+    LinearDimension,
+    RadialDimension,
+    ReferenceArrow,
+    SectionMark,
+)
 from drawings.annotations.font import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
+from drawings.dimensions.edges import CLEAR_OF_END
 from drawings.dimensions.specification import (
     AngleSpec,
     CalloutSpec,
@@ -30,18 +39,18 @@ from drawings.dimensions.text import DIAMETER
 from drawings.placement.candidates import (
     Candidate,
     angle_candidates,
-    axis_candidates,
     callout_candidates,
     detail_mark_candidates,
     distance_candidates,
-    frame_candidates,
     reference_arrow_candidates,
     round_candidates,
     section_mark_candidates,
     tag_candidates,
     target_candidates,
 )
+from drawings.placement.frames import axis_candidates, frame_candidates
 from drawings.placement.occupancy import (
+    LEADER_TIP,
     LINE_CLEARANCE,
     Occupancy,
     attachment_point,
@@ -49,7 +58,7 @@ from drawings.placement.occupancy import (
     leader_tip,
     view_outline,
 )
-from drawings.views.segment_index import Line, enlarged, line_meets_box
+from drawings.views.segment_index import Line, SegmentIndex, enlarged, line_meets_box
 from drawings.views.view import Box2, Point2, View
 
 CONFLICT = 80.0
@@ -58,16 +67,22 @@ CROSSING = 3.0
 """Cost of each crossing of a line with a line of another annotation, mm."""
 PART_CROSSING = 0.3
 """Cost of each crossing of a line with a line of the part, mm."""
+OUTLINE_CROSSING = 1.5
+"""Further cost of each crossing of a leader with an edge of the part, mm."""
 ON_PART_LINE, ON_PART_DISTANCE = 12.0, 1.5
 """Cost of each line of the part close to a dimension line, and the distance below which it counts, mm."""
 KEEP_OUT = 2.5
 """Cost of each keep-out line that a text covers, mm."""
 SHARED_TIP, TIP_DISTANCE = 6.0, 3.0
 """Cost of each leader tip near the tip of another leader, and the distance below which it counts, mm."""
+MOVED_TIP = 4.0
+"""Step by which the end of a leader is moved along a straight edge, mm."""
 DETACHED = 30.0
 """Cost of a leader that ends where no edge of the part is drawn, or at a datum triangle, mm."""
 DATUM_DISTANCE = 4.5
 """Distance from the foot of a datum triangle below which a leader ends at the triangle, mm."""
+LEADER_WAY, WAY_OUT = 3.0, 30.0
+"""Cost of each probable leader that a dimension line crosses, and the length of such a leader, mm."""
 KEEP_OUT_LENGTH = 60.0
 """Length of a keep-out line outside the part, mm."""
 RUNS = 6
@@ -157,6 +172,7 @@ class _Run:
         self.conflicts = 0
         self.label_at: Point2 | None = None
         self._keep_out_lines: list[Line] = []
+        self._leader_ways: list[Line] = []
 
     def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
         """Place annotations in an order, cutting lines outside the distances, and last the label of the view."""
@@ -169,6 +185,7 @@ class _Run:
             if number == last_distance + 1:
                 self._place_cutting_lines(cutting_lines)
             self._keep_out_lines = [line for other in order[number + 1 :] for line in self._extension_lines(other)]
+            self._leader_ways = [line for other in order[number + 1 :] for line in self._ways_out(other)]
             self._place(spec)
         if last_distance == len(order) - 1:
             self._place_cutting_lines(cutting_lines)
@@ -186,6 +203,18 @@ class _Run:
             else:
                 lines += [(x0 - KEEP_OUT_LENGTH, y, x, y), (x, y, x1 + KEEP_OUT_LENGTH, y)]
         return lines
+
+    def _ways_out(self, spec: DimensionSpec) -> list[Line]:
+        """The way that the leader of an annotation that is not placed yet probably takes out of its face."""
+        if isinstance(spec, CalloutSpec) and spec.outward is not None:
+            (x, y), turn = self.view.to_paper(spec.at), math.radians(spec.outward)
+        elif isinstance(spec, FrameSpec) and not spec.diameter:
+            ends = map(self.view.to_paper, (spec.first, spec.second))
+            x, y = (a + spec.at * (b - a) for a, b in zip(*ends, strict=True))
+            turn = math.radians(spec.outward)
+        else:
+            return []
+        return [(x, y, x + WAY_OUT * math.cos(turn), y + WAY_OUT * math.sin(turn))]
 
     def _place_label(self) -> None:
         """Place the label of the view at the highest free position below the part."""
@@ -239,7 +268,7 @@ class _Run:
                 return angle_candidates(spec, self.view, extended=extended)
             case FrameSpec():
                 diameter = self._diameter_dimension(spec)
-                if diameter and not extended:
+                if diameter and (spec.characteristic or not extended):
                     return axis_candidates(spec, self.view, diameter)
                 return frame_candidates(spec, self.view, extended=extended)
             case TagSpec():
@@ -252,8 +281,24 @@ class _Run:
                 drawn = [end for end in ends if self.occupancy.is_on_outline(self.view.to_paper(end))]
                 if drawn:
                     spec = replace(spec, at=drawn[0], choices=tuple(drawn[1:]))
+                elif not spec.radius:
+                    spec = replace(spec, choices=self._along_edge(spec.at))
                 columns = (box[0] - 3.0, box[2] + 3.0)
                 return callout_candidates(spec, self.view, self.outline, columns, extended=extended)
+
+    def _along_edge(self, at: Point2) -> tuple[Point2, ...]:
+        """Other points of the straight edge through a point, clear of the ends of the edge, view coordinates."""
+        x, y = self.view.to_paper(at)
+        box = enlarged((x, y, x, y), LEADER_TIP)
+        for line in self.occupancy.outline_lines.near(box):
+            length = math.dist(line[:2], line[2:])
+            if length > MOVED_TIP and line_meets_box(line, box):
+                u = ((line[2] - line[0]) / length, (line[3] - line[1]) / length)
+                low, high = self.occupancy.outline_lines.collinear_run((x, y), u, LEADER_TIP)
+                steps = (MOVED_TIP, -MOVED_TIP, 2 * MOVED_TIP, -2 * MOVED_TIP)
+                clear = [s for s in steps if low + CLEAR_OF_END <= s <= high - CLEAR_OF_END]
+                return tuple((at[0] + s * u[0] / self.view.scale, at[1] + s * u[1] / self.view.scale) for s in clear)
+        return ()
 
     def _diameter_dimension(self, spec: FrameSpec) -> LinearDimension | None:
         """The placed dimension of the diameter, or of the distance of two faces, whose middle is the datum."""
@@ -270,6 +315,8 @@ class _Run:
         conflicts = occupancy.line_conflicts(footprint, limit / CONFLICT)
         if CONFLICT * conflicts < limit:
             conflicts += sum(occupancy.text_conflicts(box) for box in footprint.texts)
+        if CONFLICT * conflicts < limit:
+            conflicts += occupancy.leader_conflicts(annotation, self.view, footprint)
         cost = CONFLICT * conflicts
         if cost >= limit:
             return cost, conflicts
@@ -280,10 +327,18 @@ class _Run:
         point, tip = attachment_point(annotation, self.view), leader_tip(annotation, self.view)
         if point and not occupancy.is_on_outline(point):
             cost += DETACHED
+        if point and isinstance(annotation, RadialDimension):
+            cost += 0.0 if occupancy.is_on_arc(point, self.view.to_paper(annotation.centre)) else DETACHED
+        if isinstance(annotation, Callout) and not occupancy.is_on_part(tip):
+            cost += DETACHED
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
             cost += DETACHED * sum(math.dist(tip, other) < DATUM_DISTANCE for other in occupancy.datum_feet)
         cost += PART_CROSSING * sum(occupancy.part_lines.count_crossing(line) for line in footprint.lines)
+        cost += OUTLINE_CROSSING * sum(occupancy.outline_lines.count_crossing(line) for line in footprint.leaders)
+        if isinstance(annotation, LinearDimension):
+            ways = SegmentIndex(self._leader_ways)
+            cost += LEADER_WAY * sum(ways.count_crossing(line) for line in footprint.dimension_lines)
         parallel_lines = sum(
             occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines
         )

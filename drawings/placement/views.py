@@ -165,7 +165,8 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
     for other in sorted(whole, key=lambda other: other.cut is not None):
         if view.clip and other.projection == view.projection:
             return other
-    for other in (*first, *whole):
+    # Preferably where the section would be in its place by projection, not turned.
+    for other in (*first, *sorted(whole, key=lambda other: _is_turned(view, other))):
         if (
             view.cut
             and not view.clip
@@ -174,6 +175,13 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
         ):
             return other
     return None
+
+
+def _is_turned(view: View, other: View) -> bool:
+    """Whether a view is turned against its place by projection beside, above or below another view."""
+    eye = view.projection.towards_eye
+    shared = "up" if abs(dot(eye, other.projection.right)) > 0.5 else "right"
+    return dot(getattr(view.projection, shared), getattr(other.projection, shared)) < 1 - 1e-6
 
 
 def _aligned(every: Sequence[AnnotatedView]) -> dict[str, Point2]:

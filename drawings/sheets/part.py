@@ -24,9 +24,9 @@ from drawings.views.centre_lines import axes_of, centre_lines
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
-from drawings.views.thread_lines import ThreadedHole, thread_lines
+from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, Point2, View, dot
-from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance
+from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point
 from stagecad.solids.modelling.dimensioning import THREAD_DIAMETER
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -65,8 +65,20 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
             into = (sign * axis[0], sign * axis[1], sign * axis[2])
             length = min(depth or math.inf, high - low)
             major = THREAD_DIAMETER[drill.note]
-            found.append(ThreadedHole((x, y, z), into, length, drill.value, major, depth is not None))
+            rim = _rim((x, y, z), into, verifier)
+            found.append(ThreadedHole((x, y, z), into, length, drill.value, major, depth is not None, rim))
     return tuple(found)
+
+
+def _rim(mouth: Point, into: Point, verifier: DimensionVerifier) -> float:
+    """Radius of the conical chamfer in front of the mouth of a hole; 0 without one."""
+    level = dot(mouth, into)
+    for surface in verifier.surfaces:
+        if surface.kind == "CONE" and abs(abs(dot(surface.axis, into)) - 1) < 1e-6 and surface.off_axis(mouth) < 1e-4:
+            low, high = surface.extent(into)
+            if abs(high - level) < 1e-3 and low < level - 1e-3:
+                return max(map(surface.off_axis, surface.vertices))
+    return 0.0
 
 
 def part_views(
@@ -98,9 +110,9 @@ def part_views(
         else:
             curves = dict(projected[plan.projection, plan.hidden])
         if plan.projection != "iso":
-            threads = thread_lines(curves, holes, projection, plan.cut)
+            threads = thread_lines(curves, holes, projection, plan.cut, scale)
             curves["THREAD"] = threads["THREAD"]
-            curves["VISIBLE"] = (*curves["VISIBLE"], *threads["VISIBLE"])
+            curves["VISIBLE"] = (*without_mouths(curves["VISIBLE"], holes, projection), *threads["VISIBLE"])
             curves["CENTRE"] = centre_lines(curves, axes, projection, scale, plan.symmetry)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])

@@ -11,8 +11,9 @@ from drawings.sheets.frame import Paper, drawing_space
 from drawings.views.view import Arc, Box2, Point2
 
 WIDTH, HEIGHT = 180.0, 67.0
-DESCENT = 0.54
-"""Height of a base line over the lower edge of its cell, in heights of the text: an underscore stays in the cell."""
+BASE_LINE, DESCENT = 1.9, 0.43
+"""Least height of a base line over the lower edge of its cell, mm, and in heights of the text: an underscore stays in
+the cell."""
 REVISION_ROW = 5.0
 """Height of a row of the revision table, mm."""
 
@@ -158,7 +159,7 @@ def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primiti
         yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     if text:
         fitting = min(1.0, (x1 - x0 - 3.0) / text_width(text, height))
-        yield Text(text, (x0 + 1.8, y0 + DESCENT * height), height * fitting)
+        yield Text(text, (x0 + 1.8, y0 + max(BASE_LINE, DESCENT * height)), height * fitting)
 
 
 def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Primitive]:

@@ -20,6 +20,11 @@ CHORD = 0.05
 """Greatest distance of a chord from its arc, mm on the paper."""
 
 
+BESIDE_TIP, OF_RADIUS = 1.5, 0.25
+"""Distance along an arc on either side of the end of a leader at which the arc must be drawn, mm on the paper, and its
+greatest value as a fraction of the radius."""
+
+
 class SegmentIndex:
     """Straight lines as arrays, with their bounding boxes, for vectorised queries."""
 
@@ -143,6 +148,18 @@ def arc_points(arc: Arc, scale: float = 1.0) -> list[Point2]:
         (arc.centre[0] + arc.radius * math.cos(a), arc.centre[1] + arc.radius * math.sin(a))
         for a in (start + turn * i / count for i in range(count + 1))
     ]
+
+
+def points_beside(tip: Point2, centre: Point2) -> tuple[Point2, Point2]:
+    """Points of the arc on either side of the end of the leader of a radius, mm on paper."""
+    radius = math.dist(tip, centre)
+    turn = math.atan2(tip[1] - centre[1], tip[0] - centre[0])
+    step = min(BESIDE_TIP / max(radius, 1e-9), OF_RADIUS)
+    one, other = (
+        (centre[0] + radius * math.cos(turn + side), centre[1] + radius * math.sin(turn + side))
+        for side in (-step, step)
+    )
+    return one, other
 
 
 def curve_points(curve: Curve, scale: float = 1.0) -> Sequence[Point2]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drawings.views.view import Arc, Curve, Cut, Layer, Point2, Projection, Segment, dot
 from stagecad.parameters.dimension import Point
@@ -11,6 +12,8 @@ from stagecad.parameters.dimension import Point
 NEAR = 1e-3
 """Greatest difference of a drawn circle from the drill's, mm."""
 SQUARE = 1e-6
+LEAST = 0.7
+"""Least distance between the lines of crest and root, mm on the paper (ISO 6410-1)."""
 OPEN = (100.0, 350.0)
 """Ends of the circle of a thread, degrees."""
 
@@ -25,6 +28,7 @@ class ThreadedHole:
         length: of the full thread, mm.
         drill, major: diameters, mm.
         blind: whether the thread ends before the hole does.
+        rim: radius of the chamfer at the mouth, mm; 0 without one.
     """
 
     mouth: Point
@@ -33,10 +37,15 @@ class ThreadedHole:
     drill: float
     major: float
     blind: bool
+    rim: float = 0.0
 
 
 def thread_lines(
-    curves: Mapping[Layer, Iterable[Curve]], holes: Iterable[ThreadedHole], projection: Projection, cut: Cut | None
+    curves: Mapping[Layer, Iterable[Curve]],
+    holes: Iterable[ThreadedHole],
+    projection: Projection,
+    cut: Cut | None,
+    scale: float,
 ) -> dict[Layer, tuple[Curve, ...]]:
     """Lines of the threads that a view shows, by layer; a thread is seen where the circle of its drill is drawn.
 
@@ -44,7 +53,9 @@ def thread_lines(
         curves: of the view.
         holes: of the part.
         cut: plane of a section.
+        scale: of the view; where the depth of the thread is less than 0.7 mm on the paper, the thin line is moved out.
     """
+    holes = [replace(hole, major=max(hole.major, hole.drill + 2 * LEAST / scale)) for hole in holes]
     circles = [curve for curve in curves.get("VISIBLE", ()) if isinstance(curve, Arc)]
     thin: list[Curve] = []
     wide: list[Curve] = []
@@ -57,6 +68,21 @@ def thread_lines(
             thin += _sides(hole, projection)
             wide += [_end(hole, projection)] if hole.blind else []
     return {"THREAD": tuple(thin), "VISIBLE": tuple(wide)}
+
+
+def without_mouths(curves: Iterable[Curve], holes: Iterable[ThreadedHole], projection: Projection) -> tuple[Curve, ...]:
+    """Visible curves of a view without the circles of the chamfers of tapped holes, which are omitted (ISO 6410-1)."""
+    rims = [
+        (projection.to_view(hole.mouth), hole.rim)
+        for hole in holes
+        if hole.rim and abs(abs(dot(hole.into, projection.towards_eye)) - 1.0) < SQUARE
+    ]
+    return tuple(
+        curve
+        for curve in curves
+        if not isinstance(curve, Arc)
+        or not any(abs(curve.radius - rim) < NEAR and math.dist(curve.centre, at) < NEAR for at, rim in rims)
+    )
 
 
 def _is_drawn(centre: Point2, radius: float, circles: Iterable[Arc]) -> bool:
