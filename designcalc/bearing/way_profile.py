@@ -40,10 +40,6 @@ class Surface:
         """The same, rough alone."""
         return replace(self, waviness=0.0)
 
-    def without_roughness(self) -> Surface:
-        """The same, its waves alone."""
-        return replace(self, roughness=0.0)
-
 
 def synthetic_profiles(
     surface: Surface,

@@ -196,11 +196,6 @@ class Derived:
         return self.design.bearing_way.height + self.design.pads.height
 
     @property
-    def payload_height(self) -> float:
-        """Height of the payload face."""
-        return self.drive_surface_height + self.design.stage.thickness
-
-    @property
     def wedge_height(self) -> float:
         """Height of the wedge face at the middle of the adjustment."""
         return self.design.height_pin_1.flat_height - self.design.base.pin_1_axis_depth
@@ -321,11 +316,6 @@ class Derived:
     def way_screw_engagement(self) -> float:
         """Length of thread that a way screw has in the base."""
         return self.design.screws.way.length - self.design.bearing_way.flange_thickness
-
-    @property
-    def drive_surface_length(self) -> float:
-        """Length of the drive surface along the travel: the stage's own."""
-        return self.design.stage.length
 
     @property
     def drive_surface_width(self) -> float:
