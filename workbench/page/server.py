@@ -204,6 +204,8 @@ def serve(
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
+        # A browser that is opened at once waits until the server answers, and is not refused.
+        listening.listen()
     except OSError as error:
         listening.close()
         reason = error.strerror or error

@@ -13,6 +13,11 @@ import pytest
 from PIL import Image
 from served_page import Browser, chromium, looking, serving
 
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.history import read_history
+from sysid.ladder import add_effects
+from tests.sysid.axis_with_pitch import write
+
 pytestmark = pytest.mark.xdist_group("browser")
 
 
@@ -250,6 +255,22 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     page.locator(".search").get_by_role("button", name="Cancel").dispatch_event("click")
     page.locator("#message", has_text="cancelled").wait_for()
     assert page.locator(".candidate").count() == 0
+    _expected(browser)
+
+
+def test_an_effect_that_is_not_needed_is_removed_by_a_button(browser: Browser, folder: Path) -> None:
+    page = browser.page
+    page.set_default_timeout(60_000)
+    (folder / "axis").mkdir()
+    add_effects(write(folder / "axis", lambda x, v: 1.5 * np.sign(v) + 12.0 * v), ["quadratic_drag"])
+    browser.open("measurement")
+    page.locator(".experiment[data-name='axis']").click()
+    page.get_by_role("button", name="Diagnose", exact=True).click()
+    page.get_by_role("button", name="Remove quadratic drag").click()
+    page.locator(".rung", has_text="quadratic").wait_for()
+    page.locator(".rung >> nth=2").wait_for()
+    page.locator(".search progress").wait_for(state="detached")
+    assert [list(one.effects) for one in read_history(load_experiment(folder / "axis"))][-1] == ["coulomb", "viscous"]
     _expected(browser)
 
 

@@ -268,13 +268,20 @@ class Measurement {
       h('div', { class: `card verdict ${document.verdict}` }, h('b', {}, titles[document.verdict]),
         document.indistinguishable.length ? h('p', { class: 'warn' }, found.ties) : null,
         document.unexplained_share > 0.05 ? h('p', { class: 'dim' }, `${Math.round(100 * document.unexplained_share)} % of the misfit stays unexplained`) : null,
-        found.remarks.map((text) => h('p', { class: 'dim' }, text))),
+        found.remarks.map((text) => h('p', { class: 'dim' }, text)),
+        document.swaps.map((swap) => this.replacement(swap))),
       h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
         h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', {}, 'error removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
       errorTable(document.before), this.sliders.card(document, []), this.records(found));
     const first = document.effect ?? document.ranking[0]?.effect;
     if (first && document.verdict !== 'adequate') this.previewOf(first);
+  }
+
+  replacement({ instead_of: old, effect }) {
+    const command = `stagecad add ${effect ? `${effect} ` : ''}--drop ${old}`;
+    const title = effect ? `Replace ${words(old)} by ${words(effect)}` : `Remove ${words(old)}`;
+    return h('button', { class: 'small add', title: command, onclick: () => this.start('add', { effects: effect ? [effect] : [], drop: [old] }) }, title);
   }
 
   candidate(row, best, document) {
