@@ -12,6 +12,9 @@ from typing import NamedTuple
 from sim.integration.problem import WORKS, inlined
 from sim.integration.right_hand_side import drive_at
 
+HEAD = 4
+"""Columns kept for the states of the head; those that a model lacks are zero."""
+
 
 class Factors(NamedTuple):
     """Scalars of the elimination: s = 1/(gamma h), and the inverses of s and of the pivots."""
@@ -32,7 +35,7 @@ def assemble(t, y, branch, acting, problem, terms, jacobian):
     _, drive_rate = drive_at(t, problem.drive, branch.segment)
     for j in range(layout.size):
         ft[j] = 0.0
-    for j in range(layout.head):
+    for j in range(HEAD):
         jacobian.velocity_by_head[j] = -body.feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * body.inverse_mass
     jacobian.velocity_by_head[0] -= branch.engaged * body.spring * body.inverse_mass
     ft[1] = -body.feedback * (slope[1, 4] + slope[2, 4] + slope[3, 4]) * body.inverse_mass
@@ -42,7 +45,7 @@ def assemble(t, y, branch, acting, problem, terms, jacobian):
     for k in range(layout.elements):
         jacobian.element_by_self[k] = elements[k, 2]
         jacobian.velocity_by_element[k] = -body.feedback * elements[k, 5] * body.inverse_mass
-        for j in range(layout.head):
+        for j in range(HEAD):
             jacobian.element_by_head[k, j] = elements[k, 4] * slope[0, j]
         jacobian.element_by_head[k, 1] += elements[k, 3]
         ft[layout.head + k] = elements[k, 4] * slope[0, 4]
@@ -61,7 +64,7 @@ def assemble(t, y, branch, acting, problem, terms, jacobian):
 def _assemble_works(v, branch, acting, problem, terms, jacobian):
     push, reaction = acting
     by_head, slope = jacobian.work_by_head, terms.slope
-    for j in range(problem.layout.head):
+    for j in range(HEAD):
         by_head[0, j] = slope[1, j] * v
         by_head[1, j] = (slope[2, j] + slope[3, j]) * v
         by_head[2, j] = 0.0
@@ -81,11 +84,11 @@ def factorise(gamma_h, branch, problem, jacobian):
     layout, body, oscillators = problem.layout, problem.body, problem.laws.oscillators
     inverse, effective = jacobian.inverse, jacobian.effective
     s = 1.0 / gamma_h
-    for j in range(layout.head):
+    for j in range(HEAD):
         effective[j] = jacobian.velocity_by_head[j]
     for k in range(layout.elements):
         inverse[k] = 1.0 / (s - jacobian.element_by_self[k])
-        for j in range(layout.head):
+        for j in range(HEAD):
             effective[j] += jacobian.velocity_by_element[k] * jacobian.element_by_head[k, j] * inverse[k]
     for o in range(layout.oscillators):
         back = oscillators[o, 0] * gamma_h + oscillators[o, 1]

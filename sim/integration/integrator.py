@@ -11,6 +11,7 @@ This module imports numba: import it only when something is integrated.
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -30,6 +31,7 @@ from sim.integration.dense_output import (
 )
 from sim.integration.problem import (
     AXIS_FIELDS,
+    BRANCH,
     COLUMNS,
     POSITION,
     SLOPES,
@@ -47,13 +49,15 @@ from sim.integration.problem import (
     inlined,
 )
 from sim.integration.right_hand_side import drive_at, friction_terms, rates_of_change
-from sim.integration.rodas5p import STAGES, dense_coefficients, evaluate, squared_error, stages
+from sim.integration.rodas5p import STAGES, STEP, dense_coefficients, evaluate
 from sim.numerics.compilation import INLINED
-from sim.numerics.views import Zeros, over_views
+from sim.numerics.views import Part, Zeros, over_views
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 REPORT_HEAD = 4
 """Numbers of the report before the state."""
+
+_take_step = STEP.call
 
 
 class _Attempt(NamedTuple):
@@ -78,13 +82,41 @@ class _Attempt(NamedTuple):
     lands: bool
 
 
+def _linearise_part(memory, arguments):
+    """Write laws, rates and Jacobian at the start `t` of a step to `work`; returns the direction of the motion, which
+    at a reversal is that of the acceleration.
+
+    moves: whether the direction of the branch is that of the motion already.
+    """
+    t, branch, moves = arguments
+    problem, _, _, work, _ = memory[0]
+    y, delayed, acting, turned = work.y, (0.0, 0.0), (0.0, 0.0), False
+    if problem.body.friction_delay > 0.0:
+        delayed = delayed_speed(t - problem.body.friction_delay, work)
+        forget_before(t - problem.body.friction_delay, work)
+    for _ in range(2):
+        friction_terms(t, y, branch.direction, delayed, WITH_SLOPES, problem, work.terms)
+        acting = rates_of_change(t, y, branch, problem, work.terms, work.rates)
+        if moves or turned or work.rates[1] * branch.direction >= 0.0:
+            break
+        branch = Branch(-branch.direction, branch.engaged, branch.edge, branch.segment)
+        turned = True
+    assemble(t, y, branch, acting, problem, work.terms, work.jacobian)
+    return branch.direction
+
+
+LINEARISE = Part(_linearise_part, (0.0, BRANCH, 0))
+_linearise = LINEARISE.call
+
+
 @inlined
-def _start_step(t, segment, direction, margins, problem, work):
+def _start_step(t, segment, direction, margins, memory):
     """Branch of the step that begins at `t`; the rates and the Jacobian there go to `work`.
 
     margins: speed below which the motion counts as at rest, m/s, and accuracy of the force of the spring, N.
     """
     still, slack = margins
+    problem, _, _, work, parts = memory[0]
     layout, body, y = problem.layout, problem.body, work.y
     engaged, edge = 1.0, 0.0
     if body.half_gap > 0.0:
@@ -93,23 +125,11 @@ def _start_step(t, segment, direction, margins, problem, work):
             command, rate = y[layout.lag], (command - y[layout.lag]) / body.drive_lag
         stretched, opening = command - body.spring * y[0], rate - body.spring * y[1]
         engaged, edge = side_of_backlash(stretched, opening, body.half_gap, slack)
-    delayed = (0.0, 0.0)
-    if body.friction_delay > 0.0:
-        delayed = delayed_speed(t - body.friction_delay, work)
-        forget_before(t - body.friction_delay, work)
     moves = abs(y[1]) > 2.0 * still
     if moves:
         direction = 1.0 if y[1] > 0.0 else -1.0
-    branch, acting = Branch(direction, engaged, edge, segment), (0.0, 0.0)
-    for turn in range(2):
-        friction_terms(t, y, branch.direction, delayed, WITH_SLOPES, problem, work.terms)
-        acting = rates_of_change(t, y, branch, problem, work.terms, work.rates)
-        if moves or turn == 1 or work.rates[1] * branch.direction >= 0.0:
-            break
-        # At a reversal the motion goes in the direction of its acceleration.
-        branch = Branch(-direction, engaged, edge, segment)
-    assemble(t, y, branch, acting, problem, work.terms, work.jacobian)
-    return branch
+    direction = _linearise(parts[0], memory, (t, Branch(direction, engaged, edge, segment), moves))
+    return Branch(direction, engaged, edge, segment)
 
 
 @inlined
@@ -125,17 +145,20 @@ def _part_accepted(t, h, branch, margins, problem, work):
 
 
 @inlined
-def _attempt(t, span, branch, margins, tolerance, problem, work):
+def _attempt(t, span, branch, margins, memory):
     """Try steps from `t`, ever shorter, until one is accepted; span: length to try, time up to which it may go, and
     attempts left."""
     h, limit, attempts = span
+    problem, _, _, work, parts = memory[0]
     next_h, lands = h, t + 1.0001 * h >= limit
     if lands:
         h = limit - t
     rejected, shortened = 0, 0
     while True:
-        finite = stages(t, h, branch, problem, work)
-        error = squared_error(problem.layout.size, tolerance, work) if finite else math.inf
+        error = _take_step(parts[1], memory, (t, h, branch))
+        finite = error >= 0.0
+        if not finite:
+            error = math.inf
         # The error is squared; the length that meets the tolerance goes with its fifth root.
         gain = max(error, 1e-12) ** -0.1
         if error <= 1.0:
@@ -160,19 +183,20 @@ def _attempt(t, span, branch, margins, tolerance, problem, work):
             return _Attempt(outcome, h, 0.0, next_h, gain, rejected, False)
 
 
-@inlined
-def _write_outputs(t, h, rows, branch, problem, output, work):
-    """Write states and forces at the output's rows (first, end) that lie within the step."""
+def _write_outputs(memory, arguments):
+    """Write states and forces at the output's rows from `first` to before `end`, which lie within the step."""
+    t, h, first, end, branch = arguments
+    problem, _, output, work, _ = memory[0]
     inverse_h = 1.0 / h
     for j in range(output.states.shape[0]):
         state = output.states[j]
         before, after = work.y[j], work.fresh[j]
         d0, d1, d2 = work.dense[j, 0], work.dense[j, 1], work.dense[j, 2]
-        for o in range(rows[0], rows[1]):
+        for o in range(first, end):
             state[o] = interpolate((output.time[o] - t) * inverse_h, before, after, d0, d1, d2)
     if output.forces.shape[0] == 0:
-        return
-    for o in range(rows[0], rows[1]):
+        return 0.0
+    for o in range(first, end):
         for j in range(problem.layout.size):
             work.point[j] = output.states[j, o]
         evaluate(output.time[o], work.point, branch, problem, work, work.rates)
@@ -183,12 +207,18 @@ def _write_outputs(t, h, rows, branch, problem, output, work):
         output.forces[o, 0], output.forces[o, 1], output.forces[o, 2] = total[0], total[1], total[2] + total[3]
         stretched = command - problem.body.spring * work.point[0]
         output.forces[o, 3] = branch.engaged * (stretched - branch.edge)
+    return 0.0
+
+
+OUTPUTS = Part(_write_outputs, (0.0, 0.0, 0, 0, BRANCH))
+_write = OUTPUTS.call
 
 
 @inlined
-def _finish_step(t, after, step, next_output, branch, problem, output, work):
+def _finish_step(t, after, step, next_output, branch, memory):
     """Write the outputs up to `after`, and put the state there; returns the first output beyond, or -1 where the
     history of the speed is full."""
+    problem, _, output, work, parts = memory[0]
     due = next_output
     while due < output.time.shape[0] and output.time[due] <= after:
         due += 1
@@ -200,7 +230,7 @@ def _finish_step(t, after, step, next_output, branch, problem, output, work):
     for j in range(needed):
         if j != VELOCITY:
             dense_coefficients(j, work)
-    _write_outputs(t, step.h, (next_output, due), branch, problem, output, work)
+    _write(parts[2], memory, (t, step.h, next_output, due, branch))
     if problem.body.friction_delay > 0.0 and not keep_velocity(t, step.h, work):
         return -1
     for j in range(problem.layout.size):
@@ -210,7 +240,7 @@ def _finish_step(t, after, step, next_output, branch, problem, output, work):
 
 def _steps(memory):
     """The integration, in arrays that are given."""
-    problem, tolerance, output, work = memory[0]
+    problem, tolerance, output, work, _ = memory[0]
     segments = problem.drive.rates.shape[0]
     t, end = output.time[0], output.time[output.time.shape[0] - 1]
     # Of a type that does not change: a literal zero would compile what it is passed to once more.
@@ -231,17 +261,17 @@ def _steps(memory):
         limit = end
         if segment + 1 < segments and problem.drive.knots[segment + 1] < end:
             limit = problem.drive.knots[segment + 1]
-        branch = _start_step(t, segment, direction, margins, problem, work)
+        branch = _start_step(t, segment, direction, margins, memory)
         direction = branch.direction
         span = (h, limit, tolerance.most_steps - steps - rejected)
-        step = _attempt(t, span, branch, margins, tolerance, problem, work)
+        step = _attempt(t, span, branch, margins, memory)
         rejected += step.rejected
         if step.outcome != DONE:
             outcome = step.outcome
             break
         steps += 1
         after = limit if step.lands else t + step.part * step.h
-        next_output = _finish_step(t, after, step, next_output, branch, problem, output, work)
+        next_output = _finish_step(t, after, step, next_output, branch, memory)
         if next_output < 0:
             outcome = TOO_MANY_STEPS
             break
@@ -261,14 +291,13 @@ def _steps(memory):
         output.report[REPORT_HEAD + j] = work.y[j]
 
 
-_compiled_steps = over_views(_steps, SOURCES, INLINED["fastmath"])
+_compiled_steps = over_views(_steps, SOURCES, INLINED["fastmath"], [LINEARISE, STEP, OUTPUTS])
 
 
-def integrate(problem: Problem, start: np.ndarray, tolerance: Tolerance, output: Output) -> None:
-    """Integrate from the first to the last instant of `output`; the report is [outcome, time, accepted steps, rejected
-    attempts, *state]."""
-    size, m = problem.layout.size, max(problem.layout.size - 2, 1)
-    terms = Terms(Zeros((AXIS_FIELDS,)), Zeros((4 * COLUMNS,)), Zeros((m, 8)), Zeros((4,)), Zeros((4, SLOPES)))
+@functools.lru_cache(maxsize=64)
+def _workspace(size: int, keeps_history: bool) -> Workspace:
+    """The arrays of an integration with `size` states; those whose values are given are empty."""
+    m = max(size - 2, 1)
     jacobian = Jacobian(
         velocity_by_head=Zeros((4,)),
         element_by_self=Zeros((m,)),
@@ -281,18 +310,25 @@ def integrate(problem: Problem, start: np.ndarray, tolerance: Tolerance, output:
         inverse=Zeros((m,)),
         effective=Zeros((4,)),
     )
-    work = Workspace(
-        y=start.copy(),
+    return Workspace(
+        y=np.empty(0),
         fresh=Zeros((size,)),
         rates=Zeros((size,)),
         point=Zeros((size,)),
         coupling=Zeros((size,)),
         increments=Zeros((STAGES, size)),
         dense=Zeros((size, 3)),
-        history=Zeros((KEPT_STEPS if problem.body.friction_delay > 0.0 else 1, HISTORY)),
+        history=Zeros((KEPT_STEPS if keeps_history else 1, HISTORY)),
         ring=Zeros((2,), int),
-        initial_speed=abs(start[1]),
-        terms=terms,
+        initial_speed=0.0,
+        terms=Terms(Zeros((AXIS_FIELDS,)), Zeros((4 * COLUMNS,)), Zeros((m, 8)), Zeros((4,)), Zeros((4, SLOPES))),
         jacobian=jacobian,
     )
+
+
+def integrate(problem: Problem, start: np.ndarray, tolerance: Tolerance, output: Output) -> None:
+    """Integrate from the first to the last instant of `output`; the report is [outcome, time, accepted steps, rejected
+    attempts, *state]."""
+    work = _workspace(problem.layout.size, problem.body.friction_delay > 0.0)
+    work = work._replace(y=start.copy(), initial_speed=abs(start[1]))
     _compiled_steps(problem, tolerance, output, work)

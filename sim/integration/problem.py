@@ -180,6 +180,10 @@ class Branch(NamedTuple):
     segment: int
 
 
+BRANCH = Branch(1.0, 1.0, 0.0, 0)
+"""Example of a branch, for its type."""
+
+
 class Terms(NamedTuple):
     """Values of the laws at one instant, written in place.
 

@@ -18,8 +18,9 @@ import numpy as np
 
 from sim.integration.arrowhead import factorise, solve
 from sim.integration.dense_output import delayed_speed
-from sim.integration.problem import VALUES, inlined
+from sim.integration.problem import BRANCH, VALUES, inlined
 from sim.integration.right_hand_side import friction_terms, rates_of_change
+from sim.numerics.views import Part
 
 STAGES = 8
 GAMMA = 0.21193756319429014
@@ -135,8 +136,32 @@ def _stage_point(i, size, inverse_h, work):
 
 
 @inlined
-def stages(t, h, branch, problem, work):
-    """The increments of all stages, and the state after the step; False where a number is not finite."""
+def evaluate(t, y, branch, problem, work, f):
+    """Rates f at one instant, without slopes."""
+    delayed = (0.0, 0.0)
+    if problem.body.friction_delay > 0.0:
+        delayed = delayed_speed(t - problem.body.friction_delay, work)
+    friction_terms(t, y, branch.direction, delayed, VALUES, problem, work.terms)
+    rates_of_change(t, y, branch, problem, work.terms, f)
+
+
+@inlined
+def _squared_error(size, tolerance, work):
+    """Mean square of the error estimate, the last increment, over the tolerance of each state."""
+    error = 0.0
+    for j in range(size):
+        scale = tolerance.absolute[j] + tolerance.relative * max(abs(work.y[j]), abs(work.fresh[j]))
+        off = work.increments[STAGES - 1, j] / scale
+        error += off * off
+    error /= tolerance.counted
+    return error if math.isfinite(error) else math.inf
+
+
+def _step(memory, arguments):
+    """The increments of all stages, and the state after the step, into `work`; returns the error estimate, as
+    `_squared_error`, or -1 where a number is not finite."""
+    t, h, branch = arguments
+    problem, tolerance, _, work, _ = memory[0]
     size, v = problem.layout.size, work.y[1]
     factors = factorise(GAMMA * h, branch, problem, work.jacobian)
     for i in range(STAGES):
@@ -152,32 +177,14 @@ def stages(t, h, branch, problem, work):
             for j in range(size):
                 k[j] += work.coupling[j] + late * work.jacobian.time[j]
         if not math.isfinite(solve(k, v, branch, factors, problem, work.jacobian)):
-            return False
+            return -1.0
     for j in range(size):
         work.fresh[j] = work.point[j] + work.increments[STAGES - 1, j]
-    return True
+    return _squared_error(size, tolerance, work)
 
 
-@inlined
-def evaluate(t, y, branch, problem, work, f):
-    """Rates f at one instant, without slopes."""
-    delayed = (0.0, 0.0)
-    if problem.body.friction_delay > 0.0:
-        delayed = delayed_speed(t - problem.body.friction_delay, work)
-    friction_terms(t, y, branch.direction, delayed, VALUES, problem, work.terms)
-    rates_of_change(t, y, branch, problem, work.terms, f)
-
-
-@inlined
-def squared_error(size, tolerance, work):
-    """Mean square of the error estimate, the last increment, over the tolerance of each state."""
-    error = 0.0
-    for j in range(size):
-        scale = tolerance.absolute[j] + tolerance.relative * max(abs(work.y[j]), abs(work.fresh[j]))
-        off = work.increments[STAGES - 1, j] / scale
-        error += off * off
-    error /= tolerance.counted
-    return error if math.isfinite(error) else math.inf
+STEP = Part(_step, (0.0, 0.0, BRANCH))
+"""One step from `t` of length `h` on a branch."""
 
 
 @inlined

@@ -14,14 +14,15 @@ import ctypes
 import math
 import operator
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import lower_builtin, make_attribute_wrapper, models, register_model
+from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from sim.numerics.compilation import compile_callback
 
@@ -103,15 +104,16 @@ def _set(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-class Zeros(NamedTuple):
-    """An array of zeros that compiled code alone uses: those of one call are allocated together."""
-
-    shape: tuple[int, ...]
-    dtype: type = float
-
-
 _ADDRESS_CODE = {"d": "P", "l": "Q", "q": "Q"}
 """Code of an address in a packed structure, by the type of the array's entries: tells float64 from int64."""
+
+
+class Zeros:
+    """An array of zeros that compiled code alone uses: those of one call are allocated together."""
+
+    def __init__(self, shape: tuple[int, ...], dtype: type = float) -> None:
+        self.shape, self.length = shape, math.prod(shape)
+        self.code = ("P" if dtype is float else "Q") + "q" * len(shape)
 
 
 class _Packed:
@@ -135,15 +137,17 @@ class _Packed:
         if isinstance(value, float):
             self.codes.append("d")
             self.words.append(value)
-        elif isinstance(value, np.ndarray):
-            char = value.dtype.char
-            if char not in _ADDRESS_CODE or value.itemsize != 8 or not value.flags.c_contiguous:
-                raise TypeError(f"array of {value.dtype}, strides {value.strides}; must be float64 or int64 in C order")
-            self._add_array(char, value.ctypes.data, value.shape)
         elif isinstance(value, Zeros):
             self.zeros.append((len(self.words), self.length))
-            self.length += math.prod(value.shape)
-            self._add_array("d" if value.dtype is float else "q", 0, value.shape)
+            self.length += value.length
+            self.codes.append(value.code)
+            self.words += (0, *value.shape)
+        elif isinstance(value, np.ndarray):
+            code = _ADDRESS_CODE.get(value.dtype.char)
+            if code is None or value.itemsize != 8 or not value.flags.c_contiguous:
+                raise TypeError(f"array of {value.dtype}, strides {value.strides}; must be float64 or int64 in C order")
+            self.codes.append(code + "q" * value.ndim)
+            self.words += (value.ctypes.data, *value.shape)
         elif isinstance(value, tuple):
             for part in value:
                 self._add(part)
@@ -153,15 +157,11 @@ class _Packed:
         else:
             raise TypeError(f"{type(value).__name__}; must be a float, an integer, an array or a tuple of these")
 
-    def _add_array(self, char: str, address: int, shape: tuple[int, ...]) -> None:
-        self.codes += [_ADDRESS_CODE[char], *"q" * len(shape)]
-        self.words += [address, *shape]
-
 
 def _kind(value: Any) -> Any:
     """numba's type of what `_Packed` has of a value."""
     if isinstance(value, Zeros):
-        return View(types.float64 if value.dtype is float else types.int64, len(value.shape))
+        return View(types.float64 if value.code[0] == "P" else types.int64, len(value.shape))
     if isinstance(value, tuple):
         parts = [_kind(part) for part in value]
         return types.NamedTuple(parts, type(value)) if hasattr(value, "_fields") else types.Tuple(parts)
@@ -170,8 +170,35 @@ def _kind(value: Any) -> Any:
     return types.float64 if isinstance(value, float) else types.int64
 
 
+class Part:
+    """A function compiled on its own, which others call by its address instead of containing it.
+
+    numba optimises a function again in each one that calls it: a large one is better compiled once. `call` is for
+    compiled code: `call(address, memory, arguments)`, with an address that `over_views` adds to the arguments.
+
+    Args:
+        function: of the memory of the function that calls it, and of a tuple of further arguments; it returns a float.
+        example: such a tuple of floats and integers.
+    """
+
+    def __init__(self, function: Callable[[Any, Any], float], example: tuple[Any, ...]) -> None:
+        self.function, self.arguments = function, _kind(example)
+        self.call: Any = intrinsic(self._typed)
+
+    def _typed(self, context: Any, address: Any, memory: Any, arguments: Any) -> Any:
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            address, *passed = args
+            kind = ir.FunctionType(ir.DoubleType(), [value.type for value in passed])
+            return builder.call(builder.inttoptr(address, kind.as_pointer()), passed)
+
+        return types.float64(types.int64, memory, self.arguments), generate
+
+
 def over_views(
-    function: Callable[[Any], None], also: Iterable[str] = (), fastmath: Iterable[str] = ()
+    function: Callable[[Any], None],
+    also: Iterable[str] = (),
+    fastmath: Iterable[str] = (),
+    parts: Sequence[Part] = (),
 ) -> Callable[..., None]:
     """Compile a function that receives its arguments in memory, the arrays among them as views, cached on disk.
 
@@ -179,6 +206,7 @@ def over_views(
         function: of one argument `memory`, where `memory[0]` is the tuple of the arguments; it returns nothing.
         also: further source files that it depends on.
         fastmath: numba's.
+        parts: that it calls; a tuple of their addresses follows the arguments in memory.
 
     Returns:
         A function of these arguments: floats, integers, arrays in C order of float64 or int64, `Zeros`, (named) tuples
@@ -188,7 +216,15 @@ def over_views(
     Raises:
         TypeError: an argument of another kind.
     """
-    ready: dict[str, tuple[Any, Any]] = {}
+    files, options = [__file__, *also], {"forceinline": False, "fastmath": set(fastmath), "_nrt": False}
+    ready: dict[str, _Ready] = {}
+
+    def compiled(arguments: tuple[Any, ...]) -> _Ready:
+        memory = types.CPointer(_kind((*arguments, (0,) * len(parts)) if parts else arguments))
+        made = [compile_callback(p.function, types.float64(memory, p.arguments), files, **options) for p in parts]
+        main = compile_callback(function, types.void(memory), files, **options)
+        call = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(main.address)
+        return _Ready(call, [one.address for one in made], (main, made))
 
     def call(*arguments: Any) -> None:
         packed = _Packed(arguments)
@@ -198,15 +234,17 @@ def over_views(
             packed.words[at] = begin + 8 * offset
         form = "".join(packed.codes)
         if form not in ready:
-            made = compile_callback(
-                function,
-                types.void(types.CPointer(_kind(arguments))),
-                [__file__, *also],
-                forceinline=False,
-                fastmath=set(fastmath),
-                _nrt=False,
-            )
-            ready[form] = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(made.address), made
-        ready[form][0](struct.pack("=" + form.replace("P", "Q"), *packed.words))
+            ready[form] = compiled(arguments)
+        found = ready[form]
+        words = struct.pack("=" + form.replace("P", "Q") + "q" * len(parts), *packed.words, *found.parts)
+        found.call(words)
 
     return call
+
+
+class _Ready(NamedTuple):
+    """A compiled function, the addresses of its parts, and what owns both."""
+
+    call: Callable[[bytes], None]
+    parts: list[int]
+    owners: Any

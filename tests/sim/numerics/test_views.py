@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from sim.numerics.views import Zeros, over_views
+from sim.numerics.views import Part, Zeros, over_views
 
 
 class Inner(NamedTuple):
@@ -97,3 +97,31 @@ def test_arrays_of_zeros_are_zero_in_each_call_and_do_not_overlap():
         out = np.zeros(2)
         compiled(out, Spare(Zeros((2, 2)), Zeros((3,)), Zeros((4,), int)))
         assert out.tolist() == [0.0, 8.0]
+
+
+def _weighted(memory, arguments):
+    weight, place = arguments
+    vector, _ = memory[0]
+    vector[place.row] += 1.0
+    return weight * vector[place.row] + place.offset
+
+
+class Place(NamedTuple):
+    row: int
+    offset: float
+
+
+WEIGHTED = Part(_weighted, (0.0, Place(0, 0.0)))
+_call_weighted = WEIGHTED.call
+
+
+def _by_parts(memory):
+    vector, parts = memory[0]
+    for i in range(1, vector.shape[0]):
+        vector[0] += _call_weighted(parts[0], memory, (10.0, Place(i, 0.5)))
+
+
+def test_a_part_works_on_the_same_memory_with_arguments_of_its_own():
+    vector = np.array([0.0, 1.0, 2.0])
+    over_views(_by_parts, parts=[WEIGHTED])(vector)
+    assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0]
