@@ -22,7 +22,7 @@ test-slow: $(READY) system
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
 
 bench: $(PEERS) system
-	for name in parts drawings cold_start stick_slip many_effects loop_growth hidden_effects page; do \
+	for name in parts drawings make cold_start stick_slip many_effects loop_growth hidden_effects page; do \
 		echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
 lint: $(READY)

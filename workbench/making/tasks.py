@@ -41,6 +41,7 @@ PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATI
     "simulation:",
 )
 """Kinds of task; the name of what is made follows."""
+KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATION)
 
 
 class _AbsentError(Exception):

@@ -23,6 +23,7 @@ from ast import literal_eval
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -178,7 +179,7 @@ class ArtefactStore:
     def _path_sets(self, root: str) -> list[tuple[AccessPath, ...]]:
         try:
             lines = (self.folder / "reads" / root).read_text("utf-8").splitlines()
-            return [literal_eval(line) for line in lines]
+            return [_paths(line) for line in lines]
         except (OSError, ValueError, SyntaxError):
             return []
 
@@ -217,6 +218,12 @@ class ArtefactStore:
         reads = sorted((self.folder / "reads").glob("*"), key=_age)
         for path in reads[MOST_READS:]:
             path.unlink(missing_ok=True)
+
+
+@lru_cache(maxsize=MOST_READS)
+def _paths(line: str) -> tuple[AccessPath, ...]:
+    """A set of access paths from its text; kept, since a run reads the same sets several times."""
+    return literal_eval(line)
 
 
 def _age(path: Path) -> float:

@@ -39,9 +39,29 @@ class ProjectedMesh(NamedTuple):
 
 
 @numba.njit(cache=True)
+def _columns(x, y, row, first, last):  # pragma: no cover - compiled
+    """Columns between the sides of a triangle in a row, with a margin of one, within the first and last given.
+
+    Most pixels of the bounding box of a long, thin triangle are outside it.
+    """
+    left, right = np.inf, -np.inf
+    for side in range(3):
+        other = (side + 1) % 3
+        low, high = y[side], y[other]
+        if low != high and min(low, high) - 1e-6 <= row <= max(low, high) + 1e-6:
+            place = x[side] + (row - low) * (x[other] - x[side]) / (high - low)
+            left, right = min(left, place), max(right, place)
+    if left > right:
+        return first, last
+    begin = int(np.floor(max(left, first - 1.0) - 1.5))
+    return max(first, begin), min(last, int(np.ceil(min(right, last + 2.0) + 0.5)))
+
+
+@numba.njit(cache=True)
 def _fill(points, normals, triangles, colour_index, depth, facing, paint):  # pragma: no cover - compiled
     """Render triangles into the depth buffer; points are (column, row, depth), nearer is smaller."""
     height, width = depth.shape
+    x, y = np.empty(3), np.empty(3)
     for t in range(triangles.shape[0]):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         xa, ya, za = points[a, 0], points[a, 1], points[a, 2]
@@ -55,12 +75,17 @@ def _fill(points, normals, triangles, colour_index, depth, facing, paint):  # pr
         last_row = min(height - 1, int(np.floor(max(ya, yb, yc) - 0.5)))
         first_column = max(0, int(np.ceil(min(xa, xb, xc) - 0.5)))
         last_column = min(width - 1, int(np.floor(max(xa, xb, xc) - 0.5)))
+        if first_column > last_column:
+            continue
+        x[0], x[1], x[2] = xa, xb, xc
+        y[0], y[1], y[2] = ya, yb, yc
         for row in range(first_row, last_row + 1):
-            y = row + 0.5
-            for column in range(first_column, last_column + 1):
-                x = column + 0.5
-                u = ((xb - x) * (yc - y) - (xc - x) * (yb - y)) / area
-                v = ((xc - x) * (ya - y) - (xa - x) * (yc - y)) / area
+            q = row + 0.5
+            begin, end = _columns(x, y, q, first_column, last_column)
+            for column in range(begin, end + 1):
+                p = column + 0.5
+                u = ((xb - p) * (yc - q) - (xc - p) * (yb - q)) / area
+                v = ((xc - p) * (ya - q) - (xa - p) * (yc - q)) / area
                 w = 1.0 - u - v
                 if u < -1e-9 or v < -1e-9 or w < -1e-9:
                     continue
@@ -130,11 +155,13 @@ def draw(
     _fill(points, normals, triangles, mesh.colour_index.astype(np.int32), depth, facing, paint)
     _stroke(edges, mesh.edge_ends.astype(np.int64), line_width * SAMPLES, 1.5 * SAMPLES, depth, ink)
     picture = _background(height, width)
-    covered = paint >= 0
-    picture[covered] = _shade(facing[covered], colours.astype(np.float32)[paint[covered]], light_sign)
-    picture[covered] *= (1.0 - _shadow(depth)[covered])[:, None]
-    picture += ink[:, :, None] * 0.85 * (INK - picture)
-    coarse = picture.reshape(size[1], SAMPLES, size[0], SAMPLES, 3).mean(axis=(1, 3))
+    flat, covered, inked = picture.reshape(-1, 3), np.flatnonzero(paint >= 0), np.flatnonzero(ink)
+    colour = colours.astype(np.float32)[paint.reshape(-1)[covered]]
+    shaded = _shade(facing.reshape(-1, 3)[covered], colour, light_sign)
+    flat[covered] = shaded * (1.0 - _shadow(depth).reshape(-1)[covered])[:, None]
+    flat[inked] += np.float32(0.85) * (INK - flat[inked])
+    shifts = [(row, column) for row in range(SAMPLES) for column in range(SAMPLES)]
+    coarse = sum(picture[row::SAMPLES, column::SAMPLES] for row, column in shifts) / np.float32(SAMPLES**2)
     return np.round(np.clip(coarse, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 
