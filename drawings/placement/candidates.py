@@ -45,7 +45,7 @@ INSIDE_COST, INSIDE_STEP, INSIDE_SPAN_COST = 14.0, 6.0, 0.12
 """Of a dimension line within the outline: cost, cost and distance of each further one, mm; cost per mm of length."""
 THROUGH_COST, THROUGH_MOST = 0.25, 6.0
 """Cost of an extension line within the outline, mm per mm, and its greatest value, mm."""
-ACROSS_COST, ACROSS_SPAN_COST = 10.0, 0.3
+ACROSS_COST, ACROSS_SPAN_COST = 14.0, 0.3
 """Of a dimension line across the feature, without extension lines: cost, mm, and cost per mm of its length."""
 OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
 """Of a text off the middle of its dimension line: cost at the end of the line, mm, and cost per mm off the middle."""

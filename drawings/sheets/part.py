@@ -39,6 +39,9 @@ TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
 """Titles of the thesis where they differ from the names of the parts."""
 
 
+WIDEST_MOUTH = 1.4
+"""Greatest diameter of the chamfer at the mouth of a thread, in major diameters."""
+
 MOST_REVISIONS = 8
 """Most rows of the revision table."""
 
@@ -65,20 +68,24 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
             into = (sign * axis[0], sign * axis[1], sign * axis[2])
             length = min(depth or math.inf, high - low)
             major = THREAD_DIAMETER[drill.note]
-            rim = _rim((x, y, z), into, verifier)
+            rim = _rim((x, y, z), into, major, verifier)
             found.append(ThreadedHole((x, y, z), into, length, drill.value, major, depth is not None, rim))
     return tuple(found)
 
 
-def _rim(mouth: Point, into: Point, verifier: DimensionVerifier) -> float:
-    """Radius of the conical chamfer in front of the mouth of a hole; 0 without one."""
-    level = dot(mouth, into)
+def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -> float:
+    """Radius of the conical chamfer in front of the mouth of a tapped hole; 0 without one.
+
+    A larger cone about the same axis, for instance the chamfer of the end of a pin, is not that of the hole.
+    """
+    level, found = dot(mouth, into), 0.0
     for surface in verifier.surfaces:
         if surface.kind == "CONE" and abs(abs(dot(surface.axis, into)) - 1) < 1e-6 and surface.off_axis(mouth) < 1e-4:
             low, high = surface.extent(into)
-            if abs(high - level) < 1e-3 and low < level - 1e-3:
-                return max(map(surface.off_axis, surface.vertices))
-    return 0.0
+            radius = max(map(surface.off_axis, surface.vertices))
+            if abs(high - level) < 1e-3 and low < level - 1e-3 and radius < WIDEST_MOUTH * major / 2:
+                found = max(found, radius)
+    return found
 
 
 def part_views(

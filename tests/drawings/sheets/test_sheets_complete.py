@@ -29,6 +29,7 @@ from drawings.dimensions.tolerances import tolerance_text
 from drawings.export.drawing_model import drawing_model
 from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
+from drawings.views.view import Arc
 from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of, treatment_of
@@ -259,3 +260,16 @@ def test_the_treatment_says_what_is_coated() -> None:
     assert said["bearing_way"] == "none"
     for name in MADE:
         assert ("coated" in " ".join(notes_of(part_definition(name), thesis()))) <= ("see notes" in said[name])
+
+
+def test_the_chamfer_of_a_thread_is_omitted_from_its_end_view_but_not_that_of_the_pin() -> None:
+    """ISO 6410-1; the tapped hole of height pin 1 has the axis of the pin, whose end has a chamfer too."""
+    pin = thesis().height_pin_1
+    (sheet,) = sheets("height_pin_1")
+    view = sheet.view("top")
+    radii = {round(curve.radius, 3) for curve in view.curves["VISIBLE"] if isinstance(curve, Arc)}
+    assert {pin.diameter / 2, pin.diameter / 2 - pin.end_chamfer} <= radii
+    (thread,) = view.curves["THREAD"]
+    assert isinstance(thread, Arc)
+    between = {r for r in radii if thread.radius < r < pin.diameter / 4}
+    assert not between
