@@ -66,10 +66,17 @@ def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tu
         views: with curves and scale; `View.aligned_with` names the view to align it with, the first is the main one.
         specs: of all views (`drawings.dimensions.dimensioning.sheet_dimensions`).
     """
+    views = [_labelled(view, views) for view in views]
     return tuple(
         place_annotations(view, [spec for spec in specs if spec.view == view.name], _marks(view, views))
         for view in views
     )
+
+
+def _labelled(view: View, views: Sequence[View]) -> View:
+    """A section with `turned` in its label where it is turned against its place by projection (ISO 128-3)."""
+    parent = _parent(view, views) if view.cut and not view.clip else None
+    return replace(view, label=f"{view.label}, turned") if parent and _is_turned(view, parent) else view
 
 
 def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, ...]:

@@ -101,6 +101,17 @@ def test_the_cutting_line_is_in_the_view_beside_which_the_section_is_not_turned(
     cut = Cut((50.0, 0.0, 0.0), (1.0, 0.0, 0.0), "A")
     section = View("section A-A", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0, label="A-A", cut=cut)
     views = [View(name, PROJECTIONS[name], {"VISIBLE": EDGES}, 1.0) for name in ("top", "front")]
-    top, front, _ = annotated_views([*views, section], [])
+    top, front, cut_open = annotated_views([*views, section], [])
+    assert cut_open.view.label == "A-A"
     assert not top.annotations
     assert [mark.letter for mark in front.annotations if isinstance(mark, SectionMark)] == ["A"]
+
+
+def test_the_label_of_a_section_says_that_it_is_turned() -> None:
+    """A section from above whose cutting line only the right view can show: x is to the right instead of y."""
+    cut = Cut((0.0, 0.0, 20.0), (0.0, 0.0, 1.0), "A")
+    section = View("section A-A", PROJECTIONS["top"], {"VISIBLE": EDGES}, 1.0, label="A-A", cut=cut)
+    right = View("right", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0)
+    shown, turned = annotated_views([right, section], [])
+    assert turned.view.label == "A-A, turned"
+    assert [mark.letter for mark in shown.annotations if isinstance(mark, SectionMark)] == ["A"]
