@@ -36,7 +36,7 @@ SLOPES: tuple[Slope, Slope] = ((1, 0), (0, 1))
 
 _POWERS = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (3, 1), (1, 3)])
 _KEPT = 1024
-"""Deflections under unit forces that are kept for one outline."""
+"""Deflections under unit forces, and rows, that are kept for one outline."""
 
 
 @lru_cache(maxsize=2)
@@ -64,6 +64,7 @@ class Outline:
         self.numbers = (3 * corners[:, :, None] + np.arange(3)).reshape(-1, 12)
         self.stiffness, self.mass = self._assembled()
         self._held: dict[tuple[Place, Slope], Array] = {}
+        self._rows: dict[tuple[Place, Slope], Row] = {}
 
     def _assembled(self) -> tuple[csc_array, csc_array]:
         from scipy.sparse import coo_array
@@ -77,7 +78,15 @@ class Outline:
         return found[0], found[1]
 
     def row(self, place: Place, slope: Slope = DEFLECTION) -> Row:
-        """Deflection (or a slope) at a place as a combination of the degrees of freedom."""
+        """Deflection (or a slope) at a place as a combination of the degrees of freedom; kept."""
+        key = (place, slope)
+        if key not in self._rows:
+            if len(self._rows) >= _KEPT:
+                self._rows.clear()
+            self._rows[key] = self._row(place, slope)
+        return self._rows[key]
+
+    def _row(self, place: Place, slope: Slope) -> Row:
         (a, b), nx, ny = self.sides, self.along, self.across
         u, v = place[0] / a + nx / 2, place[1] / b + ny / 2
         if not (-1e-9 <= u <= nx + 1e-9 and -1e-9 <= v <= ny + 1e-9):

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import irfft, rfft, rfftfreq
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from designcalc.bearing.sliding import averaged_profile, pad_weights
 from stagecad.parameters.errors import InputError
@@ -78,23 +78,37 @@ def synthetic_profiles(
     step = l / 4
     n = int(np.ceil((length + contact_length) / step)) + 1
     sigma = surface.roughness * np.sqrt(np.pi / 2) * np.sqrt(np.sqrt(np.pi) * l / (4 * np.pi / 15 * contact_length))
-    x = step * np.arange(n)
-    shift = np.where(np.arange(count) > 0, phase, 0.0)[:, None]
-    waves = surface.waviness * np.sin(2 * np.pi * x / surface.wavelength + shift)
-    return _random_lines(count, n, seed) * sigma + waves, step
+    heights = _random_lines(count, n, seed) * sigma
+    if surface.waviness > 0:
+        shift = np.where(np.arange(count) > 0, phase, 0.0)[:, None]
+        heights += surface.waviness * np.sin(2 * np.pi * step * np.arange(n) / surface.wavelength + shift)
+    return heights, step
 
 
 @lru_cache(maxsize=8)
 def _random_lines(count: int, n: int, seed: int) -> Array:
     """Random lines of unit rms, with correlation ``exp(-x^2/l^2)`` at four points a correlation length."""
-    wave_number = 2 * np.pi * rfftfreq(n, 0.25)
-    # A line with correlation exp(-x^2/l^2) is white noise through a filter exp(-k^2 l^2/8).
-    gain = np.exp(-(wave_number**2) / 8)
     size = 1 << (count * n - 1).bit_length()
-    white = rfft(_white_noise(size, seed)[: count * n].reshape(count, n), axis=-1)
-    rough = np.asarray(irfft(white * gain, n, axis=-1), float)
+    white = _white_noise(size, seed)[: count * n].reshape(count, n)
+    # A transform of a length without large prime factors is quicker: the line is periodic, so its ends are repeated
+    # beyond each other as far as the filter reaches.
+    ends = np.arange(-_REACH, n + _REACH) % n
+    padded: int = next_fast_len(ends.size, real=True)  # type: ignore[assignment]
+    spectrum = np.asarray(rfft(white[:, ends], padded, axis=-1)) * _gain(padded)
+    rough = np.asarray(irfft(spectrum, padded, axis=-1), float)
+    gain = _gain(n)
     expected = np.sqrt(np.mean(np.concatenate([gain, gain[1 : (n + 1) // 2]]) ** 2))
-    return rough / expected
+    return rough[:, _REACH : _REACH + n] / expected
+
+
+_REACH = 24
+"""Points, six correlation lengths, beyond which the filter of `_random_lines` is below 1e-10 of its peak."""
+
+
+def _gain(n: int) -> Array:
+    """Of the filter, at the frequencies of a transform of n points: white noise becomes a line with correlation
+    ``exp(-x^2/l^2)`` through ``exp(-k^2 l^2/8)``."""
+    return np.exp(-((2 * np.pi * rfftfreq(n, 0.25)) ** 2) / 8)
 
 
 def carried_waves(

@@ -22,8 +22,11 @@ Array = NDArray[np.float64]
 Response = NDArray[np.complex128]
 
 
-def resonant_response(frequency: Array, resonance: float, damping: float) -> Response:
-    """Mass on spring and damper driven through its spring: ``1/(1 - r^2 + 2 i zeta r)``, ``r = f/f_1``."""
+def resonant_response(frequency: Array, resonance: Array | float, damping: Array | float) -> Response:
+    """Mass on spring and damper driven through its spring: ``1/(1 - r^2 + 2 i zeta r)``, ``r = f/f_1``.
+
+    The arguments are broadcast against each other.
+    """
     r = frequency / resonance
     return 1 / (1 - r**2 + 2j * damping * r)
 
@@ -86,7 +89,7 @@ class PositionLoop:
 
     def stable(self) -> bool:
         """By Nyquist's criterion: the open loop, whose only unstable pole is its integrator, does not encircle -1."""
-        f = np.geomspace(1e-4 * self.crossover, 0.5 * self.sample_rate, 20001)
+        f = np.geomspace(1e-4 * self.crossover, 0.5 * self.sample_rate, 4001)
         f = np.unique(np.append(f, self.resonance * (1 + self.damping * np.linspace(-8, 8, 801))))
         f = f[(f > 0) & (f <= 0.5 * self.sample_rate)]
         turned = np.unwrap(np.angle(1 + self.open_loop(f)))

@@ -64,15 +64,13 @@ class HeldPlate:
     push: float
     compliance: float
 
-    def floor_response(self, f: Array) -> Response:
-        """Motion of the payload relative to the floor over that of the floor, at frequencies in Hz."""
-        shares = self.payload * self.participation
-        return self._resonances(f) * (f[:, None] / self.frequency) ** 2 @ shares
-
-    def lift_response(self, f: Array) -> Response:
-        """Motion of the payload over that of the free tip."""
+    def responses(self, f: Array) -> tuple[Response, Response]:
+        """At frequencies in Hz: motion of the payload relative to the floor over that of the floor, and motion of the
+        payload over that of the free tip."""
+        resonances = resonant_response(f[:, None], self.frequency, self.damping)
+        floor = resonances * (f[:, None] / self.frequency) ** 2 @ (self.payload * self.participation)
         shares = self.tip * self.payload / (2 * np.pi * self.frequency) ** 2
-        return self.push * (self.compliance + (self._resonances(f) - 1.0) @ shares)
+        return floor, self.push * (self.compliance + (resonances - 1.0) @ shares)
 
     def ring_down(self, force: float, limit: float) -> float:
         """Time after which the vibration by a force that leaves the tip at once stays below a limit, s.
@@ -90,10 +88,6 @@ class HeldPlate:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if float(sizes @ np.exp(-decays * middle)) > limit else (low, middle)
         return high
-
-    def _resonances(self, f: Array) -> Response:
-        pairs = zip(self.frequency, self.damping, strict=True)
-        return np.stack([resonant_response(f, float(first), float(damping)) for first, damping in pairs], axis=-1)
 
 
 @remembered
@@ -155,12 +149,9 @@ def compliance(r: DesignInputs, frequency: float) -> Response:
     modes, pads = driven_modes(r), len(pad_positions(r))
     shapes, at_pads = modes.shapes[:-pads], modes.shapes[-pads:]
     damping = modal_damping(r, modes.frequency, at_pads)
-    answers = [
-        resonant_response(np.array([frequency]), float(first), float(zeta))[0] - 1
-        for first, zeta in zip(modes.frequency, damping, strict=True)
-    ]
+    answers = resonant_response(np.array(frequency), modes.frequency, damping) - 1
     shares = shapes * shapes[0] / (2 * np.pi * modes.frequency) ** 2
-    return _static(r) + shares @ np.array(answers)
+    return _static(r) + shares @ answers
 
 
 def _static(r: DesignInputs) -> Array:

@@ -163,17 +163,15 @@ def _sensor_noise(r: DesignInputs, sensor: str, f: Array, loop: PositionLoop, no
 def _normal(r: DesignInputs) -> DynamicBudget:
     held = held_plate(r)
     f = _grid(list(zip(held.frequency.tolist(), held.damping.tolist(), strict=True)))
-    floor = floor_density(f, r("environment.floor_velocity"), BANDS)
+    floor, (shaken, lifted) = floor_density(f, r("environment.floor_velocity"), BANDS), held.responses(f)
     # Two amplifiers tilt the tip by d2 - d1 times h/D; three raise it by the mean of d1, d2, d3.
     rise = r("actuator.piezo_spacing") / r("actuator.tip_height") / math.sqrt(2) / math.sqrt(PIEZOS)
     rows = (
-        Disturbance(
-            "floor", "VC criterion, modes of the plate on pads and tip", floor * np.abs(held.floor_response(f))
-        ),
+        Disturbance("floor", "VC criterion, modes of the plate on pads and tip", floor * np.abs(shaken)),
         Disturbance(
             "amplifier noise",
             "three amplifiers; the tip lifts stage and payload",
-            _amplifiers(r, f) * rise * np.abs(held.lift_response(f)),
+            _amplifiers(r, f) * rise * np.abs(lifted),
         ),
     )
     return DynamicBudget("normal", f, rows)

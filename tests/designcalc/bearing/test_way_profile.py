@@ -23,6 +23,18 @@ def test_the_made_up_profile_has_its_roughness_and_its_correlation():
     np.testing.assert_array_equal(profiles, again)
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_the_profile_is_periodic_white_noise_behind_a_filter_of_its_whole_length(count):
+    profiles, _ = synthetic_profiles(ROUGH, 0.05, SIDE, count)
+    n = profiles.shape[1]
+    white = np.random.default_rng(1).standard_normal(1 << (count * n - 1).bit_length())[: count * n].reshape(count, n)
+    wave_number = 2 * np.pi * np.fft.fftfreq(n, 0.25)
+    gain = np.exp(-(wave_number**2) / 8)
+    filtered = np.fft.ifft(np.fft.fft(white) * gain).real / np.sqrt(np.mean(gain**2))
+    scale = np.std(profiles) / np.std(filtered)
+    np.testing.assert_allclose(profiles / scale, filtered, atol=1e-8)
+
+
 def test_pads_leave_of_roughness_what_the_closed_form_says():
     profiles, step = synthetic_profiles(ROUGH, 1.0, SIDE, 3)
     left = np.std(carried_height(profiles, step, SIDE))
