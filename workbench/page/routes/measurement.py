@@ -41,12 +41,16 @@ class PredictBody(Body):
 @router.get("/{name:path}/ladder")
 def ladder(request: Request, name: str) -> dict[str, Any]:
     """The rungs of an experiment, and whether its model was edited by hand since."""
-    from sysid.experiment.experiment import load_experiment
-    from sysid.ladder import current_ladder
+    from workbench.api.design import Design
+    from workbench.api.growth import ladder as ladder_of
 
-    experiment = load_experiment(project_of(request).experiment(name), request.app.state.design_values())
-    rungs, edited = current_ladder(experiment)
-    return finite({"rungs": rungs, "edited": edited, "effects": list(experiment.effects), "text": experiment.text})
+    project = project_of(request)
+    design = None if project.params is None else Design(project.params.resolve(), rules=False)
+    found = ladder_of(project.experiment(name), design)
+    stated = found.experiment.stated
+    return finite(
+        {"rungs": found.to_json(), "edited": found.edited, "effects": list(stated.effects), "text": stated.text}
+    )
 
 
 @router.post("/{name:path}/compare")

@@ -296,7 +296,7 @@ class Measurement {
       class: `candidate${row.effect === document.effect ? ' named' : ''}${tie ? ' tie' : ''}${fitted ? '' : ' estimated'}`, role: 'option', tabindex: '0', dataset: { effect: row.effect },
       title: fitted ? 'Show its prediction over the record' : 'Estimated from the sensitivity; not fitted in full',
       onclick: () => { if (fitted) this.previewOf(row.effect); }, onkeydown: (event) => { if (event.key === 'Enter' && event.target === element) { if (fitted) this.previewOf(row.effect); } },
-    }, h('span', { class: 'name' }, words(row.effect), tie ? h('em', {}, ' tie') : null), h('span', { class: 'track' }, bar), h('span', { class: 'num' }, fitted ? times(row.over_noise) : `≈${Math.round(100 * share)} %`), add, details);
+    }, h('span', { class: 'name', title: words(row.effect) }, words(row.effect), tie ? h('em', {}, ' tie') : null), h('span', { class: 'track', title: `${fitted ? '' : 'about '}${Math.round(100 * share)} % of the error removed` }, bar), h('span', { class: 'num' }, fitted ? times(row.over_noise) : '–'), add, details);
     this.candidates.set(row.effect, element);
     return element;
   }

@@ -10,6 +10,9 @@ export const INKS = () => (document.documentElement.dataset.theme === 'dark'
 const font = () => `${Math.round(parseFloat(getComputedStyle(document.documentElement).fontSize) * 0.9)}px system-ui, "Segoe UI", "DejaVu Sans", sans-serif`;
 const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize);
 
+/** Lines are as thick as the letters are large: the page of a 4K screen has larger ones. */
+const thickness = () => rem() / 13;
+
 const decimals = (step) => { let d = 0; while (d < 8 && Math.abs(step * 10 ** d - Math.round(step * 10 ** d)) > 1e-6 * step * 10 ** d) d++; return d; };
 
 /** Dashes tell the lines apart where they cover each other, and for readers without colours. */
@@ -73,7 +76,7 @@ export class LinePlot {
       scales: { x: { time: false }, y: { range: (_, low, high) => (yRange ? yRange(low, high) : padded(low, high)) } },
       axes: [axis(x, rem() * 1.9, xFactor), axis(y, rem() * 4.2, yFactor, true)],
       series: [{}, ...series.map((s) => ({
-        label: s.label, stroke: () => (s.ink.startsWith('#') ? s.ink : colour(s.ink)), width: s.width ?? 1.3, dash: s.dash, points: { show: false }, spanGaps: false, show: s.show ?? true,
+        label: s.label, stroke: () => (s.ink.startsWith('#') ? s.ink : colour(s.ink)), width: (s.width ?? 1.3) * thickness(), dash: s.dash, points: { show: false }, spanGaps: false, show: s.show ?? true,
         paths: (u, i, first, last) => (this.dense[i - 1] ? NO_PATH() : LINE(u, i, first, last)),
       }))],
       cursor: { sync: sync ? { key: sync, setSeries: false } : undefined, drag: { x: true, y: false, setScale: false }, points: { size: 6 }, focus: { prox: -1 } },
@@ -120,7 +123,7 @@ export class LinePlot {
   drawColumns(u, i) {
     const [x, y] = [u.data[0], u.data[i]];
     const { left, top, width, height } = u.bbox;
-    const half = ((this.options.series[i - 1].width ?? 1.3) * devicePixelRatio) / 2;
+    const half = ((this.options.series[i - 1].width ?? 1.3) * thickness() * devicePixelRatio) / 2;
     u.ctx.save();
     u.ctx.beginPath();
     u.ctx.rect(left, top, width, height);
@@ -236,7 +239,8 @@ export class XyPlot {
     c.restore();
   }
 
-  drawSet(c, { x, y, ink, points, width = 1.4, closed, dash }, px, py) {
+  drawSet(c, { x, y, ink, points, width: thin = 1.4, closed, dash }, px, py) {
+    const width = thin * thickness();
     const paint = ink.startsWith('#') ? ink : colour(ink);
     if (points) {
       c.fillStyle = paint;

@@ -1,0 +1,124 @@
+"""The documents of the page are those of the commands and of the Python interface, for the same input."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+import stagecad
+from tests.sysid.slide import SIGN, VELOCITY, slide
+from workbench.cli import run
+from workbench.page.project import Project
+from workbench.page.security import Guard
+from workbench.page.server import create_app
+
+FORCE = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
+PASSING = {"seconds"}
+"""What differs from run to run."""
+FILES = {"file", "kept"}
+"""Paths: the page has its folder as a whole path, the command as it was given."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("project")
+    slide(made / "rig", FORCE, '"coulomb"', held_out=True)
+    return made
+
+
+@pytest.fixture(scope="module")
+def client(folder: Path) -> Iterator[TestClient]:
+    guarded: Any = Guard(create_app(Project(folder, Path("build"))), frozenset({"127.0.0.1:8321"}))
+    with TestClient(guarded, base_url="http://127.0.0.1:8321") as made:
+        yield made
+
+
+def _job(client: TestClient, path: str, **body: Any) -> Any:
+    """Result of a job that a route begins."""
+    answer = client.post(path, json=body)
+    assert answer.status_code == 200, answer.text
+    job, deadline = answer.json(), time.monotonic() + 200.0
+    while job["state"] in ("waiting", "running"):
+        assert time.monotonic() < deadline, job
+        time.sleep(0.05)
+        job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
+    assert job["state"] == "done", job
+    return client.get(f"/api/jobs/{job['number']}/result").json()
+
+
+def _command(folder: Path, *words: str) -> Any:
+    """The document of `--json`, of a command that runs in the folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert run([*words, "--json", "found.json"]) in (0, 1)
+    return json.loads((folder / "found.json").read_text("utf-8"))
+
+
+def _compared(one: Any, other: Any, where: str = "") -> None:
+    """Equal, but for what differs from run to run; numbers to the last digits, in which sums of threads may differ."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        assert one.keys() == other.keys(), where
+        for key in one.keys() - PASSING:
+            if key in FILES:
+                assert Path(one[key]).name == Path(other[key]).name, where
+            else:
+                _compared(one[key], other[key], f"{where}.{key}")
+    elif isinstance(one, list) and isinstance(other, list):
+        assert len(one) == len(other), where
+        for k, (a, b) in enumerate(zip(one, other, strict=True)):
+            _compared(a, b, f"{where}[{k}]")
+    elif isinstance(one, float) and isinstance(other, float):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-300), where
+    else:
+        assert one == other, where
+
+
+def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(folder / "rig", tmp_path / "rig")
+    compared = _job(client, "/api/experiment/rig/compare")["document"]
+    _compared(compared, _command(tmp_path, "compare", "rig", "--no-figures"))
+    _compared(compared, stagecad.compare(tmp_path / "rig").to_json())
+
+    diagnosed = _job(client, "/api/experiment/rig/diagnose", all_effects=False)["document"]
+    _compared(diagnosed, _command(tmp_path, "diagnose", "rig", "--no-figures"))
+
+    added = _job(client, "/api/experiment/rig/add", effects=["viscous"], drop=[])["document"]
+    _compared(added, _command(tmp_path, "add", "rig", "viscous"))
+    rungs = client.get("/api/experiment/rig/ladder").json()["rungs"]
+    _compared(rungs, _command(tmp_path, "ladder", "rig"))
+    _compared(rungs, stagecad.ladder(tmp_path / "rig").to_json())
+
+    undone = _job(client, "/api/experiment/rig/undo")["document"]
+    _compared(undone, _command(tmp_path, "add", "rig", "--undo"))
+
+
+def test_simulation(client: TestClient, folder: Path) -> None:
+    body = {"experiment": "presliding", "models": ["lugre"], "changes": {}}
+    found = _job(client, "/api/simulation/run", **body)["document"]
+    _compared(found, _command(folder, "simulate", "presliding", "--model", "lugre"))
+    _compared(found, stagecad.simulate("presliding", models=["lugre"]).to_json())
+
+
+def test_checks_without_solids(client: TestClient) -> None:
+    found = {(one["subject"], one["name"]): one for one in client.get("/api/machine/checks").json()}
+    for one in stagecad.checks(solids=False, proposals=False).to_json():
+        _compared(found[one["subject"], one["name"]], one, one["name"])
+
+
+def test_differences_are_those_of_diff(client: TestClient, folder: Path) -> None:
+    client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}})
+    (folder / "thick.toml").write_text(
+        'extends = "thesis"\n[stage]\nthickness = {value = "13 mm", origin = "assumed: a test"}\n', "utf-8"
+    )
+    (folder / "packaged.toml").write_text('extends = "thesis"\n', "utf-8")
+    found = client.get("/api/machine/differences").json()
+    document = _command(folder, "diff", "packaged.toml", "thick.toml", "--no-solids")
+    assert [one["key"] for one in found] == [one["key"] for one in document["parameters"]]
+    client.post("/api/machine/undo", json={})
