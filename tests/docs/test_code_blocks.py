@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -26,6 +27,8 @@ from workbench.commands.demo import fresh_copy
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+EXAMPLES = sorted((ROOT / "examples").glob("**/README.md"))
+"""Pages of the site, too; their files are beside them."""
 
 
 def _toml_blocks(page: Path) -> list[str]:
@@ -95,7 +98,12 @@ def _commands(page: Path) -> list[str]:
     return [re.split(r"\s{2,}#", line)[0].rstrip() for line in lines]
 
 
-SHORTER = {"--draws 1000": "--draws 20", " --scheduler tcp://ADDRESS": ""}
+SHORTER = {
+    "--draws 1000": "--draws 20",
+    " --scheduler tcp://ADDRESS": "",
+    "--budget 400": "--budget 20",
+    '--time "150 s"': '--time "5 s"',
+}
 """What is replaced so that a command ends in time, or needs no cluster."""
 PREPARED = {"issue_a.toml": 'extends = "thesis"\n', "rig.toml": 'extends = "thesis"\n'}
 
@@ -128,13 +136,21 @@ def _serve(command: str, folder: Path) -> None:
 def test_commands_are_found() -> None:
     found = {page.name: len(_commands(page)) for page in PAGES if _commands(page)}
     assert found["README.md"] == 5 and found["workbench.md"] == 5 and found["drawings.md"] == 5
+    assert {page.parent.name for page in EXAMPLES if _commands(page)} == {"improved_stage"}
     assert found["stage_simulation.md"] == 3 and found["causal_friction_model.md"] == 3
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page in PAGES if _commands(page)], ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    [page for page in (*PAGES, *EXAMPLES) if _commands(page)],
+    ids=lambda page: page.relative_to(ROOT).as_posix(),
+)
 def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
     fresh_copy(tmp_path / "rig")
+    if page in EXAMPLES:
+        folder = page.parent.relative_to(ROOT)
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     for name, text in PREPARED.items():
         (tmp_path / name).write_text(text)
     for command in _commands(page):
