@@ -15,6 +15,9 @@ from tests.sysid.slide import SIGN, VELOCITY, slide
 pytestmark = pytest.mark.xdist_group("browser")
 
 FORCE = 1.3 * SIGN + 20.0 * VELOCITY
+FIELDS = """() => [...document.querySelectorAll('#simulation .row input[type=text]')]
+  .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.value)"""
+"""Values of the simulation that are wider than their field."""
 
 
 @pytest.fixture(scope="module")
@@ -198,6 +201,8 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
     choice = page.get_by_label("experiment", exact=True)
     choice.select_option("presliding")
     page.locator("h2", has_text="presliding").wait_for()
+    # At 1280 pixels every value is seen as a whole.
+    assert page.evaluate(FIELDS) == []
     field = page.get_by_label("friction.mass", exact=True)
 
     def simulate(mass: str) -> None:

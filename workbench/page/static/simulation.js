@@ -64,7 +64,7 @@ class Simulation {
   slider(p, onchange, live = false, text = p.text) {
     const range = p.range ?? sliderRange({ ...p, kind: 'number', low: p.low ?? 0, high: null });
     // A computed value may have more digits than the field has room for.
-    const shown = text.length > 12 ? `${Number(p.number.toPrecision(5))} ${p.unit}` : text;
+    const shown = text.length > 11 ? `${Number(p.number.toPrecision(4))} ${p.unit}` : text;
     const field = h('input', { type: 'text', value: shown, title: `design: ${p.text}`, 'aria-label': p.key, spellcheck: 'false' });
     const slider = h('input', { type: 'range', 'aria-label': `${p.key}, slider` });
     Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: text === p.text ? p.number : Number.parseFloat(text) });
