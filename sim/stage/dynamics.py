@@ -39,6 +39,8 @@ ELEMENTS = 4
 HEAD, PER_ACTUATOR, PER_PAD = 18, 13, 5
 """Columns of a row: time, position (6), velocity (6), energy and works (5); then of each actuator, of each pad."""
 TIP_FREEDOMS = 5
+# Not Python's integers: numba compiles a function once more for each of those that it is called with.
+X, Y = np.int64(0), np.int64(1)
 SHAPES_EVERY = 16
 """Steps between two evaluations of the bending modes above a tip, which slides some micrometres in that time; between
 them a mode is a plane there."""
@@ -265,7 +267,7 @@ def _tip_contact(c, s, k, refresh, writes, loads):
 
 @_inlined
 def _sway(c, s, k, axis, turn, pull, writes, loads):
-    """Acceleration of the tilt and the sway of tip `k` along x (axis 0) or y (1), under a torque about the piezos'
+    """Acceleration of the tilt and the sway of tip `k` along x or y, under a torque about the piezos'
     plane and a force at the apex, N m and N."""
     acceleration, half = s.tip_acceleration[k], 0.5 * c.step
     tilt, across = 1 + axis, 3 + axis
@@ -299,8 +301,8 @@ def _actuator(c, s, k, commands, updates, writes, loads):
     push, turn_a, turn_b = _piezos(c, s, k, commands, updates[0], writes, loads)
     fx, fy, load = _tip_contact(c, s, k, updates[1], writes, loads)
     acceleration[0] = (push - load) / c.tip_mass
-    _sway(c, s, k, 0, turn_a, -fx, writes, loads)
-    _sway(c, s, k, 1, turn_b, -fy, writes, loads)
+    _sway(c, s, k, X, turn_a, -fx, writes, loads)
+    _sway(c, s, k, Y, turn_b, -fy, writes, loads)
     for i in range(TIP_FREEDOMS):
         before = rate_of[i]
         rate_of[i] += c.step * acceleration[i]
