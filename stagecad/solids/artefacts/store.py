@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import shutil
 import tempfile
@@ -45,6 +46,9 @@ SETS_KEPT = 24
 MOST_READS = 2000
 """Number of files of such sets kept."""
 RECORD = "entry.json"
+
+_added: dict[Path, float] = {}
+"""Bytes added to each store by this process since it last searched it for artefacts to be removed."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,8 @@ class ArtefactStore:
         finally:
             shutil.rmtree(folder, ignore_errors=True)
         self._keep_paths(root, tuple(sorted(reads, key=repr)))
-        self._remove_oldest(keep=key)
+        if self._is_search_due(target):
+            self._remove_oldest(keep=key)
         entry = self._entry(key)
         if entry is None:
             raise OSError(f"the cache in {self.folder} lost an artefact just written")
@@ -193,6 +198,16 @@ class ArtefactStore:
             removed = Path(tempfile.mkdtemp(prefix=".removed-", dir=self.folder / "entries"))
             folder.rename(removed / folder.name)
             shutil.rmtree(removed, ignore_errors=True)
+
+    def _is_search_due(self, made: Path) -> bool:
+        """Whether this process has added a hundredth of the size limit since it last searched the store, or begins:
+        a search reads the state of every file."""
+        added = _added.get(self.folder, math.inf)
+        with suppress(OSError):
+            added += sum(path.stat().st_size for path in made.iterdir())
+        due = added > _size_limit() / 100
+        _added[self.folder] = 0 if due else added
+        return due
 
     def _remove_oldest(self, keep: str) -> None:
         """Remove the least recently used artefacts beyond the size limit, and temporary folders of aborted runs."""

@@ -93,6 +93,22 @@ def test_reading_a_whole_table_depends_on_all_of_it(store: ArtefactStore) -> Non
     assert store.make("sum", changed, MODULES, make).key != first.key
 
 
+def test_the_store_is_searched_again_when_it_has_grown(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    searches: list[str] = []
+    monkeypatch.setattr(ArtefactStore, "_remove_oldest", lambda self, keep: searches.append(keep))
+    monkeypatch.setenv("STAGECAD_CACHE_MAX", "100000")
+    for length in (1.0, 2.0, 3.0):
+        store.make("part", Plan(plate=Table(length=length)), MODULES, Maker())
+    assert len(searches) == 1
+
+    def large(design: Any, folder: Path) -> None:
+        (folder / "large.bin").write_bytes(bytes(int(design.plate.length * 600)))
+
+    for length in (1.0, 1.01, 2.0):
+        store.make("large", Plan(plate=Table(length=length)), MODULES, large)
+    assert len(searches) == 3
+
+
 def test_made_once_and_found_again_by_another_store(store: ArtefactStore) -> None:
     maker = Maker()
     first = store.make("part", Plan(), MODULES, maker)
@@ -263,7 +279,7 @@ def test_least_recently_used_artefacts_are_removed(store: ArtefactStore, monkeyp
 
 
 def test_the_unfinished_folder_of_a_killed_run_is_removed_when_it_is_old(store: ArtefactStore) -> None:
-    store.make("part", Plan(), MODULES, Maker())
+    (store.folder / "entries").mkdir(parents=True)
     for name, age in ((".making-old", store_module.ABANDONED + 60.0), (".making-new", 60.0)):
         (store.folder / "entries" / name).mkdir()
         os.utime(store.folder / "entries" / name, (time.time() - age, time.time() - age))
