@@ -1,7 +1,8 @@
 """Noise of a measured channel, found before any model is fitted.
 
 Sources in order of preference: the value given by the user; the scatter from cycle to cycle of a periodic motion; the
-differences of the samples at several lags, after removal of what a smooth function of the recorded motion explains.
+differences of the samples at several lags, after removal of what a smooth function of the recorded motion explains, and
+of the hum of the mains, which is added again as a part of the noise.
 The residual of the model is never used, since it contains the missing effects. Quantisation is part of the noise: the
 differences are taken with a uniform random number of one step added to each value, so that they contain the rounding of
 a signal that rests between two steps (Schuchman, IEEE Trans. Commun. Technol. 12 (1964) 162).
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -27,6 +29,7 @@ from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.rigs import RIGS
 from sysid.noise.autocorrelation import Autoregression, Series, fit_noise, without_outliers
+from sysid.noise.mains import WithoutHum, without_hum
 from sysid.noise.motion_regression import motion_residual
 from sysid.noise.quantisation import LEAST_LEVELS, LEAST_NOISY_LEVELS, find_quantisation_step
 from sysid.noise.repeats import cycle_scatter
@@ -165,16 +168,22 @@ def _stretches(record: Record) -> Record:
 
 def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> Autoregression | None:
     """White and autoregressive noise of the channel with as much uniform noise added as its rounding, (step) per
-    record."""
+    record, and with the hum of the mains, which is fitted by itself."""
     random = np.random.default_rng(0)
     signal, residual = [], []
+    # A line in the drive may be a tone of the excitation.
+    free_of_hum = partial(WithoutHum, variance=0.0) if channel == "drive_force" else without_hum
     for record, step in zip(records, steps, strict=True):
         values = record.channels[channel]
         values = without_outliers(values + step * random.uniform(-0.5, 0.5, values.size) if step else values)
-        signal.append(Series(record.time, values, record.step))
+        signal.append(free_of_hum(Series(record.time, values, record.step)))
         if (rest := motion_residual(record, values, channel)) is not None:
-            residual.append(Series(record.time, without_outliers(rest.values), record.step, rest.removed))
-    return fit_noise(signal, residual if len(residual) == len(signal) else None)
+            series = Series(record.time, without_outliers(rest.values), record.step, rest.removed)
+            residual.append(free_of_hum(series))
+    compared = len(residual) == len(signal)
+    found = fit_noise([one.series for one in signal], [one.series for one in residual] if compared else None)
+    hum = np.mean([one.variance for one in (residual if compared else signal)])
+    return None if found is None else replace(found, value=float(np.hypot(found.value, np.sqrt(hum))))
 
 
 def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:

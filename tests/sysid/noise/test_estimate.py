@@ -296,3 +296,10 @@ def test_warning_of_an_error_far_below_the_noise():
     assert len(lines) == 1 and "friction_force" in lines[0] and "stated noise (0.5 N)" in lines[0]
     assert noise_warnings(noise, {"position": (0.3, 5000)})[0].endswith("state it under [noise]")
     assert not noise_warnings(noise, {"friction_force": (0.4, 100)})
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.8])
+def test_hum_of_the_mains_is_part_of_the_noise(correlation: float) -> None:
+    hum = 1.2 * SIGMA * np.sin(2.0 * np.pi * 60.0 * np.arange(N) * STEP)
+    found = _estimate(CLEAN + _autoregressive(7, correlation) + hum)
+    assert found.value == pytest.approx(SIGMA * np.hypot(1.0, 1.2 / np.sqrt(2.0)), rel=0.12)

@@ -1,0 +1,138 @@
+"""Hum of the mains in a measured channel: sinusoids of 50 or 60 Hz and their harmonics, fitted and taken out.
+
+A line adds a period to the variance of differences against lag, which neither white noise nor an autoregression has
+(`sysid/noise/autocorrelation.py`). In blocks of some seconds, over which the mains keep their phase, the values are
+fitted by
+
+    y(t) = m + sum over h of a_h cos(2 pi h f t) + b_h sin(2 pi h f t),   f = 50 or 60 Hz,
+
+with aliases where h f is above Nyquist's frequency. A line counts where its power stands out of the spectrum beside it;
+harmonics of a periodic motion stand in a comb, of which one line is no larger than its neighbours.
+
+Source: Thomson, Proc. IEEE 70 (1982) 1055 (lines in a coloured spectrum). Frequency of the mains: EN 50160, 1 % in
+99.5 % of the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from sysid.noise.autocorrelation import Series
+
+MAINS = (50.0, 60.0)
+"""Frequencies of public supply, Hz."""
+
+HARMONICS = (1, 2, 3)
+"""Harmonics fitted: the hum itself, that of rectifiers, and that of saturated transformers."""
+
+BLOCK = 4.0
+"""Length of a block, s: a drift of the mains by 0.05 Hz changes the phase by 0.2 periods."""
+
+LEAST_PERIODS = 20
+"""Periods of the mains that a record must last."""
+
+ABOVE = 15.0
+"""Power of a line in one block over the mean power beside it: noise exceeds it with a probability of exp(-15). For the
+sum over m blocks the ratio is divided by sqrt(m)."""
+
+ABOVE_LARGEST = 3.0
+"""Power of a line over the largest one beside it."""
+
+BESIDE = 0.7
+"""Frequencies beside a line that it is compared with, relative to its own: those of a motion whose third harmonic it
+would be are among them."""
+
+DEVIATIONS = np.linspace(-0.2, 0.2, 9)
+"""Deviations from the nominal frequency that are searched, Hz: of a large grid, and by the error of a sample clock."""
+
+
+class WithoutHum(NamedTuple):
+    """Values without their lines, and the variance of the lines."""
+
+    series: Series
+    variance: float
+
+
+def without_hum(series: Series) -> WithoutHum:
+    """Take the hum of the mains out of a channel."""
+    known = np.flatnonzero(np.isfinite(series.values))
+    if known.size < 3 or known.size * series.step * MAINS[0] < LEAST_PERIODS:
+        return WithoutHum(series, 0.0)
+    lines = _lines(series, known)
+    if not lines:
+        return WithoutHum(series, 0.0)
+    values, removed = series.values.copy(), 0.0
+    count = max(1, round(known.size * series.step / BLOCK))
+    for rows in np.array_split(known, count):
+        if rows.size > 4 * len(lines) + 2:
+            hum = _fitted_lines(series.time[rows], series.values[rows], lines)
+            values[rows] -= hum
+            removed += float(hum @ hum)
+    return WithoutHum(replace(series, values=values), removed / known.size)
+
+
+def _lines(series: Series, known: np.ndarray) -> list[float]:
+    """Frequencies of the lines that stand out of the spectrum, Hz."""
+    rate = 1.0 / series.step
+    blocks = _windowed_blocks(series.time[known], series.values[known])
+    found = []
+    for mains in MAINS:
+        for harmonic in HARMONICS:
+            nominal = mains * harmonic
+            alias = abs(nominal - rate * round(nominal / rate))
+            room = min(alias, 0.5 * rate - alias)
+            if room * series.step * known.size < LEAST_PERIODS:
+                continue
+            powers = _power(blocks, nominal + DEVIATIONS)
+            frequency = float(nominal + DEVIATIONS[int(np.argmax(powers))])
+            if _stands_out(blocks, frequency, room):
+                found.append(frequency)
+    return found
+
+
+class _Block(NamedTuple):
+    """Times and windowed values of a block, each (n,)."""
+
+    time: np.ndarray
+    values: np.ndarray
+
+
+def _windowed_blocks(time: np.ndarray, values: np.ndarray) -> list[_Block]:
+    count = max(1, round((time[-1] - time[0]) / BLOCK))
+    rows = np.array_split(np.arange(time.size), count)
+    return [_Block(time[r] - time[r[0]], np.hanning(r.size) * (values[r] - np.mean(values[r]))) for r in rows]
+
+
+def _power(blocks: Sequence[_Block], frequencies: np.ndarray) -> np.ndarray:
+    """Power (m,) at frequencies (m,), summed over the blocks."""
+    return np.sum(
+        [np.abs(np.exp(-2j * np.pi * np.outer(frequencies, one.time)) @ one.values) ** 2 for one in blocks], axis=0
+    )
+
+
+def _stands_out(blocks: Sequence[_Block], frequency: float, room: float) -> bool:
+    """Whether the power at a frequency is above that beside it.
+
+    `room` is the distance of its alias from zero and from Nyquist's frequency, Hz.
+    """
+    resolution = 4.0 / max(blocks[0].time[-1], 1e-12)
+    span = min(BESIDE * frequency, 0.9 * room)
+    if span < 4.0 * resolution:
+        return False
+    shifts = np.arange(1.5 * resolution, span, 0.5 * resolution)
+    beside = _power(blocks, np.concatenate([frequency - shifts, frequency + shifts]))
+    line = float(_power(blocks, np.array([frequency]))[0])
+    above = ABOVE / np.sqrt(len(blocks))
+    return line > above * float(np.mean(beside)) and line > ABOVE_LARGEST * float(np.max(beside))
+
+
+def _fitted_lines(time: np.ndarray, values: np.ndarray, lines: list[float]) -> np.ndarray:
+    """The sinusoids (n,) at the frequencies, by least squares with a mean."""
+    angles = 2.0 * np.pi * np.outer(time - time[0], lines)
+    columns = np.column_stack([np.cos(angles), np.sin(angles), np.ones(time.size)])
+    found = np.linalg.lstsq(columns, values, rcond=None)[0]
+    return columns[:, :-1] @ found[:-1]

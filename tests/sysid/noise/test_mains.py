@@ -1,0 +1,61 @@
+"""Hum of the mains: found and taken out where it is, and nothing else is taken for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sysid.noise.autocorrelation import Series
+from sysid.noise.mains import without_hum
+
+ROWS = 6000
+
+
+def _noise(seed: int, correlation: float) -> np.ndarray:
+    """Autoregressive noise of unit variance, (ROWS,)."""
+    drive = np.random.default_rng(seed).standard_normal(ROWS)
+    out = np.empty(ROWS)
+    out[0] = drive[0]
+    for k in range(1, ROWS):
+        out[k] = correlation * out[k - 1] + np.sqrt(1.0 - correlation**2) * drive[k]
+    return out
+
+
+@pytest.mark.parametrize("rate", [80.0, 200.0, 1000.0])
+@pytest.mark.parametrize("frequency", [50.0, 59.95])
+def test_hum_is_taken_out_and_its_variance_is_known(rate: float, frequency: float) -> None:
+    # At 80 rows per second the line is seen at its alias.
+    time = np.arange(ROWS) / rate
+    noise, hum = _noise(3, 0.8), 0.9 * np.sin(2.0 * np.pi * frequency * time + 0.4)
+    found = without_hum(Series(time, noise + hum, 1.0 / rate))
+    assert found.variance == pytest.approx(0.9**2 / 2.0, rel=0.12)
+    assert np.std(found.series.values - noise) < 0.35 * np.std(hum)
+
+
+def test_rows_that_are_missing_or_uneven_do_not_matter() -> None:
+    random = np.random.default_rng(5)
+    time = np.cumsum(5e-3 * (1.0 + 0.1 * random.uniform(-1.0, 1.0, ROWS)))
+    values = _noise(4, 0.5) + 1.2 * np.sin(2.0 * np.pi * 60.0 * time)
+    values[random.random(ROWS) < 0.05] = np.nan
+    found = without_hum(Series(time, values, 5e-3))
+    assert found.variance == pytest.approx(1.2**2 / 2.0, rel=0.1)
+    assert np.array_equal(np.isnan(found.series.values), np.isnan(values))
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.9, 0.98])
+def test_noise_has_no_hum(correlation: float) -> None:
+    time = np.arange(ROWS) / 400.0
+    assert all(without_hum(Series(time, _noise(seed, correlation), 2.5e-3)).variance == 0.0 for seed in range(20))
+
+
+@pytest.mark.parametrize("cycle", [2.5, 5.0, 10.0])
+def test_harmonics_of_a_periodic_motion_are_no_hum(cycle: float) -> None:
+    # Friction of a motion whose harmonics lie at 50 Hz; the others lie beside it.
+    time = np.arange(ROWS) / 1000.0
+    force = np.tanh(20.0 * np.sin(2.0 * np.pi * cycle * time + 0.3)) + 1e-3 * _noise(1, 0.0)
+    assert without_hum(Series(time, force, 1e-3)).variance == 0.0
+
+
+def test_short_records_are_left_as_they_are() -> None:
+    series = Series(np.arange(100) * 1e-3, np.sin(2.0 * np.pi * 50.0 * np.arange(100) * 1e-3), 1e-3)
+    assert without_hum(series).series is series
