@@ -100,14 +100,22 @@ class Levels:
         return len(self._levels) - 1, side
 
     def _equal_features(self, sizes: Sequence[float]) -> list[dict[int, float]]:
-        """The equations of equal features: two levels as far apart as a dimension that is given for several."""
-        return [
+        """The equations of equal features: two levels as far apart as a dimension that is given for several, or a level
+        and its mirror image."""
+        apart = [
             {one: -1.0, other: 1.0}
             for size in sizes
             for one, low in enumerate(self._levels)
             for other, high in enumerate(self._levels)
             if abs(high - low - size) < NEAR and not {one, other} & self._private
         ]
+        mirrored = [
+            {one: 2.0}
+            for size in sizes
+            for one, level in enumerate(self._levels)
+            if self._symmetric and abs(2.0 * level - size) < NEAR and one not in self._private
+        ]
+        return apart + mirrored
 
     def _determined(self, rows: Sequence[dict[int, float]]) -> set[int]:
         """Numbers of the unknowns that the equations determine, from the middle or a level of reference."""

@@ -136,7 +136,8 @@ def _clamp_screws(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
     )
     hole = right.group(feature="clamp screw hole")
     hole.diameter("clamp counterbore", "clamp_counterbore", ((face + seat) / 2, y, z), X, on=Z)
-    hole.depth("clamp counterbore depth", "clamp_counterbore_depth", mouth, (seat, y, z))
+    ring = (seat, y, z + (base.clamp_counterbore + base.clamp_hole) / 4)
+    hole.depth("clamp counterbore depth", "clamp_counterbore_depth", mouth, ring, X)
     hole.diameter("clamp clearance hole", "clamp_hole", (face - 50, y, z), X, on=Z, note="to the gap slot")
     wall = clamp.slot - base.clamp_slot_width / 2
     lug, note = (wall - base.clamp_thread_depth, y, z), "drilled from the gap slot into the lug"

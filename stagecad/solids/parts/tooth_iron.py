@@ -114,8 +114,12 @@ def declare_teeth(
     width = d.group(count=len(centres))
     width.linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
     d.depth("groove depth", "teeth.groove_depth", (0, y, crest), (0, y + pitch / 2, groove), Z)
-    if len(centres) // groups > 1:
-        d.linear("tooth pitch", "teeth.pitch", (0, y - half, flank), (0, y + pitch - half, flank))
+    steps = len(centres) // groups - 1
+    first, last = (0, y - half, flank), (0, y + steps * pitch - half, flank)
+    if steps > 1:
+        d.pitch("tooth pitch", "teeth.pitch", first, last, steps)
+    elif steps == 1:
+        d.linear("tooth pitch", "teeth.pitch", first, last)
     else:
         d.linear("iron width", "teeth.pitch", (0, y - pitch / 2, body), (0, y + pitch / 2, body))
 

@@ -10,6 +10,7 @@ import pytest
 
 from drawings.dimensions.definition import Definition, Notes, definition, notes_on_shape
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, thesis
@@ -96,3 +97,21 @@ def test_a_dimension_left_out_of_a_part_is_missed(name: str, left_out: str) -> N
     assert len(rest) < len(dimensions)
     notes = notes_on_shape(part_definition(name), thesis())
     assert definition(verifier, rest, (), notes).problems
+
+
+@pytest.mark.parametrize(
+    "name, override",
+    [
+        ("base", "base.length=365.2 mm"),
+        ("tooth_iron", "teeth.per_iron=1"),
+        ("tooth_iron", "teeth.per_iron=3"),
+        ("tooth_bar", "teeth.per_iron=1"),
+        ("tooth_bar", "teeth.per_iron=3"),
+    ],
+)
+def test_parts_of_other_designs_are_defined_completely(name: str, override: str) -> None:
+    # In the thesis's base the floor of a counterbore lies at the level of another face.
+    design = load_design(overrides=[override])
+    part = described(name, design)
+    notes = notes_on_shape(part_definition(name), design)
+    assert definition(DimensionVerifier(part.solid), part.dimensions, part.requirements, notes).problems == ()
