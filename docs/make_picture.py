@@ -19,7 +19,7 @@ COLOURS = 255
 
 def picture(build: Path) -> bytes:
     """The exploded view beside the figure of the ladder, as a PNG of few colours."""
-    machine = Image.open(build / "pictures" / "exploded.png").convert("RGB")
+    machine = Image.open(build / "pictures" / "assembly_exploded.png").convert("RGB")
     # The machine stands in the middle of a wide view.
     width, height = machine.size
     machine = machine.crop((int(0.18 * width), 0, int(0.82 * width), height))

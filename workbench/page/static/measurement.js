@@ -271,7 +271,7 @@ class Measurement {
         found.remarks.map((text) => h('p', { class: 'dim' }, text)),
         document.swaps.map((swap) => this.replacement(swap))),
       h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
-        h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', {}, 'error removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
+        h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
       errorTable(document.before), this.sliders.card(document, []), this.records(found));
     const first = document.effect ?? document.ranking[0]?.effect;
