@@ -78,7 +78,7 @@ def without_hum(series: Series) -> WithoutHum:
 def _lines(series: Series, known: np.ndarray) -> list[float]:
     """Frequencies of the lines that stand out of the spectrum, Hz."""
     rate = 1.0 / series.step
-    blocks = _windowed_blocks(series.time[known], series.values[known])
+    blocks = _windowed_blocks(series, known)
     found = []
     for mains in MAINS:
         for harmonic in HARMONICS:
@@ -89,7 +89,7 @@ def _lines(series: Series, known: np.ndarray) -> list[float]:
                 continue
             powers = _power(blocks, nominal + DEVIATIONS)
             frequency = float(nominal + DEVIATIONS[int(np.argmax(powers))])
-            if _stands_out(blocks, frequency, room):
+            if _stands_out(blocks, frequency, room, 4.0 / (blocks[0].time.size * series.step)):
                 found.append(frequency)
     return found
 
@@ -101,10 +101,14 @@ class _Block(NamedTuple):
     values: np.ndarray
 
 
-def _windowed_blocks(time: np.ndarray, values: np.ndarray) -> list[_Block]:
-    count = max(1, round((time[-1] - time[0]) / BLOCK))
-    rows = np.array_split(np.arange(time.size), count)
-    return [_Block(time[r] - time[r[0]], np.hanning(r.size) * (values[r] - np.mean(values[r]))) for r in rows]
+def _windowed_blocks(series: Series, known: np.ndarray) -> list[_Block]:
+    """Blocks of as many rows as `BLOCK` has without gaps in time."""
+    count = max(1, round(known.size * series.step / BLOCK))
+    found = []
+    for rows in np.array_split(known, count):
+        time, values = series.time[rows], series.values[rows]
+        found.append(_Block(time - time[0], np.hanning(rows.size) * (values - np.mean(values))))
+    return found
 
 
 def _power(blocks: Sequence[_Block], frequencies: np.ndarray) -> np.ndarray:
@@ -114,12 +118,11 @@ def _power(blocks: Sequence[_Block], frequencies: np.ndarray) -> np.ndarray:
     )
 
 
-def _stands_out(blocks: Sequence[_Block], frequency: float, room: float) -> bool:
+def _stands_out(blocks: Sequence[_Block], frequency: float, room: float, resolution: float) -> bool:
     """Whether the power at a frequency is above that beside it.
 
-    `room` is the distance of its alias from zero and from Nyquist's frequency, Hz.
+    `room` is the distance of its alias from zero and from Nyquist's frequency, `resolution` the width of a line, Hz.
     """
-    resolution = 4.0 / max(blocks[0].time[-1], 1e-12)
     span = min(BESIDE * frequency, 0.9 * room)
     if span < 4.0 * resolution:
         return False

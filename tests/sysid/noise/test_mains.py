@@ -59,3 +59,11 @@ def test_harmonics_of_a_periodic_motion_are_no_hum(cycle: float) -> None:
 def test_short_records_are_left_as_they_are() -> None:
     series = Series(np.arange(100) * 1e-3, np.sin(2.0 * np.pi * 50.0 * np.arange(100) * 1e-3), 1e-3)
     assert without_hum(series).series is series
+
+
+def test_a_gap_in_time_does_not_matter() -> None:
+    time = np.arange(ROWS) / 400.0
+    time[ROWS // 2 :] += 1e5
+    values = _noise(6, 0.3) + 1.1 * np.sin(2.0 * np.pi * 50.0 * time)
+    assert without_hum(Series(time, values, 2.5e-3)).variance == pytest.approx(1.1**2 / 2.0, rel=0.12)
+    assert without_hum(Series(time[::600] * 600.0, values[::600], 1.5)).variance == 0.0
