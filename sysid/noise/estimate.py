@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -29,7 +28,7 @@ from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.rigs import RIGS
 from sysid.noise.autocorrelation import Autoregression, Series, fit_noise, without_outliers
-from sysid.noise.mains import WithoutHum, without_hum
+from sysid.noise.mains import without_hum
 from sysid.noise.motion_regression import motion_residual
 from sysid.noise.quantisation import LEAST_LEVELS, LEAST_NOISY_LEVELS, find_quantisation_step
 from sysid.noise.repeats import cycle_scatter
@@ -171,15 +170,13 @@ def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> 
     record, and with the hum of the mains, which is fitted by itself."""
     random = np.random.default_rng(0)
     signal, residual = [], []
-    # A line in the drive may be a tone of the excitation.
-    free_of_hum = partial(WithoutHum, variance=0.0) if channel == "drive_force" else without_hum
     for record, step in zip(records, steps, strict=True):
         values = record.channels[channel]
         values = without_outliers(values + step * random.uniform(-0.5, 0.5, values.size) if step else values)
-        signal.append(free_of_hum(Series(record.time, values, record.step)))
+        signal.append(without_hum(Series(record.time, values, record.step), channel))
         if (rest := motion_residual(record, values, channel)) is not None:
             series = Series(record.time, without_outliers(rest.values), record.step, rest.removed)
-            residual.append(free_of_hum(series))
+            residual.append(without_hum(series, channel))
     compared = len(residual) == len(signal)
     found = fit_noise([one.series for one in signal], [one.series for one in residual] if compared else None)
     hum = np.mean([one.variance for one in (residual if compared else signal)])

@@ -36,8 +36,8 @@ LEAST_PERIODS = 20
 """Periods of the mains that a record must last."""
 
 ABOVE = 15.0
-"""Power of a line in one block over the mean power beside it: noise exceeds it with a probability of exp(-15). For the
-sum over m blocks the ratio is divided by sqrt(m)."""
+"""Standard deviations by which the power of a line is above the mean power beside it. The power of noise at a frequency
+is distributed exponentially; the standard deviation of the mean of m blocks is 1/sqrt(m) of it."""
 
 ABOVE_LARGEST = 3.0
 """Power of a line over the largest one beside it."""
@@ -50,6 +50,10 @@ DEVIATIONS = np.linspace(-0.2, 0.2, 9)
 """Deviations from the nominal frequency that are searched, Hz: of a large grid, and by the error of a sample clock."""
 
 
+EXCITATIONS = ("drive_force", "pull_position", "voltage_1", "voltage_2", "voltage_3")
+"""Channels that are imposed: a line in one of them may be a tone of the excitation."""
+
+
 class WithoutHum(NamedTuple):
     """Values without their lines, and the variance of the lines."""
 
@@ -57,8 +61,10 @@ class WithoutHum(NamedTuple):
     variance: float
 
 
-def without_hum(series: Series) -> WithoutHum:
-    """Take the hum of the mains out of a channel."""
+def without_hum(series: Series, channel: str = "") -> WithoutHum:
+    """Take the hum of the mains out of a channel; one of `EXCITATIONS` is left as it is."""
+    if channel in EXCITATIONS:
+        return WithoutHum(series, 0.0)
     known = np.flatnonzero(np.isfinite(series.values))
     if known.size < 3 or known.size * series.step * MAINS[0] < LEAST_PERIODS:
         return WithoutHum(series, 0.0)
@@ -66,8 +72,7 @@ def without_hum(series: Series) -> WithoutHum:
     if not lines:
         return WithoutHum(series, 0.0)
     values, removed = series.values.copy(), 0.0
-    count = max(1, round(known.size * series.step / BLOCK))
-    for rows in np.array_split(known, count):
+    for rows in _blocks(series, known):
         if rows.size > 4 * len(lines) + 2:
             hum = _fitted_lines(series.time[rows], series.values[rows], lines)
             values[rows] -= hum
@@ -101,11 +106,14 @@ class _Block(NamedTuple):
     values: np.ndarray
 
 
+def _blocks(series: Series, known: np.ndarray) -> list[np.ndarray]:
+    """Rows of the blocks, as many in each as `BLOCK` has without gaps in time."""
+    return np.array_split(known, max(1, round(known.size * series.step / BLOCK)))
+
+
 def _windowed_blocks(series: Series, known: np.ndarray) -> list[_Block]:
-    """Blocks of as many rows as `BLOCK` has without gaps in time."""
-    count = max(1, round(known.size * series.step / BLOCK))
     found = []
-    for rows in np.array_split(known, count):
+    for rows in _blocks(series, known):
         time, values = series.time[rows], series.values[rows]
         found.append(_Block(time - time[0], np.hanning(rows.size) * (values - np.mean(values))))
     return found
@@ -129,7 +137,7 @@ def _stands_out(blocks: Sequence[_Block], frequency: float, room: float, resolut
     shifts = np.arange(1.5 * resolution, span, 0.5 * resolution)
     beside = _power(blocks, np.concatenate([frequency - shifts, frequency + shifts]))
     line = float(_power(blocks, np.array([frequency]))[0])
-    above = ABOVE / np.sqrt(len(blocks))
+    above = 1.0 + ABOVE / np.sqrt(len(blocks))
     return line > above * float(np.mean(beside)) and line > ABOVE_LARGEST * float(np.max(beside))
 
 

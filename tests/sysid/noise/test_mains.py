@@ -67,3 +67,9 @@ def test_a_gap_in_time_does_not_matter() -> None:
     values = _noise(6, 0.3) + 1.1 * np.sin(2.0 * np.pi * 50.0 * time)
     assert without_hum(Series(time, values, 2.5e-3)).variance == pytest.approx(1.1**2 / 2.0, rel=0.12)
     assert without_hum(Series(time[::600] * 600.0, values[::600], 1.5)).variance == 0.0
+
+
+def test_a_tone_of_the_excitation_is_no_hum() -> None:
+    series = Series(np.arange(ROWS) / 400.0, np.sin(2.0 * np.pi * 50.0 * np.arange(ROWS) / 400.0), 2.5e-3)
+    assert without_hum(series, "drive_force").series is series
+    assert without_hum(series, "friction_force").variance == pytest.approx(0.5, rel=0.05)
