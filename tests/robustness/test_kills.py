@@ -132,7 +132,7 @@ def test_killed_at_random_moments(
         found["complete runs"] += 1
         _sound(folder, case, ended, names)
         assert ended.status == whole.status or (case.may_refuse and ended.status == 2), ended.text
-        assert names <= _names(folder)
+        assert _has_all(folder, names)
         shutil.rmtree(folder)
     with capfd.disabled():
         print(f"\n{name}: {dict(found)}, {whole.operations} operations in {whole.seconds:.1f} s")  # noqa: T201
@@ -162,6 +162,13 @@ def _begin(tmp_path: Path, template: Path, name: str, case: Case, number: int) -
     shutil.copytree(template, folder)
     words = case.words.format(n=number).split()
     return partial(run_killed, partial(run, words), folder, tmp_path, tmp_path / "log.txt")
+
+
+def _has_all(folder: Path, names: set[str]) -> bool:
+    """Whether a run has left all files of a complete one. A demonstration that finds its folder in another state than
+    it left it, as after a kill between the addition of an effect and the note of it, begins the next folder."""
+    found, places = _names(folder), {path.name for path in folder.glob("build/demo_*")} | {"demo_2"}
+    return any({name.replace("build/demo_2/", f"build/{place}/") for name in names} <= found for place in places)
 
 
 def _names(folder: Path) -> set[str]:
