@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,8 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.rules.registry import violations
 from workbench.cli import run as stagecad
 
-FOLDER = Path(__file__).parents[2] / "examples" / "improved_stage"
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "examples" / "improved_stage"
 
 
 def _table(title: str) -> list[list[str]]:
@@ -33,6 +35,17 @@ def test_it_violates_no_rule_and_has_the_changes_of_its_report() -> None:
     for key, before, after, reason in changes:
         origin = design.entry(key).origin
         assert origin == f"assumed: optimised from {before}: {reason}", (key, after)
+
+
+def test_the_readme_states_the_numbers_of_its_report() -> None:
+    text = " ".join((ROOT / "README.md").read_text("utf-8").split())
+    counts = re.search(
+        r"Before: \d+ pass, (\d+) fail. After: \d+ pass, (\d+) fail", (FOLDER / "stage.md").read_text("utf-8")
+    )
+    assert counts is not None
+    before, after = counts.groups()
+    stated = f"{len(_table('Changes'))} changes with their reasons, and {after} failed checks instead of {before}"
+    assert stated in text
 
 
 def test_margins_that_do_not_depend_on_masses_are_those_of_the_report() -> None:
