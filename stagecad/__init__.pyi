@@ -8,11 +8,15 @@ from workbench.api.design import Design as Design
 from workbench.api.design import load_design as load_design
 from workbench.api.diagnosis import Diagnosis as Diagnosis
 from workbench.api.diagnosis import diagnose as diagnose
+from workbench.api.differences import Differences as Differences
+from workbench.api.differences import diff as diff
 from workbench.api.experiment import Experiment as Experiment
 from workbench.api.growth import Addition as Addition
 from workbench.api.growth import Ladder as Ladder
+from workbench.api.growth import Undone as Undone
 from workbench.api.growth import add as add
 from workbench.api.growth import ladder as ladder
+from workbench.api.growth import undo as undo
 from workbench.api.machine import (
     Checks as Checks,
 )
@@ -54,6 +58,7 @@ __all__ = [
     "Comparison",
     "Design",
     "Diagnosis",
+    "Differences",
     "Drawings",
     "Effect",
     "Experiment",
@@ -69,14 +74,17 @@ __all__ = [
     "SimulatedRecords",
     "Simulation",
     "Suggestion",
+    "Undone",
     "add",
     "checks",
     "compare",
     "diagnose",
+    "diff",
     "drawings",
     "ladder",
     "load_design",
     "parts",
     "simulate",
     "suggest",
+    "undo",
 ]

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from stagecad.parameters.design import Design
 
 
+Progress = Callable[[str, int, int], None]
+"""Called with the name of a step, the steps done, and all steps (0: not known)."""
+
+
 @dataclass(frozen=True)
 class Run:
     """One run of a command: the options every command has, and its two streams.
@@ -40,12 +44,17 @@ class Run:
     """Parameter file of an earlier issue of the design, for the revision table of the drawings."""
     rules: bool = True
     """whether the design must satisfy the rules; a command that repairs a design has none"""
+    text: str | None = None
+    """Text of the parameter file `params` where it is not that of the file now"""
 
     @functools.cached_property
     def design(self) -> Design:
         """The design of `--params` (default: stage.toml here, else the packaged thesis design) with `--set` applied."""
-        from stagecad.parameters.load import load_design
+        from stagecad.parameters.load import design_from_text, load_design
 
+        if self.text is not None:
+            assert self.params is not None
+            return design_from_text(self.text, str(self.params), self.overrides, rules=self.rules)
         design = load_design(self.parameter_file, self.overrides, rules=self.rules)
         return design if self.earlier is None else design.since(load_design(self.earlier))
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import design_from_text
 from stagecad.parameters.load import load_design as read_design
 from workbench.api.result import Result
 from workbench.options import Run
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
     from stagecad.parameters.design import Design as Values
 
 
+TEXT = "design.toml"
+"""Name of a parameter file that is a text, in messages."""
+
+
 class Design(Result):
     """Every number of a machine. It never changes: `with_values` gives a new one.
 
@@ -26,10 +31,18 @@ class Design(Result):
     otherwise), `design.si("stage.thickness")` the number in SI.
     """
 
-    def __init__(self, path: Path | None, overrides: tuple[str, ...] = (), rules: bool = True) -> None:
-        self.path = path
+    def __init__(
+        self, path: Path | None, overrides: tuple[str, ...] = (), rules: bool = True, text: str | None = None
+    ) -> None:
+        self.path = Path(TEXT) if path is None and text is not None else path
         self.overrides = overrides
-        self.values: Values = read_design(path, overrides, rules=rules)
+        self.rules = rules
+        self.text = text
+        self.values: Values
+        if text is None:
+            self.values = read_design(path, overrides, rules=rules)
+        else:
+            self.values = design_from_text(text, str(self.path), overrides, rules=rules)
 
     def si(self, key: str) -> float:
         """The number of a parameter in SI.
@@ -51,17 +64,13 @@ class Design(Result):
         >>> load_design().with_values({"stage.thickness": "14 mm"}).si("stage.thickness")
         0.014
         """
-        try:
-            return Design(self.path, (*self.overrides, *(f"{key}={value}" for key, value in values.items())))
-        except InputError as error:
-            # The option of the commands, which is not here.
-            raise InputError(re.sub(r"^--set:? ?", "", str(error))) from None
+        return _design(self.path, (*self.overrides, *_overrides(values)), self.rules, self.text)
 
     def run(self, out: str | Path = "build") -> Run:
         """The common options of the commands, for this design."""
         # The packaged file by its path: without one the commands take stage.toml of the working folder.
         path = self.path or Path(str(files("stagecad.parameters").joinpath("thesis.toml")))
-        run = Run(path, self.overrides, Path(out), None)
+        run = Run(path, self.overrides, Path(out), None, rules=self.rules, text=self.text)
         run.__dict__["design"] = self.values
         return run
 
@@ -87,7 +96,7 @@ class Design(Result):
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad params --json`."""
         from workbench.api.result import finite_json
-        from workbench.commands.params import entry_json
+        from workbench.machine.parameter_json import entry_json
 
         parameters = {entry.key: entry_json(entry) for entry in self.values.entries}
         return finite_json({"file": self.values.file, "digest": self.values.digest, "parameters": parameters})
@@ -97,18 +106,55 @@ class Design(Result):
         return f"<Design '{self.values.file}': {len(self.values.entries)} parameters{changed}>"
 
 
-def load_design(path: str | Path | None = None, values: Mapping[str, str | float] | None = None) -> Design:
+def load_design(
+    path: str | Path | None = None,
+    values: Mapping[str, str | float] | None = None,
+    text: str | None = None,
+    rules: bool = True,
+) -> Design:
     """Read a parameter file.
 
     Args:
         path: the file; the packaged machine of the thesis when left out.
         values: other values by key, as of `Design.with_values`.
+        text: content of the file, which is then not read; the user's own checks beside it are left out. Tables of
+            hardware are those of the folder of `path`.
+        rules: whether a design that violates a rule across values is refused; `optimize` repairs it.
 
     Raises:
         InputError: one line with file, key, value, and what is allowed.
 
     >>> load_design()  # doctest: +ELLIPSIS
     <Design 'thesis.toml': ... parameters>
+    >>> thin = 'extends = "thesis"\\n[stage]\\nthickness = {value = "11 mm", origin = "assumed: lighter"}'
+    >>> load_design(text=thin).si("stage.thickness")
+    0.011
     """
-    overrides = tuple(f"{key}={value}" for key, value in (values or {}).items())
-    return Design(None if path is None else Path(path), overrides)
+    return _design(None if path is None else Path(path), _overrides(values or {}), rules, text)
+
+
+def _overrides(values: Mapping[str, str | float]) -> tuple[str, ...]:
+    return tuple(f"{key}={value}" for key, value in values.items())
+
+
+def _design(path: Path | None, overrides: tuple[str, ...], rules: bool, text: str | None) -> Design:
+    try:
+        return Design(path, overrides, rules, text)
+    except InputError as error:
+        if not str(error).startswith("--set"):
+            raise
+        # The option of the commands, which is not here.
+        raise InputError(re.sub(r"^--set:? ?", "", str(error))) from None
+
+
+def as_design(source: Design | str | Path | None) -> Design:
+    """A design, or the one in a file; the packaged machine for None.
+
+    Raises:
+        InputError: none of these, or a fault in the file.
+    """
+    if isinstance(source, Design):
+        return source
+    if source is None or isinstance(source, str | Path):
+        return load_design(source)
+    raise InputError(f"a Design or its parameter file is wanted, not {type(source).__name__}")

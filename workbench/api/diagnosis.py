@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -14,6 +13,7 @@ from sysid.report import diagnosis_json
 from workbench.api.comparison import where_frame
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import FittedResult, document, error_frame
+from workbench.options import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from workbench.api.design import Design
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
-Progress = Callable[[str, int, int], None]
-"""Called with the name of a step, its number and the number of steps."""
 
 
 class Diagnosis(FittedResult):

@@ -1,4 +1,4 @@
-"""`add` and `ladder`: effects added to the model of an experiment, and the error after each."""
+"""`add`, `undo` and `ladder`: effects added to the model of an experiment, taken back, and the error after each."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from sysid.ladder import add_effects, addition_json, current_ladder
 from workbench.api.experiment import Experiment, as_experiment, design_source
 from workbench.api.fitted import FittedResult, document, error_frame, parameter_frame
 from workbench.api.result import Result
+from workbench.identification.undo import Undoing, undo_last
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,6 +65,46 @@ class Addition(FittedResult):
         signed = [f"+ {name}" for name in self._document["added"]] + [f"- {name}" for name in self._document["removed"]]
         change = " ".join(signed) or "no change"
         return f"<Addition to '{self.experiment.name}', {change}: {before} to {after} the noise on held-out records>"
+
+
+class Undone(Result):
+    """The last change of the model of an experiment, taken back."""
+
+    def __init__(self, place: Path, design: Design | None, found: Undoing) -> None:
+        self.place, self.design = place, design
+        self.found = found
+
+    @cached_property
+    def experiment(self) -> Experiment:
+        """The experiment with the model that stands again."""
+        return Experiment.load(self.place, self.design)
+
+    @property
+    def rung(self) -> int:
+        """Number of the rung that stands again; 0 is the model before any effect was added."""
+        return self.found.rung.number
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Effects of the model that stands again."""
+        return self.found.rung.effects
+
+    @property
+    def kept(self) -> Path:
+        """File of the undone rung."""
+        return self.found.kept
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Errors of the model that stands again, as stored with its rung; index `records`, `channel`."""
+        return error_frame(self.found.rung.document.get("before", {}))
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad add --undo --json`."""
+        return document(self.found.as_json())
+
+    def __repr__(self) -> str:
+        effects = ", ".join(self.effects) or "no effects"
+        return f"<Undone in '{self.place.resolve().name}': rung {self.rung}, model {effects}>"
 
 
 class Ladder(Result):
@@ -148,6 +189,30 @@ def add(
     if found.experiment is None:
         return Addition(Experiment.load(stated.stated.path, stated.design), found)
     return Addition(Experiment(found.experiment, stated.design), found)
+
+
+def undo(experiment: Experiment | str | Path, design: Design | None = None) -> Undone:
+    """Go back one rung: take the last `add` to an experiment in a folder back. The undone rung is kept.
+
+    Args:
+        experiment: the experiment, or its folder.
+        design: where the folder's file states a value as `"design"`.
+
+    Raises:
+        InputError: nothing to undo, a model edited by hand since, or an experiment in memory, where `add` changes
+            nothing.
+    """
+    if isinstance(experiment, Experiment):
+        if not experiment.in_files:
+            raise InputError(
+                f"{experiment.name}: is in memory, where add changes nothing; go on with the one given to add"
+            )
+        place, design = experiment.stated.folder, design or experiment.design
+    elif isinstance(experiment, str | Path):
+        place = Path(experiment)
+    else:
+        raise InputError(f"an Experiment or its folder is wanted, not {type(experiment).__name__}")
+    return Undone(place, design, undo_last(place))
 
 
 def ladder(experiment: Experiment | str | Path, design: Design | None = None) -> Ladder:

@@ -10,10 +10,11 @@ from sysid.experiment_design.t_optimal_design import Suggestion as Found
 from sysid.experiment_design.t_optimal_design import columns_of
 from sysid.experiment_design.t_optimal_design import suggest as suggest_motions
 from sysid.report import suggestion_json
-from workbench.api.diagnosis import Diagnosis, Progress
+from workbench.api.diagnosis import Diagnosis
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import document
 from workbench.api.result import Result
+from workbench.options import Progress
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -51,13 +51,12 @@ def command(
 
 
 def _undo(run: Run, experiment: Path) -> None:
-    from sysid.experiment.experiment import find_experiment
-    from sysid.experiment.history import undo
+    from workbench.identification.undo import undo_last
 
-    rung, kept = undo(find_experiment(experiment))
-    effects_now = ", ".join(rung.effects) or "no effects"
-    run.echo(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
-    run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
+    found = undo_last(experiment)
+    effects_now = ", ".join(found.rung.effects) or "no effects"
+    run.echo(f"back on rung {found.rung.number:03d}: {effects_now}; the undone rung is kept in {found.kept}")
+    run.emit(found.as_json())
 
 
 def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...], drop: tuple[str, ...]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path | None) -> None:
     """The parameters with unit, tolerance and origin; all of them, or those of the tables and keys named."""
     from stagecad.parameters.load import diff, load_design
+    from workbench.machine.parameter_json import difference_json, entry_json
 
     design = run.design
     if target is not None:
@@ -42,7 +43,7 @@ def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path |
     if other is not None:
         differences = [item for item in diff(design, load_design(other)) if _named(item.key, names, design)]
         show_differences(run, design.file, str(other), differences)
-        run.emit({"files": [design.file, str(other)], "differences": [difference_document(d) for d in differences]})
+        run.emit({"files": [design.file, str(other)], "differences": [difference_json(d) for d in differences]})
         return
     entries = [entry for entry in design.entries if _named(entry.key, names, design)]
     if target is None:
@@ -78,41 +79,6 @@ def _write(run: Run, target: Path) -> None:
         raise InputError(f"{target}: is there already; name a new file")
     atomic_write_text(target, parameter_text(run))
     run.note(f"written: {target}")
-
-
-def _si(entry: Entry) -> dict[str, Any]:
-    """The entry's value as JSON: a quantity in SI, or the plain value where it has no unit."""
-    from stagecad.parameters.units import as_json, to_si
-
-    if isinstance(entry.value, bool | str):
-        return {"value": entry.value}
-    unit = {"mm": "m", "deg": "rad"}.get(entry.unit, entry.unit)
-    if unit == entry.unit:
-        return as_json(entry.value, unit, entry.std)
-    std = None if entry.std is None else to_si(entry.std, entry.unit)
-    return as_json(to_si(entry.value, entry.unit), unit, std)
-
-
-def entry_json(entry: Entry) -> dict[str, Any]:
-    """An entry of the parameter file as JSON, in SI."""
-    return {
-        **_si(entry),
-        "text": entry.text,
-        "formula": entry.formula or None,
-        "tolerance": entry.tolerance,
-        "origin": entry.origin,
-        "meaning": entry.meaning,
-    }
-
-
-def difference_document(difference: Difference) -> dict[str, Any]:
-    """A difference as a JSON document."""
-    before, after = difference.before, difference.after
-    return {
-        "key": difference.key,
-        "before": entry_json(before) if before else None,
-        "after": entry_json(after) if after else None,
-    }
 
 
 def _text(entry: Entry) -> str:

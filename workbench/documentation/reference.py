@@ -7,7 +7,18 @@ from collections.abc import Iterable
 import click
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "A design": ("load_design", "Design", "checks", "Checks", "parts", "Parts", "drawings", "Drawings"),
+    "A design": (
+        "load_design",
+        "Design",
+        "checks",
+        "Checks",
+        "diff",
+        "Differences",
+        "parts",
+        "Parts",
+        "drawings",
+        "Drawings",
+    ),
     "An experiment": ("Experiment", "Record", "Rig", "RigKind", "Model", "Effect", "Parameter", "Scan"),
     "A measurement and its model": (
         "compare",
@@ -16,6 +27,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "Diagnosis",
         "add",
         "Addition",
+        "undo",
+        "Undone",
         "ladder",
         "Ladder",
         "suggest",

@@ -1,4 +1,4 @@
-"""Two designs compared: masses, margins, solids and drawing sheets."""
+"""Two designs compared: parameters, masses, margins, solids and drawing sheets."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.load import Difference, diff
 from stagecad.parameters.units import as_json
+from workbench.machine.parameter_json import difference_json
+from workbench.options import Progress
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
@@ -90,6 +93,79 @@ class SheetChange:
         """As a JSON document."""
         marked = str(self.marked) if self.marked else None
         return {"sheet": self.sheet, "change": self.change, "marked": marked, "regions": self.regions}
+
+
+@dataclass(frozen=True)
+class DesignComparison:
+    """What differs between two designs; None for what was not compared.
+
+    Args:
+        names: of the two files.
+    """
+
+    names: tuple[str, str]
+    parameters: tuple[Difference, ...]
+    margins: list[MarginChange] | None = None
+    masses: list[MassChange] | None = None
+    volumes: list[VolumeChange] | None = None
+    sheets: list[SheetChange] | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        found: dict[str, Any] = {
+            "files": list(self.names),
+            "parameters": [difference_json(one) for one in self.parameters],
+        }
+        for name in ("margins", "masses", "volumes", "sheets"):
+            changes = getattr(self, name)
+            if changes is not None:
+                found[name] = [one.as_json() for one in changes]
+        return found
+
+
+def compare_designs(
+    designs: tuple[Design, Design],
+    names: tuple[str, str],
+    folder: Path | None,
+    margins: bool = True,
+    progress: Progress = lambda step, done, total: None,
+) -> DesignComparison:
+    """What differs between two designs.
+
+    Args:
+        designs: the first and the second.
+        names: of their files.
+        folder: of the sheets with their changes marked; None compares neither masses and volumes nor sheets, and takes
+            the masses of the checks from plain volumes.
+        margins: compare the margins of the checks.
+        progress: called with what is done.
+    """
+    from designcalc.checks import run_checks
+
+    parameters = diff(*designs)
+    if folder is None:
+        if not margins:
+            return DesignComparison(names, parameters)
+        progress("margins", 0, 0)
+        before, after = (run_checks(design) for design in designs)
+        return DesignComparison(names, parameters, margin_changes(before, after))
+    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.solids.assembly.machine import build_machine
+
+    def advance(name: str) -> None:
+        progress(name, 0, 0)
+
+    one, other = (build_machine(design, None, advance) for design in designs)
+    changed = None
+    if margins:
+        progress("margins", 0, 0)
+        bodies = [BodyMasses(machine.moving_body, machine.masses["tip"]) for machine in (one, other)]
+        before, after = (run_checks(design, masses) for design, masses in zip(designs, bodies, strict=True))
+        changed = margin_changes(before, after)
+    progress("volumes", 0, 0)
+    volumes = volume_changes(one, other)
+    sheets = sheet_changes(*designs, folder, advance)
+    return DesignComparison(names, parameters, changed, mass_changes(one, other), volumes, sheets)
 
 
 def _quantity(value: float | None, unit: str) -> dict[str, Any] | None:

@@ -55,4 +55,6 @@ def source_of(run: Run) -> DesignSource:
     if path is None:
         return DesignSource(None, "", run.overrides)
     folder = path.parent.absolute()
-    return DesignSource(path.read_text("utf-8"), path.name, run.overrides, own_check_files(path), folder)
+    if run.text is not None:
+        return DesignSource(run.text, path.name, run.overrides, (), folder)
+    return DesignSource(path.read_text("utf-8-sig"), path.name, run.overrides, own_check_files(path), folder)

@@ -11,7 +11,9 @@ def parameter_text(run: Run) -> str:
     from stagecad.parameters.load import changed_text
 
     path = run.parameter_file
-    text = path.read_text("utf-8-sig") if path is not None else packaged_text()
+    text = run.text
+    if text is None:
+        text = path.read_text("utf-8-sig") if path is not None else packaged_text()
     changes: dict[str, tuple[str | float | bool, str]] = {}
     for override in run.overrides:
         key = override.partition("=")[0].strip()

@@ -55,9 +55,15 @@ def pareto_figure(evaluator: Evaluator, names: Sequence[str], path: Path) -> Non
 
     The front joins the designs of which no other one is better in both margins.
     """
+    figure, axes = new_figure(6.4, 4.6)
+    draw_pareto(axes, evaluator, names)
+    save(figure, path)
+
+
+def draw_pareto(axes: Any, evaluator: Evaluator, names: Sequence[str]) -> None:
+    """Draw the margins of the first two requirements of a conflict, and their front, into axes."""
     first, second = names[:2]
     margins = 100 * margins_of(evaluator, (first, second))
-    figure, axes = new_figure(6.4, 4.6)
     axes.scatter(*margins.T, s=8, color="0.6", label="designs")
     front = pareto_front(margins)
     axes.plot(*front.T, marker="o", ms=4, color="tab:red", drawstyle="steps-post", label="front")
@@ -68,7 +74,6 @@ def pareto_figure(evaluator: Evaluator, names: Sequence[str], path: Path) -> Non
     axes.set_xlabel(f"margin of '{first}', %", fontsize=8)
     axes.set_ylabel(f"margin of '{second}', %", fontsize=8)
     axes.legend(frameon=False, fontsize=8)
-    save(figure, path)
 
 
 def fronts_figure(levels: Levels, path: Path) -> None:

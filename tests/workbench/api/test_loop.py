@@ -75,6 +75,20 @@ def test_adding_to_a_folder_writes_its_rung(slide: Experiment, tmp_path) -> None
     assert found.to_json()["file"] == str(tmp_path / "rig" / "ladder" / "001.json")
 
 
+def test_an_addition_to_a_folder_is_taken_back(slide: Experiment, tmp_path) -> None:
+    folder = slide.save(tmp_path / "rig")
+    stagecad.add(folder, "stribeck")
+    found = stagecad.undo(tmp_path / "rig")
+    assert found.rung == 0 and found.effects == ("coulomb", "viscous") == found.experiment.stated.effects
+    assert found.kept.is_file() and found.kept.parent.name == "undone"
+    assert found.to_json() == {"schema": 1, "rung": 0, "effects": ["coulomb", "viscous"], "kept": str(found.kept)}
+    assert found.to_dataframe().loc[("fit", "friction_force"), "over_noise"] > 10.0
+    with pytest.raises(InputError, match="nothing to undo"):
+        stagecad.undo(found.experiment)
+    with pytest.raises(InputError, match="is in memory"):
+        stagecad.undo(slide)
+
+
 def test_an_effect_declared_in_memory_is_fitted() -> None:
     hook = Effect(
         "hook",
