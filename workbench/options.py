@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from stagecad.parameters.design import Design
 
 
-Progress = Callable[[str, int, int], None]
+ProgressCallback = Callable[[str, int, int], None]
 """Called with the name of a step, the steps done, and all steps (0: not known)."""
 
 

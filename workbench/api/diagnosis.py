@@ -13,7 +13,7 @@ from sysid.report import diagnosis_json
 from workbench.api.comparison import where_frame
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import FittedResult, document, error_frame
-from workbench.options import Progress
+from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -139,7 +139,7 @@ def diagnose(
     experiment: Experiment | str | Path,
     all_effects: bool = False,
     design: Design | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Diagnosis:
     """Find which physical effect is missing from the model of an experiment.
 

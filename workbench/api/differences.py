@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from workbench.api.design import Design, as_design
 from workbench.api.result import Result, finite_json
 from workbench.machine.comparison import DesignComparison, compare_designs
-from workbench.options import Progress
+from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -116,7 +116,7 @@ def diff(
     solids: bool = True,
     margins: bool = True,
     out: str | Path = "build",
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Differences:
     """What differs between two designs.
 

@@ -14,7 +14,7 @@ from workbench.api.diagnosis import Diagnosis
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import document
 from workbench.api.result import Result
-from workbench.options import Progress
+from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,7 +96,7 @@ class Suggestion(Result):
 
 
 def suggest(
-    experiment: Experiment | str | Path, design: Design | None = None, progress: Progress | None = None
+    experiment: Experiment | str | Path, design: Design | None = None, progress: ProgressCallback | None = None
 ) -> Suggestion:
     """Diagnose an experiment, and rank motions by how well they separate the effects that its records do not.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.load import Difference, diff
 from stagecad.parameters.units import as_json
 from workbench.machine.parameter_json import difference_json
-from workbench.options import Progress
+from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
@@ -128,7 +128,7 @@ def compare_designs(
     names: tuple[str, str],
     folder: Path | None,
     margins: bool = True,
-    progress: Progress = lambda step, done, total: None,
+    progress: ProgressCallback = lambda step, done, total: None,
 ) -> DesignComparison:
     """What differs between two designs.
 

@@ -59,7 +59,7 @@ def changed_margins_figure(margins: pd.DataFrame) -> Plot:
     drawn = margins.dropna(subset=["margin_before", "margin_after"])[:MOST_BARS]
     if drawn.empty:
         raise InputError("plot: no margin differs")
-    before, after = (100.0 * drawn[name].to_numpy(float) for name in ("margin_before", "margin_after"))
+    before, after = (100.0 * np.asarray(drawn[name], float) for name in ("margin_before", "margin_after"))
     figure, axes = new_plot(width=WIDTH, height=0.8 + 0.16 * len(drawn))
     panel, places = axes[0, 0], np.arange(len(drawn))
     with style():
