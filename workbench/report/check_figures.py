@@ -42,6 +42,38 @@ def _figure(width: float, height: float) -> tuple[Any, Any]:
     return figure, figure.subplots()
 
 
+def _space(figure: Any, panels: np.ndarray, left: float, top: float, between: tuple[float, float]) -> None:
+    """Set the margins of a figure of several panels, in inches: a constrained layout takes longer than the drawing.
+
+    Args:
+        figure: without a layout engine.
+        panels: its axes (rows, columns).
+        left, top: margins with room for labels and titles; those at the right and at the bottom are the same in all.
+        between: two columns, and two rows.
+    """
+    (rows, columns), (width, height) = panels.shape, figure.get_size_inches()
+    right, bottom = 0.15, 0.45
+    inside = (width - left - right - (columns - 1) * between[0]) / columns
+    tall = (height - bottom - top - (rows - 1) * between[1]) / rows
+    figure.subplots_adjust(
+        left=left / width,
+        right=1 - right / width,
+        bottom=bottom / height,
+        top=1 - top / height,
+        wspace=between[0] / inside,
+        hspace=between[1] / tall,
+    )
+
+
+def _width_of_labels(figure: Any) -> float:
+    """Width of the longest label of the vertical axes, inches."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    labels = [label for axes in figure.axes for label in axes.get_yticklabels()]
+    return max(label.get_window_extent(renderer).width for label in labels) / figure.dpi
+
+
 @check_figure(6.4, 4.0)
 def rail_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
@@ -185,8 +217,9 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     r = DesignInputs(design, masses)
     found = budgets(r)
     heights = [len(one.rows) + 1 for one in found]
-    figure = Figure(figsize=(6.8, 0.28 * sum(heights) + 1.8), layout="constrained")
-    for axes, one in zip(figure.subplots(len(found), 1, height_ratios=heights), found, strict=True):
+    figure = Figure(figsize=(6.8, 0.28 * sum(heights) + 1.8))
+    panels = figure.subplots(len(found), 1, height_ratios=heights, squeeze=False)[:, 0]
+    for axes, one in zip(panels, found, strict=True):
         names = [cause.name for cause, _ in one.rows] + ["total"]
         sizes = [1e9 * abs(float(e[one.axis])) for _, e in one.rows] + [1e9 * float(one.total[one.axis])]
         colours = ["tab:blue" if cause.random else "tab:orange" for cause, _ in one.rows] + ["0.3"]
@@ -197,7 +230,8 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
         axes.set_xlim(max(min(sizes) / 3, 1e-3))
         axes.tick_params(labelsize=8)
         axes.set_title(f"{one.name}, {one.direction}", fontsize=9, loc="left")
-    axes.set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: limit)", fontsize=9)
+    panels[-1].set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: limit)", fontsize=9)
+    _space(figure, panels[:, None], left=_width_of_labels(figure) + 0.15, top=0.25, between=(0.0, 0.5))
     _save(figure, path)
     return True
 
@@ -212,10 +246,11 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
 
     r = DesignInputs(design, masses)
     found, lowest = dynamic_budgets(r), 1 / r("loop.observation")
-    figure = Figure(figsize=(10.0, 3.1 * len(found)), layout="constrained")
+    figure = Figure(figsize=(10.0, 3.1 * len(found)))
+    panels = figure.subplots(len(found), 2, sharex=True, squeeze=False)
     names = list(dict.fromkeys(row.name for one in found for row in one.rows))
     colours = {name: f"C{k}" for k, name in enumerate(names)}
-    for (left, right), one in zip(figure.subplots(len(found), 2, sharex=True), found, strict=True):
+    for (left, right), one in zip(panels, found, strict=True):
         shown = one.frequency >= 1e-2
         f = one.frequency[shown]
         above = one.frequency >= lowest
@@ -237,9 +272,10 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
         for axes in (left, right):
             axes.tick_params(labelsize=8)
             axes.set_xlim(1e-2, 1e5)
-    for axes in figure.axes[-2:]:
+    for axes in panels[-1]:
         axes.set_xlabel("frequency, Hz", fontsize=9)
-    figure.axes[1].set_title(f"from {lowest:.3g} Hz upwards; dashed: limit", fontsize=9, loc="left")
+    panels[0, 1].set_title(f"from {lowest:.3g} Hz upwards; dashed: limit", fontsize=9, loc="left")
+    _space(figure, panels, left=0.65, top=0.25, between=(0.75, 0.35))
     _save(figure, path)
     return True
 
