@@ -14,7 +14,9 @@ import numpy as np
 from scipy import ndimage
 
 SAMPLES = 2
-INK = np.array([0.10, 0.11, 0.13], dtype=np.float32)
+INK = (0.10, 0.11, 0.13)
+TOP, FOOT = (0.985, 0.988, 0.992), (0.915, 0.925, 0.938)
+"""Colours of the lines, and of the background at the upper and the lower edge."""
 FAR = np.float32(np.inf)
 
 
@@ -36,6 +38,22 @@ class ProjectedMesh(NamedTuple):
     colour_index: np.ndarray
     edge_points: np.ndarray
     edge_ends: np.ndarray
+
+
+class Samples(NamedTuple):
+    """What is in front, by sample (h, w).
+
+    Attributes:
+        depth: of the surface in front, infinite for the background.
+        facing: (h, w, 3) its normal, of any length.
+        paint: index of its colour, -1 for the background.
+        ink: not 0 where a line is.
+    """
+
+    depth: np.ndarray
+    facing: np.ndarray
+    paint: np.ndarray
+    ink: np.ndarray
 
 
 @numba.njit(cache=True)
@@ -146,58 +164,83 @@ def draw(
         (height, width, 3) uint8.
     """
     width, height = size[0] * SAMPLES, size[1] * SAMPLES
-    depth = np.full((height, width), FAR, dtype=np.float32)
-    facing = np.zeros((height, width, 3), dtype=np.float32)
-    paint = np.full((height, width), -1, dtype=np.int32)
-    ink = np.zeros((height, width), dtype=np.float32)
+    samples = Samples(
+        depth=np.full((height, width), FAR, dtype=np.float32),
+        facing=np.zeros((height, width, 3), dtype=np.float32),
+        paint=np.full((height, width), -1, dtype=np.int32),
+        ink=np.zeros((height, width), dtype=np.float32),
+    )
+    depth, facing, paint, ink = samples
     points, edges = (mesh.points * SAMPLES).astype(np.float64), (mesh.edge_points * SAMPLES).astype(np.float64)
     normals, triangles = mesh.normals.astype(np.float64), mesh.triangles.astype(np.int64)
     _fill(points, normals, triangles, mesh.colour_index.astype(np.int32), depth, facing, paint)
     _stroke(edges, mesh.edge_ends.astype(np.int64), line_width * SAMPLES, 1.5 * SAMPLES, depth, ink)
-    picture = _background(height, width)
-    flat, covered, inked = picture.reshape(-1, 3), np.flatnonzero(paint >= 0), np.flatnonzero(ink)
-    colour = colours.astype(np.float32)[paint.reshape(-1)[covered]]
-    shaded = _shade(facing.reshape(-1, 3)[covered], colour, light_sign)
-    flat[covered] = shaded * (1.0 - _shadow(depth).reshape(-1)[covered])[:, None]
-    flat[inked] += np.float32(0.85) * (INK - flat[inked])
-    shifts = [(row, column) for row in range(SAMPLES) for column in range(SAMPLES)]
-    coarse = sum(picture[row::SAMPLES, column::SAMPLES] for row, column in shifts) / np.float32(SAMPLES**2)
-    return np.round(np.clip(coarse, 0.0, 1.0) * 255.0).astype(np.uint8)
+    averages, steps = _average_depths(depth)
+    light = np.array([-0.45, 0.65 * light_sign, 0.62])
+    light /= np.linalg.norm(light)
+    picture = np.empty((size[1], size[0], 3), dtype=np.uint8)
+    _compose(samples, averages, steps, colours.astype(np.float64), light, light_sign, picture)
+    return picture
 
 
-def _background(height: int, width: int) -> np.ndarray:
-    """Almost white, slightly darker towards the bottom."""
-    fall = np.linspace(0.0, 1.0, height, dtype=np.float32)[:, None, None]
-    top, foot = np.array([0.985, 0.988, 0.992], np.float32), np.array([0.915, 0.925, 0.938], np.float32)
-    return np.broadcast_to(top + fall * (foot - top), (height, width, 3)).copy()
+@numba.njit(cache=True)
+def _compose(samples, averages, steps, colours, key, light_sign, picture):  # pragma: no cover - compiled
+    """Shade and darken each sample, lay the lines over it, and average the samples of each pixel.
+
+    Args:
+        samples: what is in front.
+        averages: (2, h / 2, w / 2) depth of the neighbourhood.
+        steps: (2,) depth behind it at which the darkening ends.
+        colours: (c, 3) sRGB, 0 to 1.
+        key: unit vector towards the key light.
+        light_sign: 1 for light from above, -1 from below.
+        picture: (h / SAMPLES, w / SAMPLES, 3); filled.
+    """
+    depth, facing, paint, ink = samples.depth, samples.facing, samples.paint, samples.ink
+    height = paint.shape[0]
+    half = key + np.array([0.0, 0.0, 1.0])
+    half /= np.sqrt(np.sum(half * half))
+    sample, total = np.empty(3), np.empty(3)
+    for row in range(picture.shape[0]):
+        for column in range(picture.shape[1]):
+            total[:] = 0.0
+            for r in range(row * SAMPLES, (row + 1) * SAMPLES):
+                for c in range(column * SAMPLES, (column + 1) * SAMPLES):
+                    if paint[r, c] < 0:
+                        # Almost white, slightly darker towards the bottom.
+                        for k in range(3):
+                            sample[k] = TOP[k] + r / (height - 1.0) * (FOOT[k] - TOP[k])
+                    else:
+                        x, y, z = facing[r, c, 0], facing[r, c, 1], facing[r, c, 2]
+                        length = max(np.sqrt(x * x + y * y + z * z), 1e-6)
+                        x, y, z = x / length, y / length, z / length
+                        diffuse = min(max(x * key[0] + y * key[1] + z * key[2], 0.0), 1.0)
+                        shine = min(max(x * half[0] + y * half[1] + z * half[2], 0.0), 1.0) ** 30
+                        light = 0.52 + 0.18 * (0.5 + 0.5 * light_sign * y) + 0.40 * diffuse
+                        shadow = 0.0
+                        for k in range(2):
+                            behind = depth[r, c] - averages[k, r // 2, c // 2]
+                            shadow += 0.40 * min(max(behind / steps[k], 0.0), 1.0)
+                        for k in range(3):
+                            lit = colours[paint[r, c], k] * light + 0.10 * shine
+                            sample[k] = lit * (1.0 - min(shadow, 0.5))
+                    for k in range(3):
+                        total[k] += sample[k] + (0.85 * (INK[k] - sample[k]) if ink[r, c] else 0.0)
+            for k in range(3):
+                picture[row, column, k] = np.uint8(min(max(total[k] / SAMPLES**2, 0.0), 1.0) * 255.0 + 0.5)
 
 
-def _shade(facing: np.ndarray, colour: np.ndarray, light_sign: float) -> np.ndarray:
-    normal = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-6)
-    key = np.array([-0.45, 0.65 * light_sign, 0.62], np.float32)
-    key /= np.linalg.norm(key)
-    diffuse = np.clip(normal @ key, 0.0, 1.0)
-    sky = 0.5 + 0.5 * light_sign * normal[:, 1]
-    half = key + np.array([0.0, 0.0, 1.0], np.float32)
-    half /= np.linalg.norm(half)
-    shine = np.clip(normal @ half, 0.0, 1.0) ** 30
-    light = 0.52 + 0.18 * sky + 0.40 * diffuse
-    return colour * light[:, None] + 0.10 * shine[:, None]
+def _average_depths(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For the depth darkening: averages of the depth over a narrow and a wide neighbourhood, and their steps.
 
-
-def _shadow(depth: np.ndarray) -> np.ndarray:
-    """Depth darkening: difference of the depth from its average over a wide and a narrow neighbourhood."""
-    far = np.isinf(depth)
-    if far.all():
-        return np.zeros_like(depth)
-    deepest = float(depth[~far].max())
-    filled = np.where(far, deepest, depth)
-    total = np.zeros_like(depth)
+    Returns:
+        averages (2, h / 2, w / 2) of a depth (h, w), since they are smooth; and for each the depth behind the average
+        at which the darkening ends.
+    """
     # The averages are smooth: every second sample is sufficient.
-    coarse = filled[::2, ::2]
-    for share, strength in ((1 / 220, 0.20), (1 / 60, 0.20)):
-        radius = max(1.0, share * depth.shape[1])
-        blurred = ndimage.gaussian_filter(coarse, radius / 2, truncate=2.5)
-        wide = np.repeat(np.repeat(blurred, 2, axis=0), 2, axis=1)[: depth.shape[0], : depth.shape[1]]
-        total += strength * np.clip((filled - wide) / (6.0 * radius), 0.0, 1.0)
-    return np.where(far, 0.0, np.clip(total * 2.0, 0.0, 0.5))
+    coarse = depth[::2, ::2].copy()
+    far = np.isinf(coarse)
+    coarse[far] = coarse[~far].max(initial=0.0)
+    radii = [max(1.0, share * depth.shape[1]) for share in (1 / 220, 1 / 60)]
+    averages = [ndimage.gaussian_filter(coarse, radius / 2, truncate=2.5) for radius in radii]
+    return np.stack(averages), 6.0 * np.array(radii)

@@ -82,3 +82,15 @@ sys.stdout.buffer.write(picture([PlacedShape("cube", "cube", (0.9, 0.1, 0.1))], 
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, env=bare, check=True, timeout=120)
     here = picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, size=(120, 100))
     assert np.abs(pixels(run.stdout) - pixels(here)).max() == 0
+
+
+def test_a_surface_is_darker_behind_a_contour_and_the_background_is_not(cube: Mesh) -> None:
+    """A small cube before a large one: what lies behind its contour is darkened near it."""
+    large = Mesh(**{**vars(cube), "vertices": 4.0 * cube.vertices, "edge_points": 4.0 * cube.edge_points})
+    shapes = [PlacedShape("far", "large", BLUE), PlacedShape("near", "cube", RED, Frame(IDENTITY, (0.0, -60.0, 0.0)))]
+    image = pixels(picture(shapes, {"cube": cube, "large": large}, FRONT, (400, 400)))
+    near = np.nonzero(image[..., 0] > 40 + image[..., 2])
+    middle, edge = int(np.median(near[0])), int(near[1].max())
+    beside, away = image[middle, edge + 4], image[middle, edge + 60]
+    assert beside.sum() < away.sum() - 20
+    assert np.all(image[2] == image[2, 0]) and image[2, 0].min() > 230
