@@ -342,7 +342,8 @@ def translated(annotation: Annotation, by: Point2) -> Annotation:
 
 
 def _is_within(line: Line, box: Box2) -> bool:
-    return all(box[0] <= x <= box[2] and box[1] <= y <= box[3] for x, y in (line[:2], line[2:]))
+    (x0, y0, x1, y1), (low_x, low_y, high_x, high_y) = line, box
+    return low_x <= x0 <= high_x and low_x <= x1 <= high_x and low_y <= y0 <= high_y and low_y <= y1 <= high_y
 
 
 def _lines(item: Primitive) -> list[Line]:

@@ -1,6 +1,7 @@
 """Straight lines on the paper, and queries for those that a box or a line meets; curves as chords of such lines.
 
-The placement of annotations and the check of the finished sheet use the same queries. Coordinates in mm on the paper.
+The placement of annotations and the check of the finished sheet use the same queries, some 100 000 of them for a large
+sheet: those that only count are compiled. Coordinates in mm on the paper.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numba
 import numpy as np
 
 from drawings.views.view import Arc, Box2, Curve, Point2, Polyline, Segment
@@ -26,50 +28,39 @@ greatest value as a fraction of the radius."""
 
 
 class SegmentIndex:
-    """Straight lines as arrays, with their bounding boxes, for vectorised queries."""
+    """Straight lines as an array, with their bounding boxes, for compiled queries."""
 
     def __init__(self, lines: Sequence[Line] = ()) -> None:
-        # Rows: x0, y0, x1, y1, then the bounding box: low x, low y, high x, high y.
-        self._rows = np.empty((8, 0))
+        # Columns: x0, y0, x1, y1, then the bounding box: low x, low y, high x, high y.
+        self._rows = np.empty((0, 8))
         self.add(lines)
 
     def add(self, lines: Sequence[Line]) -> None:
         """Add lines to the index."""
         if lines:
-            ends = np.array(lines).T
-            new = np.vstack((ends, np.minimum(ends[:2], ends[2:]), np.maximum(ends[:2], ends[2:])))
-            self._rows = np.hstack((self._rows, new))
+            ends = np.array(lines, dtype=float)
+            low, high = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
+            self._rows = np.vstack((self._rows, np.hstack((ends, low, high))))
 
     def count_in(self, box: Box2) -> int:
         """Number of lines that reach into a box."""
-        near = self._near(box)
-        dx, dy = near[2] - near[0], near[3] - near[1]
-        half_x, half_y = (box[2] - box[0]) / 2, (box[3] - box[1]) / 2
-        off = dx * ((box[1] + box[3]) / 2 - near[1]) - dy * ((box[0] + box[2]) / 2 - near[0])
-        return int(np.count_nonzero(np.abs(off) < np.abs(dx) * half_y + np.abs(dy) * half_x))
+        return _count_in(self._rows, *box)
 
     def near(self, box: Box2) -> list[Line]:
         """The lines whose bounding boxes overlap a box."""
-        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in self._near(box).T.tolist()]
+        rows = self._rows
+        over = (rows[:, 6] > box[0]) & (rows[:, 4] < box[2]) & (rows[:, 7] > box[1]) & (rows[:, 5] < box[3])
+        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in rows[over, :4].tolist()]
 
     def outside(self, box: Box2) -> list[Line]:
         """The lines that are not entirely within a box."""
         rows = self._rows
-        out = (rows[4] < box[0]) | (rows[6] > box[2]) | (rows[5] < box[1]) | (rows[7] > box[3])
-        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in rows[:4, out].T.tolist()]
+        out = (rows[:, 4] < box[0]) | (rows[:, 6] > box[2]) | (rows[:, 5] < box[1]) | (rows[:, 7] > box[3])
+        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in rows[out, :4].tolist()]
 
     def count_crossing(self, line: Line) -> int:
         """Number of lines that a line crosses; lines that only touch it with an end are not counted."""
-        x0, y0, x1, y1 = line
-        near = self._near(line_box(line))
-        dx, dy = x1 - x0, y1 - y0
-        ex, ey = near[2] - near[0], near[3] - near[1]
-        first = dx * (near[1] - y0) - dy * (near[0] - x0)
-        second = dx * (near[3] - y0) - dy * (near[2] - x0)
-        third = ex * (y0 - near[1]) - ey * (x0 - near[0])
-        fourth = ex * (y1 - near[1]) - ey * (x1 - near[0])
-        least = 1e-6
-        return int(np.count_nonzero((first * second < -least) & (third * fourth < -least)))
+        return _count_crossing(self._rows, *line)
 
     def collinear_run(self, point: Point2, direction: Point2, near: float = 0.05) -> tuple[float, float]:
         """The stretch without gaps that lines cover on the line through a point, as distances from the point.
@@ -77,7 +68,7 @@ class SegmentIndex:
         Both are 0 where there is no line.
         """
         u, v = direction
-        ends = self._rows[:4]
+        ends = self._rows[:, :4].T
         off = [(ends[i] - point[0]) * v - (ends[i + 1] - point[1]) * u for i in (0, 2)]
         on = (np.abs(off[0]) < near) & (np.abs(off[1]) < near)
         at = [(ends[i, on] - point[0]) * u + (ends[i + 1, on] - point[1]) * v for i in (0, 2)]
@@ -89,21 +80,56 @@ class SegmentIndex:
 
     def count_parallel(self, line: Line, distance: float) -> int:
         """Number of lines parallel to a line, nearer than a distance, for more than a millimetre."""
-        x0, y0, x1, y1 = line
-        near = self._near(enlarged(line_box(line), distance))
-        length = math.hypot(x1 - x0, y1 - y0)
-        if length < 1e-9:
-            return 0
-        u, v = (x1 - x0) / length, (y1 - y0) / length
-        off = [np.abs((near[i] - x0) * v - (near[i + 1] - y0) * u) for i in (0, 2)]
-        at = [(near[i] - x0) * u + (near[i + 1] - y0) * v for i in (0, 2)]
-        shared = np.minimum(np.maximum(*at), length) - np.maximum(np.minimum(*at), 0.0)
-        return int(np.count_nonzero((np.maximum(*off) < distance) & (shared > 1.0)))
+        return _count_parallel(self._rows, *line, distance)
 
-    def _near(self, box: Box2) -> np.ndarray:
-        """Ends (4, n) of the lines whose bounding boxes overlap a box."""
-        rows = self._rows
-        return rows[:4, (rows[6] > box[0]) & (rows[4] < box[2]) & (rows[7] > box[1]) & (rows[5] < box[3])]
+
+@numba.njit(cache=True)
+def _count_in(rows, x0, y0, x1, y1):  # pragma: no cover - compiled
+    """Rows of a `SegmentIndex` that reach into a box."""
+    middle_x, middle_y, half_x, half_y = (x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0) / 2, (y1 - y0) / 2
+    count = 0
+    for row in rows:
+        if row[6] > x0 and row[4] < x1 and row[7] > y0 and row[5] < y1:
+            dx, dy = row[2] - row[0], row[3] - row[1]
+            off = dx * (middle_y - row[1]) - dy * (middle_x - row[0])
+            count += abs(off) < abs(dx) * half_y + abs(dy) * half_x
+    return count
+
+
+@numba.njit(cache=True)
+def _count_crossing(rows, x0, y0, x1, y1):  # pragma: no cover - compiled
+    """Rows of a `SegmentIndex` that a line crosses."""
+    low_x, low_y, high_x, high_y = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+    dx, dy = x1 - x0, y1 - y0
+    count = 0
+    for row in rows:
+        if row[6] > low_x and row[4] < high_x and row[7] > low_y and row[5] < high_y:
+            ex, ey = row[2] - row[0], row[3] - row[1]
+            first = dx * (row[1] - y0) - dy * (row[0] - x0)
+            second = dx * (row[3] - y0) - dy * (row[2] - x0)
+            third = ex * (y0 - row[1]) - ey * (x0 - row[0])
+            fourth = ex * (y1 - row[1]) - ey * (x1 - row[0])
+            count += first * second < -1e-6 and third * fourth < -1e-6
+    return count
+
+
+@numba.njit(cache=True)
+def _count_parallel(rows, x0, y0, x1, y1, distance):  # pragma: no cover - compiled
+    """Rows of a `SegmentIndex` parallel to a line, nearer than a distance, for more than a millimetre."""
+    length = math.hypot(x1 - x0, y1 - y0)
+    if length < 1e-9:
+        return 0
+    low_x, low_y, high_x, high_y = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+    u, v = (x1 - x0) / length, (y1 - y0) / length
+    count = 0
+    for row in rows:
+        beside = row[6] > low_x - distance and row[4] < high_x + distance
+        if beside and row[7] > low_y - distance and row[5] < high_y + distance:
+            first, second = (row[0] - x0) * v - (row[1] - y0) * u, (row[2] - x0) * v - (row[3] - y0) * u
+            begin, end = (row[0] - x0) * u + (row[1] - y0) * v, (row[2] - x0) * u + (row[3] - y0) * v
+            shared = min(max(begin, end), length) - max(min(begin, end), 0.0)
+            count += max(abs(first), abs(second)) < distance and shared > 1.0
+    return count
 
 
 def boxes_overlap(one: Box2, other: Box2) -> bool:
