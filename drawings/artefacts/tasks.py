@@ -12,6 +12,7 @@ from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.solids.artefacts.part import CRASHED, build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
 BUILD = "build "
@@ -85,6 +86,7 @@ def _run(
     folder: Path, design: Any, calculate: CalculateValues | None, task: str, exact: bool = True
 ) -> tuple[BuiltSheet, ...]:
     """Run a task in a worker process, with or without exact hidden-line removal."""
+    load_kernel()
     store = ArtefactStore(folder)
     if task.startswith(BUILD):
         build_part(store, task.removeprefix(BUILD), design)

@@ -19,6 +19,7 @@ from stagecad.solids.assembly.built_assembly import build_assembly
 from stagecad.solids.assembly.interference import stored_interferences
 from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
+from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
 from workbench.machine.artefacts import procedure_values, stored_values
 from workbench.making.stored_results import COMPILED_BY, SIMULATED, check_figure, figures_of, simulation, stored_checks
@@ -42,6 +43,8 @@ PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATI
 )
 """Kinds of task; the name of what is made follows."""
 KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATION)
+WITH_KERNEL = (PART, SHAPES, CONTACTS, VIEW, SHEET)
+"""Kinds of task that need the CAD kernel."""
 
 
 class _AbsentError(Exception):
@@ -116,6 +119,8 @@ class Making:
             task: of `tasks`.
             exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
         """
+        if task.startswith(WITH_KERNEL):
+            load_kernel()
         self._make(ArtefactStore(self.folder), task, exact)
 
     def has(self, task: str) -> bool:

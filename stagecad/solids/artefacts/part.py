@@ -21,6 +21,7 @@ from stagecad.parallel import parallel_map
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.mass import Geometry, geometry_of
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
 from stagecad.solids.modelling.registry import PURCHASED, module_name, part_definition
@@ -263,9 +264,14 @@ def in_processes(
     """
     count = 1 if len(names) - len(requires or {}) <= FEW else workers
     try:
-        parallel_map(run, names, progress=advance, workers=count, requires=requires, isolate=isolate)
+        parallel_map(partial(_with_kernel, run), names, progress=advance, workers=count, requires=requires, isolate=isolate)
     except LostProcessError as error:
         raise PartError(str(error.item), design, CRASHED) from None
+
+
+def _with_kernel(run: Callable[[str], object], name: str) -> object:
+    load_kernel()
+    return run(name)
 
 
 def _build(folder: Path, design: Any, name: str) -> None:
