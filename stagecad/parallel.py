@@ -24,7 +24,7 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
@@ -33,7 +33,9 @@ from typing import Any, TypeVar
 
 from stagecad import blas_threads
 from stagecad.cluster import map_on_cluster
+from stagecad.index_pickle import IndexPickler, IndexUnpickler
 from stagecad.parameters.errors import LostProcessError
+from stagecad.schedule import Order, Schedule
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -80,7 +82,7 @@ def parallel_map(
     progress: Callable[[Item], None] = lambda item: None,
     workers: int | None = None,
     limit: TimeLimit | None = None,
-    requires: Mapping[Item, Collection[Item]] | None = None,
+    order: Order | None = None,
     scheduler: str | None = None,
     isolate: bool = False,
 ) -> list[Result]:
@@ -92,7 +94,7 @@ def parallel_map(
         progress: called in this process with each item once it is completed.
         workers: number of processes; default `processors()`.
         limit: for each item; not on a cluster.
-        requires: items that must be completed before an item is begun, without cycles; not on a cluster.
+        order: restrictions on it; not on a cluster.
         scheduler: address of a dask cluster, like `tcp://127.0.0.1:8786`.
         isolate: in another process also where one is enough, since compiled code may end it; not inside a worker, and
             not where the system lets this process start none.
@@ -105,13 +107,13 @@ def parallel_map(
     """
     if scheduler is not None:
         return map_on_cluster(scheduler, function, items, progress)
-    needed = {items.index(item): {items.index(other) for other in others} for item, others in (requires or {}).items()}
+    schedule = Schedule(items, order or Order())
     count = min(workers or processors(), len(items))
     alone = count <= 1 and limit is None and not (isolate and not multiprocessing.current_process().daemon)
     if _inside_worker or alone:
-        completed = _completed_here(function, items, needed)
+        completed = _completed_here(function, items, schedule)
     else:
-        completed = _Pool("spawn", count, function, limit).completed(items, needed)
+        completed = _Pool("spawn", count, function, limit).completed(items, schedule)
     return _in_order(completed, items, progress)
 
 
@@ -135,11 +137,11 @@ def fork_map(
     count = min(MAX_FORKED, processors(), len(items))
     forking = sys.platform == "linux" and threading.current_thread() is threading.main_thread()
     if _inside_worker or count <= 1 or not forking:
-        completed = _completed_here(function, items, {})
+        completed = _completed_here(function, items, Schedule(items, Order()))
     else:
         # Items need not pickle: their indices are sent.
         pool = _Pool("fork", count, lambda index: function(items[index]), identical=tuple(identical))
-        completed = pool.completed(range(len(items)), {})
+        completed = pool.completed(range(len(items)), Schedule(items, Order()))
     return _in_order(completed, items, progress)
 
 
@@ -152,11 +154,10 @@ def _in_order(completed: Completed, items: Sequence[Any], progress: Callable[[An
     return [results[index] for index in range(len(items))]
 
 
-def _completed_here(function: Callable[[Any], Any], items: Sequence[Any], needed: Mapping[int, set[int]]) -> Completed:
+def _completed_here(function: Callable[[Any], Any], items: Sequence[Any], schedule: Schedule) -> Completed:
     waiting, done = list(range(len(items))), set[int]()
-    while waiting:
-        index = next(i for i in waiting if needed.get(i, set()) <= done)
-        waiting.remove(index)
+    while (place := schedule.choice(waiting, done, schedule.kinds, ())) is not None:
+        index = waiting.pop(place)
         yield index, function(items[index])
         done.add(index)
 
@@ -188,7 +189,7 @@ class _Pool:
     limit: TimeLimit | None = None
     identical: tuple[object, ...] = ()
 
-    def completed(self, items: Sequence[Any], needed: Mapping[int, set[int]]) -> Completed:
+    def completed(self, items: Sequence[Any], schedule: Schedule) -> Completed:
         waiting = [_Task(index) for index in range(len(items))]
         done: set[int] = set()
         workers: list[_Worker] = []
@@ -196,12 +197,16 @@ class _Pool:
         try:
             while len(done) < len(items):
                 idle = [worker for worker in workers if worker.task is None]
-                ready = [task for task in waiting if needed.get(task.index, set()) <= done]
-                for task in ready[: self.count - len(workers) + len(idle)]:
-                    if not idle:
-                        workers.append(_Worker(self, script))
-                    waiting.remove(task)
-                    (idle.pop() if idle else workers[-1]).begin(task, items[task.index])
+                for worker in (*idle, *[None] * (self.count - len(workers))):
+                    others = {kind for other in workers if other is not worker for kind in other.kinds}
+                    indices = [task.index for task in waiting]
+                    place = schedule.choice(indices, done, worker.kinds if worker else (), others)
+                    if place is not None:
+                        if worker is None:
+                            workers.append(worker := _Worker(self, script))
+                        task = waiting.pop(place)
+                        worker.kinds.add(schedule.kinds[task.index])
+                        worker.begin(task, items[task.index])
                 busy = [(worker, worker.task) for worker in workers if worker.task is not None]
                 answering = wait([worker.pipe for worker, _ in busy], timeout=POLL if self.limit else None)
                 for worker, task in busy:
@@ -240,7 +245,7 @@ class _Pool:
             answer = False, error
         file = io.BytesIO()
         try:
-            _Pickler(file, self.identical).dump(answer)
+            IndexPickler(file, self.identical).dump(answer)
         except Exception:  # of any class that a result or its parts raise in pickling
             return b""
         return file.getvalue()
@@ -248,7 +253,7 @@ class _Pool:
     def _result(self, answer: bytes, item: Any) -> Any:
         """The result in `answer`; one that cannot be transferred is computed here, where its own error is raised."""
         try:
-            succeeded, value = _Unpickler(io.BytesIO(answer), self.identical).load()
+            succeeded, value = IndexUnpickler(io.BytesIO(answer), self.identical).load()
         except Exception:  # of any class that the parts of a result raise in unpickling
             return self.function(item)
         if not succeeded:
@@ -256,34 +261,18 @@ class _Pool:
         return value
 
 
-class _Pickler(pickle.Pickler):
-    """Writes the index of an object in `identical` instead of the object."""
-
-    def __init__(self, file: io.BytesIO, identical: Sequence[object]) -> None:
-        super().__init__(file, pickle.HIGHEST_PROTOCOL)
-        self._places = {id(one): place for place, one in enumerate(identical)}
-
-    def persistent_id(self, obj: Any) -> int | None:
-        return self._places.get(id(obj))
-
-
-class _Unpickler(pickle.Unpickler):
-    """Reads the output of `_Pickler`."""
-
-    def __init__(self, file: io.BytesIO, identical: Sequence[object]) -> None:
-        super().__init__(file)
-        self._identical = identical
-
-    def persistent_load(self, pid: int) -> object:
-        return self._identical[pid]
-
-
 class _Worker:
-    """A process and the pipe to it; `script` is whether it needs the script that runs, which it then imports."""
+    """A process and the pipe to it; `script` is whether it needs the script that runs, which it then imports.
+
+    Attributes:
+        task: that it computes; None while it is idle.
+        kinds: of the items that it has begun.
+    """
 
     def __init__(self, pool: _Pool, script: bool) -> None:
         context: Any = multiprocessing.get_context(pool.method)
         self.task: _Task | None = None
+        self.kinds: set[str] = set()
         self.pipe, other_end = context.Pipe()
         self._limit = pool.limit
         self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)

@@ -25,9 +25,12 @@ def run(arguments: Sequence[str]) -> int:
 
 def main() -> None:
     """Entry point of the installed program."""
+    import gc
     import os
     import sys
 
+    # Nearly all objects of a run stay until its end: they are looked through rarely, and not again at the end.
+    gc.set_threshold(100_000)
     from stagecad.blas_threads import use_one_thread
 
     # Processes started from here import nothing from the working folder, which may hold somebody else's files.
@@ -47,6 +50,7 @@ def main() -> None:
         with suppress(OSError, AttributeError):
             sys.stdout.flush()
         os._exit(status)
+    gc.freeze()
     sys.exit(status)
 
 

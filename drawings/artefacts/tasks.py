@@ -10,6 +10,7 @@ from typing import Any
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, BuiltSheet, CalculateValues, build_sheets, find_sheets
 from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
+from stagecad.schedule import Order
 from stagecad.solids.artefacts.part import CRASHED, build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.kernel import load_kernel
@@ -69,7 +70,7 @@ def build_all_sheets(
         run = partial(_run, store.folder, design, calculate)
         limit = TimeLimit(TIME_LIMIT, fallback=partial(run, exact=False))
         try:
-            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
+            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, order=Order(requires))
         except LostProcessError as error:
             if str(error.item).startswith(BUILD):
                 raise PartError(str(error.item).removeprefix(BUILD), design, CRASHED) from None

@@ -15,6 +15,7 @@ import pytest
 
 from stagecad.parallel import TimeLimit, fork_map, inside_worker, parallel_map, processors
 from stagecad.parameters.errors import InputError
+from stagecad.schedule import Order
 
 LINUX = sys.platform.startswith("linux")
 forks = pytest.mark.skipif(not LINUX or processors() == 1, reason="needs fork and two processors")
@@ -141,7 +142,7 @@ def test_a_task_waits_for_those_it_requires_while_others_go_on(tmp_path: Path) -
     for workers in (1, 2):
         folder = tmp_path / str(workers)
         folder.mkdir()
-        sheet, picture, _, _ = parallel_map(partial(noted, folder), names, workers=workers, requires=requires)
+        sheet, picture, _, _ = parallel_map(partial(noted, folder), names, workers=workers, order=Order(requires))
         assert {"picture", "part"} <= set(sheet)
         assert "part" in picture
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import click
@@ -25,32 +27,39 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
+    from stagecad.solids.artefacts.store import ArtefactStore
+    from workbench.commands.check import trust_own_checks
+    from workbench.commands.design.declared import WHAT, run_declared
+    from workbench.machine.declared_machine import declared_machine
+
+    declaration = declared_machine(run)
+    if declaration is not None:
+        return run_declared(run, declaration, WHAT, trust)
+    if trust:
+        trust_own_checks(run)
+    store = ArtefactStore()
+    _fill(run, store, simulations)
+    _write_results(run, store, simulations)
+    return 0
+
+
+def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
+    """Write all results from the store, and the report."""
     from designcalc.checks.analysis.report import counted
     from drawings.procedure.procedure import procedure
     from stagecad.parameters.mass_properties import BodyMasses
-    from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
     from stagecad.solids.modelling.registry import chosen
-    from workbench.commands.check import trust_own_checks
-    from workbench.commands.design.declared import WHAT, run_declared
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
     from workbench.machine.artefacts import built_machine, stored_values, with_repair
-    from workbench.machine.declared_machine import declared_machine
     from workbench.machine.design_source import source_of
     from workbench.making.stored_results import stored_checks
     from workbench.report.checks import write_check_files
     from workbench.report.machine import MachineResults, write_report
 
-    declaration = declared_machine(run)
-    if declaration is not None:
-        return run_declared(run, declaration, WHAT, trust)
     design = run.design
-    if trust:
-        trust_own_checks(run)
-    store = ArtefactStore()
-    _fill(run, store, simulations)
     document = write_parts(run, chosen((), design))
     run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
     machine = built_machine(run, store)
@@ -93,7 +102,6 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
             "report": str(page),
         }
     )
-    return 0
 
 
 def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Path]:
@@ -157,4 +165,14 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
         if not progress.disable:
             run.note("Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
         task = progress.add_task("results", total=len(tasks))
+        # Meanwhile this process waits.
+        loading = Thread(target=_load_writers, daemon=True)
+        loading.start()
         make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name))
+        loading.join()
+
+
+def _load_writers() -> None:
+    """Load what the results are written with."""
+    for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure", "jinja2", "tomlkit"):
+        import_module(name)

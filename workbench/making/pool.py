@@ -13,9 +13,21 @@ from functools import partial
 from drawings.artefacts.tasks import TIME_LIMIT
 from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
+from stagecad.schedule import Order
 from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.modelling.registry import ASSEMBLY
-from workbench.making.tasks import CONTACTS, PART, RENDERING, SHAPES, SHEET, SIMULATION, VIEW, Making
+from workbench.making.tasks import (
+    CONTACTS,
+    LOADING,
+    PART,
+    RENDERING,
+    SHAPES,
+    SHEET,
+    SIMULATION,
+    VIEW,
+    Making,
+    needs_kernel,
+)
 
 LONG = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, SIMULATION)
 """Kinds of task for which processes are started; the others alone take less than their start."""
@@ -35,6 +47,11 @@ def absent(making: Making) -> list[str]:
     return found
 
 
+def _kind(task: str) -> str:
+    """By the libraries that a task loads, which take a second each."""
+    return "with the CAD kernel" if needs_kernel(task) else "without it"
+
+
 def make_absent(making: Making, tasks: Collection[str], advance: Callable[[str], None] = lambda task: None) -> None:
     """Make the results of tasks in several processes.
 
@@ -48,9 +65,18 @@ def make_absent(making: Making, tasks: Collection[str], advance: Callable[[str],
     """
     making = replace(making)  # without the solids that it has loaded, which do not pickle
     requires = {task: [other for other in making.tasks[task] if other in tasks] for task in tasks}
+    order = Order(requires, _kind)
+    names = list(tasks)
+    if len({_kind(task) for task in tasks}) > 1:
+        names.insert(1, LOADING)
+
+    def report(task: str) -> None:
+        if task != LOADING:
+            advance(task)
+
     limit = TimeLimit(TIME_LIMIT, fallback=partial(making.run, exact=False))
     try:
-        parallel_map(making.run, list(tasks), progress=advance, limit=limit, requires=requires, isolate=True)
+        parallel_map(making.run, names, progress=report, limit=limit, order=order, isolate=True)
     except LostProcessError as error:
         lost = str(error.item)
         if lost.startswith(f"{PART} "):

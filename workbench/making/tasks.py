@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
 from drawings.artefacts.tasks import slowest_first
 from stagecad.parameters.mass_properties import BodyMasses
-from stagecad.solids.artefacts.part import build_part, kernel_errors
+from stagecad.solids.artefacts.part import BuiltPart, build_part, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.built_assembly import build_assembly
@@ -43,8 +44,30 @@ PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATI
 )
 """Kinds of task; the name of what is made follows."""
 KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATION)
-WITH_KERNEL = (PART, SHAPES, CONTACTS, VIEW, SHEET)
-"""Kinds of task that need the CAD kernel."""
+LOADING = "libraries"
+"""A task without a result: loads what the tasks without the CAD kernel use, while the first solids are made."""
+LIBRARIES = (
+    "designcalc.checks.analysis.tolerance",
+    "designcalc.machine.assembly_values",
+    "drawings.procedure.sheet",
+    "drawings.export.lint",
+    "matplotlib.backends.backend_agg",
+    "matplotlib.figure",
+    "pypdfium2",
+    "reportlab.pdfbase.ttfonts",
+    "reportlab.pdfgen.canvas",
+    "scipy.linalg",
+    "stagecad.solids.export.rasteriser",
+    "workbench.machine.margin_studies",
+    "workbench.report.check_figures",
+)
+
+
+def needs_kernel(task: str) -> bool:
+    """Whether a task needs the CAD kernel; the sheets of the machine need only its pictures."""
+    if task.startswith(SHEET):
+        return task.removeprefix(SHEET).strip() not in PICTURES
+    return task.startswith((PART, SHAPES, CONTACTS, VIEW))
 
 
 class _AbsentError(Exception):
@@ -104,22 +127,24 @@ class Making:
         return tasks | {f"{RENDERING} {name}": (f"{PART} {name}",) for name in names}
 
     @cached_property
+    def parts(self) -> dict[str, BuiltPart]:
+        """The parts from the store."""
+        store = ArtefactStore(self.folder)
+        return {name: build_part(store, name, self.design) for name in part_names(self.design)}
+
+    @cached_property
     def machine(self) -> Machine:
         """Parts and assembly from the store."""
-        return self._machine(ArtefactStore(self.folder))
-
-    def _machine(self, store: ArtefactStore) -> Machine:
-        parts = {name: build_part(store, name, self.design) for name in part_names(self.design)}
-        return Machine(self.design, parts, build_assembly(store, parts, self.design))
+        return Machine(self.design, self.parts, build_assembly(ArtefactStore(self.folder), self.parts, self.design))
 
     def run(self, task: str, exact: bool = True) -> None:
         """Make the result of a task, in this process.
 
         Args:
-            task: of `tasks`.
+            task: of `tasks`, or `LOADING`.
             exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
         """
-        if task.startswith(WITH_KERNEL):
+        if needs_kernel(task):
             load_kernel()
         self._make(ArtefactStore(self.folder), task, exact)
 
@@ -140,21 +165,26 @@ class Making:
         return BodyMasses(self.machine.moving_body, self.machine.masses["tip"])
 
 
+def _libraries(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
+    for library in LIBRARIES:
+        import_module(library)
+
+
 def _part(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
     build_part(store, name, making.design)
 
 
 def _assembly(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
     with kernel_errors(ASSEMBLY, making.design):
-        making._machine(store)
+        build_assembly(store, making.parts, making.design)
 
 
 def _interferences(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    stored_interferences(store, making.machine.parts, making.design)
+    stored_interferences(store, making.parts, making.design)
 
 
 def _view(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    parts = making.machine.parts
+    parts = making.parts
     stored_picture(store, name, assemble(parts, making.drawn), parts, making.drawn, exact=exact)
 
 
@@ -188,6 +218,7 @@ def _simulation(making: Making, store: ArtefactStore, name: str, exact: bool) ->
 
 
 _MAKERS: Mapping[str, Callable[[Making, ArtefactStore, str, bool], None]] = {
+    LOADING: _libraries,
     PART: _part,
     SHAPES: _assembly,
     CONTACTS: _interferences,

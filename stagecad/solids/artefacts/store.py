@@ -20,7 +20,6 @@ import os
 import shutil
 import tempfile
 import time
-from ast import literal_eval
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -185,12 +184,14 @@ class ArtefactStore:
         try:
             lines = (self.folder / "reads" / root).read_text("utf-8").splitlines()
             return [_paths(line) for line in lines]
-        except (OSError, ValueError, SyntaxError):
+        except (OSError, ValueError):
             return []
 
     def _keep_paths(self, root: str, paths: tuple[AccessPath, ...]) -> None:
         sets = [paths, *(known for known in self._path_sets(root) if known != paths)][:SETS_KEPT]
-        atomic_write_text(self.folder / "reads" / root, "".join(f"{known!r}\n" for known in sets))
+        atomic_write_text(
+            self.folder / "reads" / root, "".join(f"{json.dumps(known, default=repr)}\n" for known in sets)
+        )
 
     def _discard(self, folder: Path) -> None:
         # Renamed first, so that no other run reads an incomplete artefact.
@@ -238,7 +239,12 @@ class ArtefactStore:
 @lru_cache(maxsize=MOST_READS)
 def _paths(line: str) -> tuple[AccessPath, ...]:
     """A set of access paths from its text; kept, since a run reads the same sets several times."""
-    return literal_eval(line)
+    return _tuples(json.loads(line))
+
+
+def _tuples(value: Any) -> Any:
+    """JSON's lists, and those within them, as tuples."""
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def _age(path: Path) -> float:
