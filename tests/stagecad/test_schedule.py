@@ -14,8 +14,13 @@ def kind(item: str) -> str:
     return item.split()[0]
 
 
-def choice(items: Sequence[str], own: Sequence[str] = (), others: Sequence[str] = (), **order) -> str | None:
-    place = Schedule(items, Order(kind=kind, **order)).choice(range(len(items)), set(), own, others)
+def choice(
+    items: Sequence[str],
+    own: Sequence[str] = (),
+    others: Sequence[str] = (),
+    requires: dict[str, list[str]] | None = None,
+) -> str | None:
+    place = Schedule(items, Order(requires or {}, kind)).choice(range(len(items)), set(), own, others)
     return None if place is None else items[place]
 
 
@@ -29,14 +34,14 @@ def test_the_kind_of_the_process_comes_first_then_one_that_no_process_has_begun(
 
 def test_few_items_are_left_to_the_process_that_has_begun_their_kind() -> None:
     few = [f"solid {number}" for number in range(FEW)]
-    waiting = {"requires": {"figure 1": few}}
-    assert choice([*few, "figure 1"], own=["figure"], others=["solid"], **waiting) is None
-    assert choice([*few, "solid more", "figure 1"], own=["figure"], others=["solid"], **waiting) == "solid 0"
+    waiting = {"figure 1": few}
+    assert choice([*few, "figure 1"], own=["figure"], others=["solid"], requires=waiting) is None
+    assert choice([*few, "solid more", "figure 1"], own=["figure"], others=["solid"], requires=waiting) == "solid 0"
     # Nothing of its own is left.
     assert choice(few, own=["figure"], others=["solid"]) == "solid 0"
     assert choice(few, others=["solid"]) == "solid 0"
     # The other process has ended.
-    assert choice([*few, "figure 1"], own=["figure"], **waiting) == "solid 0"
+    assert choice([*few, "figure 1"], own=["figure"], requires=waiting) == "solid 0"
 
 
 def test_what_an_item_requires_is_completed_first() -> None:
