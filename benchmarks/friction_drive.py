@@ -22,7 +22,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "friction_drive")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "friction_drive")]
 
 from driven_stage import HIDDEN, write_case  # noqa: E402
 

@@ -14,9 +14,9 @@ from designcalc.checks import (
     clamp,
     contact,
     drive,
-    dynamic,
     height,
     layout,
+    position_loop,
     sensing,
     teeth,
     thermal,
@@ -50,7 +50,7 @@ SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
     "layout": layout.checks,
     "candidates": alternatives.checks,
     "error budget": budget.checks,
-    "dynamic error budget": dynamic.checks,
+    "dynamic error budget": position_loop.checks,
 }
 """Checks by subject, in the order of the report."""
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from designcalc.bearing.sliding import crown_wear_distance
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
-from designcalc.drive.friction_drive import stack_current, stack_heat
-from designcalc.drive.piezo_stack import drive_pull, stack_tension, tilt_stress
+from designcalc.drive.piezo_stack import drive_pull, stack_current, stack_heat, stack_tension, tilt_stress
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, tip_load
 from designcalc.machine.tip_dynamics import (

@@ -7,14 +7,8 @@ from functools import partial
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.drive.friction_drive import (
-    acceleration_limit,
-    frequency_for,
-    preload_ratio_for,
-    resonance,
-    speed_of,
-    tip_force_limit,
-)
+from designcalc.drive.friction_drive import acceleration_limit, preload_ratio_for, resonance, tip_force_limit
+from designcalc.drive.tip_ellipse import frequency_for, speed_of
 from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import gravity, load, load_centre, moved_mass, preload_ratio, weight

@@ -1,11 +1,9 @@
-"""A stage pushed along by a piezo tip: traction, tip-over, speed, resonance, power.
+"""A stage driven through friction by a piezo tip: traction, tip-over, resonance.
 
-The tip both lifts and pushes: whatever it carries, the pads do not.
+The tip lifts the stage as well as pushing it: the load on the tip is taken off the pads.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,41 +14,6 @@ Array = NDArray[np.float64]
 
 GRAVITY = 9.80665
 """Standard gravity, m/s^2."""
-
-
-@dataclass(frozen=True)
-class TipEllipse:
-    """Path of the tip on two piezos, peak to peak."""
-
-    along: Array
-    """travel along the stage X, m"""
-    normal: Array
-    """travel towards the stage Y, m"""
-
-
-def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike, tip_height: ArrayLike) -> TipEllipse:
-    """Peak-to-peak travel of the tip for strokes ``A sin(wt)`` and ``A sin(wt - phi)``.
-
-    ``X = 4 A (h/D) sin(phi/2)``, ``Y = 2 A cos(phi/2)``, from x = -h (d2-d1)/D, y = (d1+d2)/2.
-
-    Args:
-        amplitude: A, half of the peak-to-peak stroke of a piezo, m.
-        phase: phi, rad.
-        piezo_spacing: D, m, > 0.
-        tip_height: h, m, > 0.
-
-    Returns:
-        `TipEllipse`.
-
-    Source: thesis, section 4.1 (rigid tip, first order in the strokes).
-    """
-    _positive("piezo spacing", piezo_spacing, "m")
-    _positive("tip height", tip_height, "m")
-    A, phi, D, h = (np.asarray(v, float) for v in (amplitude, phase, piezo_spacing, tip_height))
-    return TipEllipse(
-        along=4 * A * h / D * np.abs(np.sin(phi / 2)),
-        normal=2 * A * np.abs(np.cos(phi / 2)),
-    )
 
 
 def acceleration_limit(
@@ -123,69 +86,12 @@ def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float
     return span / (span + distance)
 
 
-def speed_of(travel: ArrayLike, frequency: ArrayLike) -> dict[str, Array]:
-    """Mean speed of the stage, m/s, by three laws: 'stopping' X f, 'coasting' 2 X f, 'apex' pi X f.
-
-    Stopping: the stage rests while the tip returns. Coasting: it flies on at the tip's mean speed, ``2 X f``. Apex:
-    contact only at the top of the ellipse, where the tip's speed is ``pi X f``, the most that is to be had.
-
-    Args:
-        travel: X, peak-to-peak travel along the stage, m.
-        frequency: f, Hz.
-    """
-    X, f = np.asarray(travel, float), np.asarray(frequency, float)
-    if not (np.all(X > 0) and np.all(f >= 0)):
-        raise InputError("friction drive: travel of the tip must be above 0, the frequency 0 or more")
-    base = X * f
-    return {"stopping": base, "coasting": 2 * base, "apex": np.pi * base}
-
-
-def frequency_for(speed: ArrayLike, travel: ArrayLike) -> dict[str, Array]:
-    """Drive frequency, Hz, that each law of `speed_of` needs for a speed (m/s) and a travel X (m)."""
-    v, X = np.asarray(speed, float), np.asarray(travel, float)
-    if not (np.all(v >= 0) and np.all(X > 0)):
-        raise InputError("friction drive: travel of the tip must be above 0, the speed 0 or more")
-    base = v / X
-    return {"stopping": base, "coasting": base / 2, "apex": base / np.pi}
-
-
 def resonance(stiffness: ArrayLike, mass: ArrayLike) -> Array:
     """``sqrt(k/m)/(2 pi)``, Hz, of a mass (kg) on a spring (N/m)."""
     k, m = np.asarray(stiffness, float), np.asarray(mass, float)
     if not (np.all(k > 0) and np.all(m > 0)):
         raise InputError("friction drive: stiffness and mass must be above 0")
     return np.sqrt(k / m) / (2 * np.pi)
-
-
-def piezo_stiffness(blocking_force: ArrayLike, free_stroke: ArrayLike) -> Array:
-    """Stiffness of a stack from the ends of its catalogue line, blocking force (N) over free stroke (m), N/m."""
-    force, stroke = np.asarray(blocking_force, float), np.asarray(free_stroke, float)
-    _positive("blocking force", force, "N")
-    _positive("free stroke", stroke, "m")
-    return force / stroke
-
-
-def stack_heat(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike, loss_factor: ArrayLike) -> Array:
-    """Heat of one piezo stack driven by a sine: ``P = pi f C (V/2)^2 tan(delta)``, W.
-
-    Args:
-        capacitance: C, F.
-        voltage: V, peak to peak, V.
-        frequency: f, Hz.
-        loss_factor: tan(delta) at large signal, 0 to 1.
-    """
-    C, V, f, loss = (np.asarray(v, float) for v in (capacitance, voltage, frequency, loss_factor))
-    if not (np.all(C > 0) and np.all(f >= 0) and np.all((loss >= 0) & (loss <= 1))):
-        raise InputError("friction drive: capacitance must be above 0, frequency 0 or more, the loss factor 0 to 1")
-    return np.pi * f * C * (V / 2) ** 2 * loss
-
-
-def stack_current(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike) -> Array:
-    """Peak current of a stack driven by a sine: ``2 pi f C V/2``, A; V peak to peak."""
-    f, C, V = (np.asarray(v, float) for v in (frequency, capacitance, voltage))
-    if not (np.all(C > 0) and np.all(f >= 0)):
-        raise InputError("friction drive: capacitance must be above 0, frequency 0 or more")
-    return np.pi * f * C * V
 
 
 def _hull_edges(points: Array) -> tuple[Array, Array]:
@@ -197,8 +103,3 @@ def _hull_edges(points: Array) -> tuple[Array, Array]:
     except QhullError:
         raise InputError("friction drive: the pads lie on one line and cannot carry the stage") from None
     return hull.equations[:, :2], -hull.equations[:, 2]
-
-
-def _positive(name: str, value: ArrayLike, unit: str) -> None:
-    if not np.all(np.asarray(value) > 0):
-        raise InputError(f"friction drive: {name}: must be above 0 {unit}")

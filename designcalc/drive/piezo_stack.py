@@ -1,4 +1,4 @@
-"""Load of the piezo stacks of a friction drive: tension, side load, tilt; inertia and stiffness of the tip on them."""
+"""Piezo stacks of a friction drive: stiffness, tension, side load, tilt, heat, current; inertia of the tip on them."""
 
 from __future__ import annotations
 
@@ -161,6 +161,36 @@ def tip_inertia(mass: ArrayLike, circle: ArrayLike, tip_height: ArrayLike) -> Ar
     m, R, h = (np.asarray(v, float) for v in (mass, circle, tip_height))
     _require(np.all(m > 0) and np.all(R > 0) and np.all(h > 0), "mass and lengths")
     return m * (R**2 / 4 + h**2 / 12)
+
+
+def piezo_stiffness(blocking_force: ArrayLike, free_stroke: ArrayLike) -> Array:
+    """Stiffness of a stack from the ends of its catalogue line, blocking force (N) over free stroke (m), N/m."""
+    force, stroke = np.asarray(blocking_force, float), np.asarray(free_stroke, float)
+    _require(np.all(force > 0) and np.all(stroke > 0), "blocking force and free stroke")
+    return force / stroke
+
+
+def stack_heat(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike, loss_factor: ArrayLike) -> Array:
+    """Heat of one piezo stack driven by a sine: ``P = pi f C (V/2)^2 tan(delta)``, W.
+
+    Args:
+        capacitance: C, F.
+        voltage: V, peak to peak, V.
+        frequency: f, Hz.
+        loss_factor: tan(delta) at large signal, 0 to 1.
+    """
+    C, V, f, loss = (np.asarray(v, float) for v in (capacitance, voltage, frequency, loss_factor))
+    if not (np.all(C > 0) and np.all(f >= 0) and np.all((loss >= 0) & (loss <= 1))):
+        raise InputError("piezo stack: capacitance must be above 0, frequency 0 or more, the loss factor 0 to 1")
+    return np.pi * f * C * (V / 2) ** 2 * loss
+
+
+def stack_current(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike) -> Array:
+    """Peak current of a stack driven by a sine: ``2 pi f C V/2``, A; V peak to peak."""
+    f, C, V = (np.asarray(v, float) for v in (frequency, capacitance, voltage))
+    if not (np.all(C > 0) and np.all(f >= 0)):
+        raise InputError("piezo stack: capacitance must be above 0, frequency 0 or more")
+    return np.pi * f * C * V
 
 
 def _require(condition: object, what: str) -> None:

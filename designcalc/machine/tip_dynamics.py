@@ -5,8 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.contact.pulsed import peak_of_mean
-from designcalc.drive.friction_drive import frequency_for, piezo_stiffness, resonance, tip_ellipse
-from designcalc.drive.piezo_stack import SideLoad, rocking_stiffness, side_load, sway_stiffness, tip_inertia
+from designcalc.drive.friction_drive import resonance
+from designcalc.drive.piezo_stack import (
+    SideLoad,
+    piezo_stiffness,
+    rocking_stiffness,
+    side_load,
+    sway_stiffness,
+    tip_inertia,
+)
+from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
 from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import tip_load
 from designcalc.machine.tip_contact import contact_stiffness

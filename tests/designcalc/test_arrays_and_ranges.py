@@ -9,7 +9,7 @@ import pytest
 
 from designcalc.bearing import bolted_rail, fastener, porous_air, sliding
 from designcalc.contact import film, hertz, pulsed
-from designcalc.drive import friction_drive, height_adjustment, magnetic_teeth, piezo_stack
+from designcalc.drive import friction_drive, height_adjustment, magnetic_teeth, piezo_stack, tip_ellipse
 from designcalc.errors import sensors, thermal
 from stagecad.parameters.errors import InputError
 
@@ -31,13 +31,13 @@ CALLS = [
     (lambda depth: fastener.strip_area_of_screw(THREAD, depth), (0.011,)),
     (fastener.head_pressure, (7.9e3, 14.3e-3, 10.5e-3)),
     (fastener.screw_waves, (7.9e3, 38e-3, 50e-3, 410e9, 0.14)),
-    (friction_drive.tip_ellipse, (8.5e-6, 1.5, 46e-3, 20e-3)),
+    (tip_ellipse.tip_ellipse, (8.5e-6, 1.5, 46e-3, 20e-3)),
     (friction_drive.acceleration_limit, (0.3, 0.1, 0.5, 0.05)),
     (friction_drive.preload_ratio_for, (9.8, 0.3)),
     (friction_drive.resonance, (47e6, 0.1)),
-    (friction_drive.piezo_stiffness, (800.0, 17e-6)),
-    (friction_drive.stack_heat, (1.4e-6, 150.0, 5e3, 0.05)),
-    (friction_drive.stack_current, (1.4e-6, 150.0, 5e3)),
+    (piezo_stack.piezo_stiffness, (800.0, 17e-6)),
+    (piezo_stack.stack_heat, (1.4e-6, 150.0, 5e3, 0.05)),
+    (piezo_stack.stack_current, (1.4e-6, 150.0, 5e3)),
     (height_adjustment.wedge_drive, (3.175e-3, 0.05, 20e-3)),
     (height_adjustment.clamp_shift, (8e3, 76e-3, 36e-3, 50e-6, 62e-3, 141e9, 0.29)),
     (height_adjustment.screw_force, (100.0, 0.05, 0.15)),
@@ -101,15 +101,15 @@ def test_an_array_gives_what_its_elements_give(call, arguments):
         lambda: bolted_rail.Rail(np.array([0.28, -1.0]), *RAIL[1:]),
         lambda: fastener.preload_of_torque(15.0, 9.5e-3, 0.9),
         lambda: fastener.head_pressure(1.0, 0.01, 0.02),
-        lambda: friction_drive.tip_ellipse(1e-5, 1.0, 0.0, 1.0),
+        lambda: tip_ellipse.tip_ellipse(1e-5, 1.0, 0.0, 1.0),
         lambda: friction_drive.acceleration_limit(0.3, 0.1, 1.5),
         lambda: friction_drive.preload_ratio_for(1.0, 0.0),
-        lambda: friction_drive.speed_of(0.0, 1.0),
-        lambda: friction_drive.frequency_for(-1.0, 1e-5),
+        lambda: tip_ellipse.speed_of(0.0, 1.0),
+        lambda: tip_ellipse.frequency_for(-1.0, 1e-5),
         lambda: friction_drive.resonance(1.0, 0.0),
-        lambda: friction_drive.piezo_stiffness(800.0, 0.0),
-        lambda: friction_drive.stack_heat(1e-6, 150.0, 1e3, 1.5),
-        lambda: friction_drive.stack_current(0.0, 150.0, 1e3),
+        lambda: piezo_stack.piezo_stiffness(800.0, 0.0),
+        lambda: piezo_stack.stack_heat(1e-6, 150.0, 1e3, 1.5),
+        lambda: piezo_stack.stack_current(0.0, 150.0, 1e3),
         lambda: height_adjustment.wedge_drive(1e-3, 1.5, 0.02),
         lambda: height_adjustment.screw_force(-1.0, 0.05, 0.1),
         lambda: sensors.count_size(0.02, 40),

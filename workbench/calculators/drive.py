@@ -25,10 +25,12 @@ if TYPE_CHECKING:
 
 def _drive(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.drive import friction_drive as drive
+    from designcalc.drive.piezo_stack import piezo_stiffness
+    from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
 
-    path = drive.tip_ellipse(v["amplitude"], v["phase"], v["piezo_spacing"], v["tip_height"])
-    needed = drive.frequency_for(v["speed"], path.along)
-    first = drive.resonance(v["piezos"] * drive.piezo_stiffness(v["blocking_force"], v["free_stroke"]), v["tip_mass"])
+    path = tip_ellipse(v["amplitude"], v["phase"], v["piezo_spacing"], v["tip_height"])
+    needed = frequency_for(v["speed"], path.along)
+    first = drive.resonance(v["piezos"] * piezo_stiffness(v["blocking_force"], v["free_stroke"]), v["tip_mass"])
     return quantities(
         travel_along=(path.along, "m"),
         travel_normal=(path.normal, "m"),
@@ -63,8 +65,7 @@ def _tilt(r: DesignInputs, given: Values) -> float:
 
 
 def _stack(run: Run, v: Values) -> dict[str, Any]:
-    from designcalc.drive.friction_drive import stack_current, stack_heat
-    from designcalc.drive.piezo_stack import drive_pull, side_load, stack_tension
+    from designcalc.drive.piezo_stack import drive_pull, side_load, stack_current, stack_heat, stack_tension
 
     swing = stack_tension(v["mass"], v["inertia"], v["frequency"], v["rise"], v["tilt"], v["piezo_spacing"])
     push = drive_pull(v["side_force"], v["tip_height"], v["piezo_spacing"])

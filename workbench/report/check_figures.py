@@ -131,7 +131,7 @@ def teeth_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | 
 @check_figure(6.4, 4.0)
 def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
-    from designcalc.drive.friction_drive import speed_of
+    from designcalc.drive.tip_ellipse import speed_of
     from designcalc.machine.inputs import DesignInputs
     from designcalc.machine.tip_dynamics import tip_resonance, usable_ellipse
 
@@ -240,7 +240,7 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
     from matplotlib.figure import Figure
 
-    from designcalc.checks.dynamic import limit_key
+    from designcalc.checks.position_loop import limit_key
     from designcalc.machine.inputs import DesignInputs
     from designcalc.machine.position_loop import dynamic_budgets
 

@@ -137,3 +137,14 @@ def test_inertia_of_the_packaged_tip_is_that_of_its_solid():
 def test_outside_the_range_is_said(call):
     with pytest.raises(InputError, match="above 0"):
         call()
+
+
+def test_stack_heat_is_the_area_of_its_charge_loop():
+    C, V, f, loss = 1.5e-6, 150.0, 1000.0, 0.05
+    t = np.linspace(0, 1 / f, 100001)
+    voltage = V / 2 * np.sin(2 * np.pi * f * t)
+    delay = np.arctan(loss)
+    charge = C / np.cos(delay) * V / 2 * np.sin(2 * np.pi * f * t - delay)
+    heat = f * np.trapezoid(voltage * np.gradient(charge, t), t)
+    assert float(stack.stack_heat(C, V, f, loss)) == pytest.approx(heat, rel=1e-4)
+    assert float(stack.stack_current(C, V, f)) == pytest.approx(np.max(np.gradient(C * voltage, t)), rel=1e-6)
