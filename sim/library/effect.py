@@ -19,7 +19,7 @@ from __future__ import annotations
 import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -117,6 +117,12 @@ class Parameter:
     fixed: bool = False
     natural: Literal["", "low", "high", "both"] = ""
     reported: bool = True
+
+    def shape(
+        self, scan: Scan | None = None, *, natural: Literal["", "low", "high", "both"] = "", fixed: bool = False
+    ) -> Parameter:
+        """This parameter in the role `shape`, searched over `scan`."""
+        return replace(self, role="shape", scan=scan, natural=natural, fixed=fixed)
 
 
 Law = Callable[[Axis, Any], Any]

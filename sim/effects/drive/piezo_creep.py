@@ -51,29 +51,12 @@ _LOGARITHMIC = Effect(
     coordinates=("time", "contact_age"),
     parameters=(
         Parameter("strength", "1", 0.015, 0.0, 0.5, "extension gained per decade of time", "1-2 % per decade"),
-        Parameter(
-            "start",
-            "s",
-            0.1,
-            1e-6,
-            1e4,
-            "time at which creep begins",
-            "0.1 s by convention",
-            role="shape",
-            scan=Scan("time", 5e-4, 0.1, 5),
-            natural="both",
+        Parameter("start", "s", 0.1, 1e-6, 1e4, "time at which creep begins", "0.1 s by convention").shape(
+            Scan("time", 5e-4, 0.1, 5), natural="both"
         ),
         Parameter(
-            "decades",
-            "1",
-            3.0,
-            1.0,
-            5.0,
-            "decades of time over which it continues",
-            "longer drift exceeds the record",
-            role="shape",
-            fixed=True,
-        ),
+            "decades", "1", 3.0, 1.0, 5.0, "decades of time over which it continues", "longer drift exceeds the record"
+        ).shape(fixed=True),
     ),
     signal=_logarithmic,
 )
@@ -87,28 +70,11 @@ _EXPONENTIAL = replace(
     parameters=(
         Parameter("strength", "1", 0.01, 0.0, 0.5, "part that creeps quickly", "1-2 % per decade"),
         Parameter("slow_strength", "1", 0.01, 0.0, 0.5, "part that creeps slowly", "1-2 % per decade"),
-        Parameter(
-            "time_constant",
-            "s",
-            0.5,
-            1e-6,
-            1e4,
-            "of the quick part",
-            "0.1-10 s",
-            role="shape",
-            scan=Scan("time", 2e-3, 0.3, 6),
-            natural="high",
+        Parameter("time_constant", "s", 0.5, 1e-6, 1e4, "of the quick part", "0.1-10 s").shape(
+            Scan("time", 2e-3, 0.3, 6), natural="high"
         ),
-        Parameter(
-            "ratio",
-            "1",
-            10.0,
-            2.0,
-            100.0,
-            "of the slow time constant to the quick one",
-            "a decade",
-            role="shape",
-            natural="both",
+        Parameter("ratio", "1", 10.0, 2.0, 100.0, "of the slow time constant to the quick one", "a decade").shape(
+            natural="both"
         ),
     ),
     signal=_exponential,
@@ -124,29 +90,12 @@ _THREE = replace(
         Parameter("quick", "1", 0.01, 0.0, 1.0, "part that creeps first", "1-2 % per decade"),
         Parameter("middle", "1", 0.01, 0.0, 1.0, "part that creeps then", "1-2 % per decade"),
         Parameter("slow", "1", 0.01, 0.0, 1.0, "part that creeps last", "1-2 % per decade"),
-        Parameter(
-            "time_constant",
-            "s",
-            0.1,
-            1e-6,
-            1e4,
-            "of the first part",
-            "0.1-10 s",
-            role="shape",
-            scan=Scan("time", 2e-3, 0.1, 5),
-            natural="high",
+        Parameter("time_constant", "s", 0.1, 1e-6, 1e4, "of the first part", "0.1-10 s").shape(
+            Scan("time", 2e-3, 0.1, 5), natural="high"
         ),
         Parameter(
-            "ratio",
-            "1",
-            5.0,
-            2.0,
-            30.0,
-            "of each time constant to the one before",
-            "half a decade or more",
-            role="shape",
-            natural="both",
-        ),
+            "ratio", "1", 5.0, 2.0, 30.0, "of each time constant to the one before", "half a decade or more"
+        ).shape(natural="both"),
     ),
     signal=_three_exponentials,
 )

@@ -56,10 +56,7 @@ _SETTLED = Parameter(
     1.0,
     "part of the first voltage, from bias, at which the piezo rested before: 1 at the first voltage itself, 0 at bias",
     "the history before the first row is not recorded",
-    role="shape",
-    scan=Scan("one", 0.0, 1.0, 2, "linear"),
-    natural="both",
-)
+).shape(Scan("one", 0.0, 1.0, 2, "linear"), natural="both")
 
 
 _PLAY = Effect(
@@ -73,27 +70,10 @@ _PLAY = Effect(
     parameters=(
         Parameter("strength", "1", 0.12, 0.0, 0.9, "part of the stroke that has hysteresis", "10-15 % in soft PZT"),
         Parameter(
-            "width",
-            "V",
-            30.0,
-            1e-6,
-            1e5,
-            "largest half-width of a play",
-            "bounded by the voltage's range",
-            role="shape",
-            scan=Scan("input", 0.05, 0.8, 5),
-            natural="high",
-        ),
-        Parameter(
-            "shape",
-            "1",
-            0.0,
-            -2.0,
-            3.0,
-            "distribution of the thresholds over the width",
-            "0: evenly",
-            role="shape",
-            natural="both",
+            "width", "V", 30.0, 1e-6, 1e5, "largest half-width of a play", "bounded by the voltage's range"
+        ).shape(Scan("input", 0.05, 0.8, 5), natural="high"),
+        Parameter("shape", "1", 0.0, -2.0, 3.0, "distribution of the thresholds over the width", "0: evenly").shape(
+            natural="both"
         ),
         _SETTLED,
     ),
@@ -117,9 +97,7 @@ _BOUC_WEN = replace(
             1.5,
             "decay of the hysteresis on unloading",
             "0.5: linear unloading; 1: Duhem's (Dahl's) law, equal decay in both directions; dissipative from 0.5 on",
-            role="shape",
-            natural="both",
-        ),
+        ).shape(natural="both"),
         _SETTLED,
     ),
     signal=_bouc_wen,

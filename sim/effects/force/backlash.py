@@ -28,16 +28,8 @@ EFFECT = Effect(
     acts_on="structure",
     coordinates=("distance_since_reversal", "position"),
     parameters=(
-        Parameter(
-            "gap",
-            "m",
-            1e-5,
-            0.0,
-            1.0,
-            "full width of the lost motion",
-            "a gap is not negative",
-            role="shape",
-            scan=Scan("position", 1e-4, 0.2, 10),
+        Parameter("gap", "m", 1e-5, 0.0, 1.0, "full width of the lost motion", "a gap is not negative").shape(
+            Scan("position", 1e-4, 0.2, 10)
         ),
     ),
     memory=_memory,

@@ -36,27 +36,11 @@ _SMOOTH = Effect(
     acts_on="structure",
     coordinates=("frequency", "acceleration"),
     parameters=(
-        Parameter(
-            "frequency",
-            "Hz",
-            100.0,
-            1e-3,
-            1e6,
-            "natural frequency",
-            "below half the sampling frequency",
-            role="shape",
-            scan=Scan("sample", 0.004, 0.4, 48),
+        Parameter("frequency", "Hz", 100.0, 1e-3, 1e6, "natural frequency", "below half the sampling frequency").shape(
+            Scan("sample", 0.004, 0.4, 48)
         ),
-        Parameter(
-            "damping",
-            "1",
-            0.05,
-            1e-3,
-            0.35,
-            "damping ratio",
-            "bolted structures: 0.01-0.1",
-            role="shape",
-            natural="low",
+        Parameter("damping", "1", 0.05, 1e-3, 0.35, "damping ratio", "bolted structures: 0.01-0.1").shape(
+            natural="low"
         ),
         Parameter(
             "mass_ratio",

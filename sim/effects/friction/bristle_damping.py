@@ -47,10 +47,8 @@ _ONE = Effect(
     parameters=(
         Parameter("damping", "N*s/m", 10.0, 0.0, 1e9, "force per rate of stretch", "damping dissipates: >= 0"),
         Parameter(
-            *("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which it slides", "thesis: 2-5 um in steel"),
-            role="shape",
-            scan=Scan("position", 1e-4, 0.1, 10),
-        ),
+            "stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which it slides", "thesis: 2-5 um in steel"
+        ).shape(Scan("position", 1e-4, 0.1, 10)),
     ),
     **_law(_one),
 )
@@ -63,16 +61,8 @@ _SPREAD = replace(
     source="Lampaert, Al-Bender, Swevers, Proc. Control Applications (2003): a damping to each element",
     parameters=(
         *_ONE.parameters,
-        Parameter(
-            "span",
-            "1",
-            20.0,
-            1.0,
-            1e3,
-            "longest stretch over the shortest",
-            "one to two decades",
-            role="shape",
-            natural="both",
+        Parameter("span", "1", 20.0, 1.0, 1e3, "longest stretch over the shortest", "one to two decades").shape(
+            natural="both"
         ),
     ),
     **_law(_spread),

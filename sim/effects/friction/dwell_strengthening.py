@@ -65,10 +65,7 @@ _MEMORY_LENGTH = Parameter(
     1e3,
     "sliding distance that renews the contacts",
     "1-100 um in metals: Dieterich 1979",
-    role="shape",
-    scan=Scan("position", 1e-4, 0.1, 8),
-    natural="low",
-)
+).shape(Scan("position", 1e-4, 0.1, 8), natural="low")
 
 _LOGARITHMIC = Effect(
     name="dwell_strengthening",
@@ -88,10 +85,7 @@ _LOGARITHMIC = Effect(
             1e4,
             "contact time from which the rise is logarithmic",
             "less than the longest rest: below it the rise is linear in time",
-            role="shape",
-            scan=Scan("rest", 0.01, 0.5, 5),
-            natural="both",
-        ),
+        ).shape(Scan("rest", 0.01, 0.5, 5), natural="both"),
         _MEMORY_LENGTH,
     ),
     level=_logarithmic,
@@ -115,17 +109,8 @@ _KATO = replace(
             "upper limit of the rise above the level of a fresh contact",
             "ageing strengthens",
         ),
-        Parameter(
-            "rate",
-            "1",
-            1.66,
-            1e-3,
-            1e3,
-            "gamma of Kato's law, in s^-exponent",
-            "Kato 1972: 1.66 on ways",
-            role="shape",
-            scan=Scan("one", 0.3, 8.0, 4),
-            natural="both",
+        Parameter("rate", "1", 1.66, 1e-3, 1e3, "gamma of Kato's law, in s^-exponent", "Kato 1972: 1.66 on ways").shape(
+            Scan("one", 0.3, 8.0, 4), natural="both"
         ),
         Parameter("exponent", "1", 0.65, 0.2, 1.0, "m of Kato's law", "Kato 1972: 0.65", role="reference"),
         _MEMORY_LENGTH,

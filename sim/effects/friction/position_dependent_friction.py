@@ -11,27 +11,11 @@ from sim.library.effect import Axis, Effect, Parameter, Scan
 
 SECOND_HARMONIC = (
     Parameter(
-        "second_sine",
-        "1",
-        0.0,
-        -0.3,
-        0.3,
-        "sine part of the second harmonic, over the amplitude",
-        "one wave",
-        "shape",
-        natural="both",
-    ),
+        "second_sine", "1", 0.0, -0.3, 0.3, "sine part of the second harmonic, over the amplitude", "one wave"
+    ).shape(natural="both"),
     Parameter(
-        "second_cosine",
-        "1",
-        0.0,
-        -0.3,
-        0.3,
-        "cosine part of the second harmonic, over the amplitude",
-        "one wave",
-        "shape",
-        natural="both",
-    ),
+        "second_cosine", "1", 0.0, -0.3, 0.3, "cosine part of the second harmonic, over the amplitude", "one wave"
+    ).shape(natural="both"),
 )
 """Parameters of a wave sin a + second_sine sin 2a + second_cosine cos 2a, a = 2 pi x / pitch + phase."""
 
@@ -75,16 +59,8 @@ _SINE = Effect(
     parameters=(
         Parameter("amplitude", "1", 0.1, 0.0, 0.95, "relative variation of the level", "level stays positive"),
         Parameter(
-            "pitch",
-            "m",
-            5e-3,
-            1e-9,
-            1e3,
-            "length of one wave",
-            "a pitch far longer than the travel acts as a gradient",
-            role="shape",
-            scan=Scan("position", 0.02, 1.6, 112, "reciprocal", shortest=0.002),
-        ),
+            "pitch", "m", 5e-3, 1e-9, 1e3, "length of one wave", "a pitch far longer than the travel acts as a gradient"
+        ).shape(Scan("position", 0.02, 1.6, 112, "reciprocal", shortest=0.002)),
         Parameter("phase", "rad", 0.0, -50.0, 50.0, "angle at x = 0", "full circle", role="phase"),
     ),
     factor=_factor,

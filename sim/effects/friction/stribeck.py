@@ -43,16 +43,8 @@ _GAUSSIAN = Effect(
             "force", "N", 0.5, 0.0, math.inf, "static friction above the Coulomb level, Fs - Fc", "thesis Table 3"
         ),
         Parameter(
-            "velocity",
-            "m/s",
-            1e-3,
-            1e-9,
-            1e3,
-            "speed over which friction falls",
-            "thesis Table 3: 1 mm/s",
-            "shape",
-            Scan("velocity", 1e-3, 1.0, 13),
-        ),
+            "velocity", "m/s", 1e-3, 1e-9, 1e3, "speed over which friction falls", "thesis Table 3: 1 mm/s"
+        ).shape(Scan("velocity", 1e-3, 1.0, 13)),
         Parameter(
             "exponent",
             "1",
@@ -61,11 +53,7 @@ _GAUSSIAN = Effect(
             4.0,
             "sharpness: 1 Tustin, 2 Gaussian",
             "thesis (4.5): 2; Bo and Pavelescu 1982: 0.5 to 1",
-            "shape",
-            Scan("one", 0.5, 4.0, 5, "linear"),
-            fixed=True,
-            natural="both",
-        ),
+        ).shape(Scan("one", 0.5, 4.0, 5, "linear"), fixed=True, natural="both"),
     ),
     coordinates=("velocity", "direction"),
     level=level,

@@ -77,16 +77,8 @@ EFFECT = Effect(
     source="Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; thesis 3.2.2",
     parameters=(
         Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level"),
-        Parameter(
-            "stiffness",
-            "N/m",
-            1e5,
-            1.0,
-            1e12,
-            "stiffness a0 of the bristles",
-            "thesis Table 3",
-            "shape",
-            Scan("one", 1e3, 1e8, 11),
+        Parameter("stiffness", "N/m", 1e5, 1.0, 1e12, "stiffness a0 of the bristles", "thesis Table 3").shape(
+            Scan("one", 1e3, 1e8, 11)
         ),
         Parameter(
             "exponent", "1", 1.0, 0.5, 4.0, "shape i of the yield curve", "Dahl 1968: 1 for most", "shape", fixed=True

@@ -26,10 +26,8 @@ CANUDAS = "Canudas de Wit, Olsson, Astrom, Lischinsky 1995, IEEE Trans. Automati
 FORCE = Parameter(
     "force", "N", 1.0, 0.0, math.inf, "friction force in slow steady sliding (Coulomb)", "thesis Table 3", "level"
 )
-STIFFNESS = Parameter(
-    *("stiffness", "N/m", 1e5, 1.0, 1e12, "stiffness a0 of the bristles", "thesis Table 3"),
-    role="shape",
-    scan=Scan("one", 1e3, 1e8, 11),
+STIFFNESS = Parameter("stiffness", "N/m", 1e5, 1.0, 1e12, "stiffness a0 of the bristles", "thesis Table 3").shape(
+    Scan("one", 1e3, 1e8, 11)
 )
 RELEASE = 1e-5
 """s: time in which bristles relax where there is no friction level, as where the contact is lifted."""

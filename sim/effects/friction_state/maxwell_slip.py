@@ -57,11 +57,14 @@ def free_stretches(stretch: float, span: float) -> np.ndarray:
 
 _FORCE = Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level")
 _STRETCH = Parameter(
-    *("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which all elements slip, at the level `force`"),
-    source="thesis: 2-5 um in steel",
-    role="shape",
-    scan=Scan("position", 1e-5, 0.7, 15),
-)
+    "stretch",
+    "m",
+    1e-5,
+    1e-12,
+    1e3,
+    "displacement after which all elements slip, at the level `force`",
+    "thesis: 2-5 um in steel",
+).shape(Scan("position", 1e-5, 0.7, 15))
 
 MAXWELL_SLIP = Effect(
     name="maxwell_slip",
@@ -77,12 +80,14 @@ MAXWELL_SLIP = Effect(
         _FORCE,
         _STRETCH,
         Parameter(
-            *("curvature", "1", 2.0, 1.0, 12.0, "1: one spring; 2: stretches spread evenly; more: a long tail"),
-            source="Hertz-Mindlin contacts: about 1.5",
-            role="shape",
-            scan=Scan("one", 2.0, 8.0, 3),
-            natural="both",
-        ),
+            "curvature",
+            "1",
+            2.0,
+            1.0,
+            12.0,
+            "1: one spring; 2: stretches spread evenly; more: a long tail",
+            "Hertz-Mindlin contacts: about 1.5",
+        ).shape(Scan("one", 2.0, 8.0, 3), natural="both"),
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
@@ -103,18 +108,18 @@ FREE_MAXWELL_SLIP = Effect(
         _FORCE,
         _STRETCH,
         Parameter(
-            *("span", "1", 30.0, 2.0, 1e4, "longest stretch over the shortest", "a range of one to three decades"),
-            role="shape",
-            natural="both",
-        ),
+            "span", "1", 30.0, 2.0, 1e4, "longest stretch over the shortest", "a range of one to three decades"
+        ).shape(natural="both"),
         *(
             Parameter(
-                *(f"share_{k + 1}", "1", 1.0, 0.0, 1e3, f"share of element {k + 1}, the shortest being 1"),
-                source="only ratios matter",
-                role="shape",
-                natural="both",
-                fixed=k + 1 == HELD_SHARE,
-            )
+                f"share_{k + 1}",
+                "1",
+                1.0,
+                0.0,
+                1e3,
+                f"share of element {k + 1}, the shortest being 1",
+                "only ratios matter",
+            ).shape(fixed=k + 1 == HELD_SHARE, natural="both")
             for k in range(FREE_ELEMENTS)
         ),
     ),

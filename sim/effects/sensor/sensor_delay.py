@@ -36,17 +36,8 @@ _STRAIGHT = Effect(
     acts_on="sensor",
     coordinates=("frequency", "input"),
     parameters=(
-        Parameter(
-            "delay",
-            "s",
-            1e-3,
-            0.0,
-            100.0,
-            "delay of the signal",
-            "sampling and transport",
-            role="shape",
-            scan=Scan("sample", 0.1, LONGEST_ROWS / 1.5, 8, reach=LONGEST / 1.5),
-            natural="low",
+        Parameter("delay", "s", 1e-3, 0.0, 100.0, "delay of the signal", "sampling and transport").shape(
+            Scan("sample", 0.1, LONGEST_ROWS / 1.5, 8, reach=LONGEST / 1.5), natural="low"
         ),
     ),
     signal=_signal,

@@ -37,10 +37,7 @@ _WARM_UP = Effect(
             1e9,
             "warm-up time; far beyond the record it is a steady drift",
             "warm-up of electronics and mounts",
-            role="shape",
-            scan=Scan("time", 0.05, 5.0, 7),
-            natural="high",
-        ),
+        ).shape(Scan("time", 0.05, 5.0, 7), natural="high"),
     ),
     signal=_signal,
 )
@@ -53,17 +50,8 @@ _POWER = replace(
     source="power law of ageing and creep, e.g. Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 2",
     parameters=(
         Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "shift of the zero at reference_time", "either sign"),
-        Parameter(
-            "exponent",
-            "1",
-            1.0,
-            0.2,
-            3.0,
-            "power of time",
-            "steady drift",
-            role="shape",
-            scan=Scan("one", 0.4, 2.0, 5),
-            natural="both",
+        Parameter("exponent", "1", 1.0, 0.2, 3.0, "power of time", "steady drift").shape(
+            Scan("one", 0.4, 2.0, 5), natural="both"
         ),
         Parameter(
             "reference_time",

@@ -41,17 +41,8 @@ _SMOOTH = Effect(
     acts_on="sensor",
     coordinates=("frequency", "input"),
     parameters=(
-        Parameter(
-            "time_constant",
-            "s",
-            1e-3,
-            0.0,
-            100.0,
-            "time to 63 % of a step",
-            "filter in the electronics",
-            role="shape",
-            scan=Scan("sample", 0.3, LONGEST_ROWS / 1.5, 8, reach=LONGEST / 1.5),
-            natural="low",
+        Parameter("time_constant", "s", 1e-3, 0.0, 100.0, "time to 63 % of a step", "filter in the electronics").shape(
+            Scan("sample", 0.3, LONGEST_ROWS / 1.5, 8, reach=LONGEST / 1.5), natural="low"
         ),
     ),
     signal=_signal,
@@ -75,10 +66,7 @@ _OF_STEPS = replace(
             1.0,
             "part of a step from the change of the input to the row that shows its value; a digital filter has 1",
             "0 to 1",
-            role="shape",
-            scan=Scan("one", 0.1, 0.9, 2, "linear"),
-            natural="both",
-        ),
+        ).shape(Scan("one", 0.1, 0.9, 2, "linear"), natural="both"),
     ),
     signal=_signal_of_steps,
 )
