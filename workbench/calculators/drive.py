@@ -201,7 +201,7 @@ def _probe(run: Run, v: Values) -> dict[str, Any]:
 
 DRIVE_CALCULATORS: dict[str, Calculator] = {
     "drive": Calculator(
-        "Tip ellipse, the frequency a speed needs by three laws, first resonance, acceleration without lift-off.",
+        "Tip ellipse, frequency for a speed by three laws, first resonance, acceleration before lift-off.",
         {
             "amplitude": Option("m", "of a piezo, zero to peak", from_key("actuator.stroke_amplitude")),
             "phase": Option("rad", "between the piezos", from_key("actuator.phase")),

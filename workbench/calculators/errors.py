@@ -90,7 +90,7 @@ ERROR_CALCULATORS: dict[str, Calculator] = {
         _vibration,
     ),
     "alignment": Calculator(
-        "Abbe and cosine error of a sensor that is not where and as it should be, and its lag in motion.",
+        "Abbe and cosine error of a sensor that is offset and misaligned, and its lag in motion.",
         {
             "offset": Option(
                 "m", "line of measurement to payload", lambda r, given: r("stage.thickness") / 2 + r("payload.height")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @click.command("add")
-@click.option("--undo", "undo_last", is_flag=True, help="Go back to the rung before; the undone one is kept.")
+@click.option("--undo", "undo_last", is_flag=True, help="Return to the previous rung; the rung undone is kept.")
 @click.option(
     "--write-back",
     "keys",

@@ -21,12 +21,16 @@ if TYPE_CHECKING:
     "swept",
     multiple=True,
     metavar="KEY=LOW:HIGH[:N]",
-    help="Show how the margins move over a parameter; several form a grid.",
+    help="Show the margins over a range of a parameter; several parameters form a grid.",
 )
 @click.option("--chains", is_flag=True, help="Show the tolerance chains, by worst case and statistically.")
 @click.option("--tolerance", is_flag=True, help="Monte-Carlo over the tolerances of the dimensions.")
 @click.option(
-    "--samples", type=click.IntRange(100, 1_000_000), default=10_000, show_default=True, help="Of --tolerance."
+    "--samples",
+    type=click.IntRange(100, 1_000_000),
+    default=10_000,
+    show_default=True,
+    help="Number of samples of --tolerance.",
 )
 @click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
 @click.option("--figures", is_flag=True, help="Draw the figures of the checks, into the report too.")

@@ -17,9 +17,9 @@ from workbench.options import Run, common_options, experiment_options
     type=click.IntRange(20, 100_000),
     default=None,
     metavar="DRAWS",
-    help="Refit so many times to records with resampled errors; intervals next to the linear ones.",
+    help="Number of refits to records with resampled errors; their intervals stand beside the linear ones.",
 )
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the random numbers.")
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the refits of --bootstrap to a cluster.")
 @common_options
 @experiment_options

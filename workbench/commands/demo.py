@@ -31,7 +31,8 @@ def command(run: Run) -> None:
     """Run compare, diagnose and add on packaged records of a slide, until the residual is at the noise level.
 
     The records are copied to OUT/demo. Every step is the command of that name, which can be repeated by hand.
-    A folder OUT/demo that was changed since, or that is somebody's own, is left alone: then it is OUT/demo_2.
+    A folder OUT/demo that was changed since then, or that this command did not write, is not touched: the records are
+    copied to OUT/demo_2.
     """
     began = perf_counter()
     folder = fresh_copy(free_folder(run.out / "demo"))

@@ -40,7 +40,7 @@ MANIFEST = "drawings_manifest.json"
     "--since",
     type=click.Path(path_type=Path),
     metavar="EARLIER.toml",
-    help="Parameter file of the earlier issue: the differences are the revision table.",
+    help="Parameter file of the earlier issue: the differences form the revision table.",
 )
 @common_options
 def command(

@@ -28,7 +28,7 @@ class Templates(click.Group):
 
 @click.group("new", cls=Templates)
 def command() -> None:
-    """Write a template of KIND to start from."""
+    """Write a template to start from."""
 
 
 @command.command("experiment")

@@ -82,15 +82,25 @@ class Output:
     help=f"Study of the stage; may be repeated (default: all of {', '.join(STUDY_NAMES)}).",
 )
 @click.option(
-    "--sweep", "swept", default=None, metavar="KEY=LOW:HIGH[:N]", help="Features over the values of a parameter."
+    "--sweep",
+    "swept",
+    default=None,
+    metavar="KEY=LOW:HIGH[:N]",
+    help="Show the features of the results over a range of a parameter.",
 )
 @click.option(
     "--draws",
     type=click.IntRange(2, 1_000_000),
     default=None,
-    help="Simulate so many machines sampled from the deviations (+-) and tolerances of the parameters.",
+    help="Number of machines to simulate, sampled from the deviations (+-) and tolerances of the parameters.",
 )
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of --draws, and of the noise.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Seed of the random numbers of --draws and of the noise.",
+)
 @click.option(
     "--motion",
     type=click.Path(path_type=Path),

@@ -15,12 +15,18 @@ import click
     show_default=True,
     help="Folder to build in.",
 )
-@click.option("--port", type=click.IntRange(0, 65535), default=8323, show_default=True, help="0 for a free one.")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=8323,
+    show_default=True,
+    help="Port to serve on; 0 for any free one.",
+)
 @click.option("--serve/--no-serve", default=True, help="Serve the pages until Ctrl-C, or only build them.")
 @click.option("--open/--no-open", "show", default=True, help="Open a browser.")
 @click.pass_context
 def command(context: click.Context, out: Path, port: int, serve: bool, show: bool) -> None:
-    """Build the documentation and serve it on this machine; links to nowhere are errors."""
+    """Build the documentation and serve it on this machine; broken links are errors."""
     from workbench.documentation.reference import commands_page, parameters_page, python_page
     from workbench.documentation.server import documentation_server
     from workbench.documentation.site import build_site

@@ -14,12 +14,18 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 @click.command("workbench")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
-@click.option("--port", type=click.IntRange(0, 65535), default=8321, show_default=True, help="0: any free one.")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=8321,
+    show_default=True,
+    help="Port to serve on; 0 for any free one.",
+)
 @click.option(
     "--token",
     default=None,
     metavar="TEXT",
-    help="Secret that the browser must present; made at random for any address but that of this computer.",
+    help="Secret that the browser must present; chosen at random unless the address is that of this computer.",
 )
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.")
 @click.option(

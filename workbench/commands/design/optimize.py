@@ -45,7 +45,7 @@ class Options:
     "freed",
     multiple=True,
     metavar="KEY=LOW:HIGH",
-    help="Let a parameter change in a range, or among choices KEY=A|B; besides those marked free in the file.",
+    help="Let a parameter change within a range, or among choices KEY=A|B, besides those marked free in the file.",
 )
 @click.option(
     "--keep",
@@ -55,26 +55,32 @@ class Options:
 )
 @click.option("--write", "target", type=click.Path(path_type=Path), metavar="FILE.toml", help="Write the design found.")
 @click.option(
-    "--relax", is_flag=True, help="Write the design that meets all requirements but those that cannot be met."
+    "--relax", is_flag=True, help="Write the design that meets all requirements except those that cannot be met."
 )
 @click.option(
-    "--budget", type=click.IntRange(20, 100_000), default=600, show_default=True, help="Designs of each search."
+    "--budget",
+    type=click.IntRange(20, 100_000),
+    default=600,
+    show_default=True,
+    help="Largest number of designs in each search.",
 )
 @click.option(
     "--evaluations",
     type=click.IntRange(50, 10_000_000),
     default=6000,
     show_default=True,
-    help="Designs of all searches together.",
+    help="Largest number of designs in all searches together.",
 )
-@click.option("--time", "limit", metavar="TIME", help="Of all searches together, like '5 min'; else without limit.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the search.")
+@click.option(
+    "--time", "limit", metavar="TIME", help="Time limit of all searches together, such as '5 min' (default: none)."
+)
+@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random numbers.")
 @click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
 @click.option("--figures/--no-figures", default=True, help="Draw the Pareto fronts of the conflicts.")
 @click.option(
     "--levels",
     is_flag=True,
-    help="How far Table 1 can be met instead: each requirement by itself and all together, and the Pareto fronts.",
+    help="Show instead how far Table 1 can be met: each requirement alone, all together, and the Pareto fronts.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Run searches from several seeds on a dask cluster.")
 @common_options
