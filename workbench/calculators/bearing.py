@@ -120,8 +120,8 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
         _wear,
     ),
     "smoothness": Calculator(
-        "Height of a stage whose pads slide on a way: generated from roughness and waves, or measured (--profile FILE.csv "
-        "with columns `position [m]` and `height [m]`).",
+        "Height of a stage whose pads slide on a way: generated from roughness and waves, or measured (--profile "
+        "FILE.csv with columns `position [m]` and `height [m]`).",
         {
             "roughness": Option("m", "Ra", from_key("bearing.proposed_way_roughness")),
             "correlation_length": Option("m", "of the roughness", from_key("bearing.roughness_correlation")),
