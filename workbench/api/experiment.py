@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +60,6 @@ class Experiment(Result):
         model: Model | Sequence[str | Effect],
         noise: Mapping[str, str] | None = None,
         validate: Sequence[str] = (),
-        units: Mapping[str, str] | None = None,
         design: Design | None = None,
         name: str = "experiment",
     ) -> Experiment:
@@ -67,12 +67,11 @@ class Experiment(Result):
 
         Args:
             records: by name, a DataFrame with columns `name [unit]`, a mapping of arrays, or a `Record` for one with
-                settings of its own.
+                settings of its own, such as the units of columns that name none.
             rig: the rig, or its kind.
             model: the model, or its effects: names, and `Effect` objects of the user's own.
             noise: standard deviation by channel, as text with a unit; estimated where left out.
             validate: names of the records held out; without any, the last 30 % in time of each record.
-            units: unit by channel or column, for columns without one.
             design: where a value is stated as `"design"`.
             name: of the experiment.
 
@@ -87,24 +86,16 @@ class Experiment(Result):
         """
         rig = Rig(rig) if isinstance(rig, str) else rig
         model = model if isinstance(model, Model) else Model(model)
-        stated = {
-            label: given if isinstance(given, Record) else Record(given, "validate" if label in validate else "fit")
-            for label, given in records.items()
-        }
+        stated = {label: given if isinstance(given, Record) else Record(given) for label, given in records.items()}
         for label in validate:
             if label not in stated:
                 raise InputError(f"{name}: validate: no record '{label}'{nearest(label, stated)}")
-        shared = dict(units or {})
-        tables = {}
-        for label, record in stated.items():
-            table = record.table(label)
-            merged = {**shared, **dict(record.units)}
-            tables[label] = table | ({"units": merged} if merged else {})
+            stated[label] = replace(stated[label], role="validate")
         document = {
             "schema": 1,
             "rig": rig.table(),
             "model": model.table(),
-            "record": list(tables.values()),
+            "record": [record.table(label) for label, record in stated.items()],
             "noise": dict(noise or {}),
         }
         arrays = {label: record.arrays(label) for label, record in stated.items()}

@@ -104,3 +104,9 @@ def test_a_short_text_and_a_page_for_notebooks(slide: Experiment) -> None:
     assert repr(slide) == "<Experiment 'slide': velocity-drive, model coulomb, viscous, 2 records of 2000 rows>"
     page = slide._repr_html_()
     assert "held out" in page and "friction_force" in page
+
+
+def test_a_record_with_settings_is_held_out_by_its_name() -> None:
+    records = {"a": slide_log(1), "b": Record(slide_log(2))}
+    found = Experiment.from_dataframes(records, "velocity-drive", ["coulomb"], validate=["b"])
+    assert [one.role for one in found.problem.records] == ["fit", "validate"]
