@@ -11,6 +11,7 @@ from sysid.compare import compare as compare_problem
 from sysid.report import comparison_json
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import FittedResult, document, error_frame
+from workbench.api.result import results_in
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,10 +58,30 @@ class Comparison(FittedResult):
 
         return model_figure(self.problem, {"model": self.fitted.model}, self.found.maps, kind, record, channel)
 
-    def summary(self) -> list[tuple[str, str]]:
-        from workbench.identification.statements import comparison_statement, noise_text
+    @property
+    def statement(self) -> str:
+        """The result in words."""
+        from workbench.identification.statements import comparison_statement
 
-        facts = [("result", comparison_statement(self.found)), ("noise", noise_text(self.problem))]
+        return comparison_statement(self.found)
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the residual is at the noise level."""
+        from workbench.identification.statements import is_adequate
+
+        return is_adequate(self.found)
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write figures and the report of `stagecad compare` below the folder `out`; returns the file to open."""
+        from workbench.report.page import write_comparison
+
+        return write_comparison(results_in(out), self.found, self.to_json())
+
+    def summary(self) -> list[tuple[str, str]]:
+        from workbench.identification.statements import noise_text
+
+        facts = [("result", self.statement), ("noise", noise_text(self.problem))]
         return facts + [("warning", line) for line in self.found.warnings]
 
     def _table(self) -> pd.DataFrame:

@@ -13,12 +13,14 @@ from sysid.report import diagnosis_json
 from workbench.api.comparison import where_frame
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import FittedResult, document, error_frame
+from workbench.api.result import results_in
 from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from sysid.prediction.model import Model
     from workbench.api.design import Design
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
@@ -123,10 +125,47 @@ class Diagnosis(FittedResult):
             models[f"with {best.public_name}"] = best.fitted.model
         return model_figure(self.problem, models, self.found.maps, kind, record, channel)
 
-    def summary(self) -> list[tuple[str, str]]:
-        from workbench.identification.statements import diagnosis_statement, equivalence_statement
+    @property
+    def statement(self) -> str:
+        """The result in words."""
+        from workbench.identification.statements import diagnosis_statement
 
-        facts = [("result", diagnosis_statement(self.found)), ("ties", equivalence_statement(self.found))]
+        return diagnosis_statement(self.found)
+
+    @property
+    def ties(self) -> str:
+        """The effects that these records cannot distinguish, in words; empty without any."""
+        from workbench.identification.statements import equivalence_statement
+
+        return equivalence_statement(self.found)
+
+    @property
+    def remarks(self) -> list[str]:
+        """Effects that could replace each other, values that are not physical, and what to do next, in words."""
+        from workbench.identification.statements import (
+            next_step_statement,
+            replacement_statements,
+            unphysical_statements,
+        )
+
+        following = next_step_statement(self.found) if self.found.best is None else ""
+        remarks = [*replacement_statements(self.found), *unphysical_statements(self.found)]
+        return [*remarks, following] if following else remarks
+
+    @property
+    def candidates(self) -> dict[str, Model]:
+        """The model before (`model`), and the model with each effect that was fitted in full, by its name."""
+        tried = {trial.public_name: trial.fitted.model for trial in self.found.trials[: self.found.reported_in_full]}
+        return {"model": self.found.base.fitted.model, **tried}
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write figures and the report of `stagecad diagnose` below the folder `out`; returns the file to open."""
+        from workbench.report.page import write_diagnosis
+
+        return write_diagnosis(results_in(out), self.found, self.to_json())
+
+    def summary(self) -> list[tuple[str, str]]:
+        facts = [("result", self.statement), ("ties", self.ties)]
         return [fact for fact in facts if fact[1]] + [("warning", line) for line in self.found.warnings]
 
     def __repr__(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -22,11 +23,25 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from sysid.estimation.fit import FittedModel
+    from sysid.prediction.model import Model
     from sysid.prediction.problem import Problem
     from sysid.validation.information_criteria import InformationCriteria
     from workbench.api.correlation import Correlation
 
 Part = Literal["fit", "validate"]
+
+
+@dataclass(frozen=True)
+class ChangedModel:
+    """A fitted model with other values of its parameters, and its errors.
+
+    Args:
+        model: with the values.
+        over_noise: error over the noise by part (`fit`, `validate`) and channel.
+    """
+
+    model: Model
+    over_noise: dict[str, dict[str, float]]
 
 
 class FittedResult(Result):
@@ -80,6 +95,19 @@ class FittedResult(Result):
     def parameters(self) -> pd.DataFrame:
         """Fitted values, SI, with standard deviation and 95 % interval; index `parameter`."""
         return parameter_frame(self.to_json()["parameters"])
+
+    def with_values(self, values: Mapping[str, float]) -> ChangedModel:
+        """The fitted model with other values, SI, by parameter; names that it does not have are left out."""
+        from sysid.estimation.misfit import misfit
+
+        fitted = self.fitted.model
+        model = fitted.at({key: value for key, value in values.items() if key in fitted.values})
+        parts = {"fit": self.problem.fit_records, "validate": self.problem.validate_records}
+        errors = {
+            part: {name: one.over_noise for name, one in misfit(model, records).items()}
+            for part, records in parts.items()
+        }
+        return ChangedModel(model, errors)
 
     @property
     def criteria(self) -> InformationCriteria:

@@ -11,7 +11,7 @@ from sysid.ladder import Addition as Found
 from sysid.ladder import add_effects, addition_json, current_ladder
 from workbench.api.experiment import Experiment, as_experiment, design_source
 from workbench.api.fitted import FittedResult, document, error_frame, parameter_frame
-from workbench.api.result import Result
+from workbench.api.result import Result, results_in
 from workbench.identification.undo import Undoing, undo_last
 
 if TYPE_CHECKING:
@@ -152,6 +152,12 @@ class Ladder(Result):
         if not self.rungs:
             raise InputError(f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")
         return ladder_figure(self.rungs)
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write figure and report of `stagecad ladder` below the folder `out`; returns the file to open."""
+        from workbench.report.page import write_ladder
+
+        return write_ladder(results_in(out), self.experiment.name, self.rungs)
 
     def summary(self) -> list[tuple[str, str]]:
         return [("note", "[model] was edited by hand since the last rung")] if self.edited else []

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import html
 from abc import ABC, abstractmethod
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from workbench.options import Run
 
 MOST_ROWS = 20
 """Rows of the table that a notebook shows."""
@@ -54,3 +57,10 @@ def finite_json(document: Any) -> Any:
     from workbench.options import finite
 
     return finite(document)
+
+
+def results_in(out: str | Path) -> Run:
+    """The options of a command that writes below the folder `out`, and reads no design."""
+    from workbench.options import Run
+
+    return Run(None, (), Path(out), None)

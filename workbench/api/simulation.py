@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +11,10 @@ from stagecad.parameters.errors import InputError, nearest
 from workbench.api.design import Design, load_design
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.result import Result, finite_json
+from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
     from matplotlib.figure import Figure
 
@@ -27,14 +29,18 @@ class Simulation(Result):
         self.results = results
 
     @cached_property
+    def columns(self) -> dict[str, dict[str, np.ndarray]]:
+        """The simulated motions and forces as arrays, by model (and case) and `name [unit]`."""
+        from workbench.simulation.tables import stage_tables, tables_of
+
+        return stage_tables(self.results) if self.name == "stage" else tables_of(self.name, self.results)
+
+    @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
         """The simulated motions and forces, columns `name [unit]`, by model (and case)."""
         import pandas as pd
 
-        from workbench.simulation.tables import stage_tables, tables_of
-
-        tables = stage_tables(self.results) if self.name == "stage" else tables_of(self.name, self.results)
-        return {name: pd.DataFrame(columns) for name, columns in tables.items()}
+        return {name: pd.DataFrame(columns) for name, columns in self.columns.items()}
 
     def to_dataframe(self) -> pd.DataFrame:
         """The features, SI: a row for each model (and case) and feature."""
@@ -122,12 +128,37 @@ class SimulatedRecords(Result):
         return f"<SimulatedRecords of '{self.experiment.name}', model {effects}: {rows} rows, {noise}>"
 
 
+def friction_models() -> dict[str, str]:
+    """Friction models of the thesis's experiments: title by name."""
+    from sim.experiments.friction_models import MODELS, TITLES
+
+    return {model: TITLES[model] for model in MODELS}
+
+
+def tip_path(piezo_spacing: float, tip_height: float, stroke: float, phase: float) -> Any:
+    """Path of the tip about its rest: arrays `x`, `y` (m) and `features()`, as of `simulate tip`.
+
+    Args:
+        piezo_spacing, tip_height: D and h, m.
+        stroke: amplitude of a piezo, m.
+        phase: between the piezos, rad.
+
+    Raises:
+        InputError: a length or a phase that is not allowed.
+    """
+    from sim.experiments.tip import tip_ellipse
+
+    return tip_ellipse(piezo_spacing, tip_height, stroke, phase)
+
+
 def simulate(
     what: str | Path | Experiment,
     design: Design | None = None,
     models: Sequence[str] = (),
     motion: Any = None,
     seed: int | None = 1,
+    studies: Sequence[str] = (),
+    progress: ProgressCallback | None = None,
 ) -> Simulation | SimulatedRecords:
     """Simulate one of the thesis's experiments on a design, or the model of an experiment.
 
@@ -137,6 +168,8 @@ def simulate(
         models: friction models of the thesis's experiments; all of them when left out.
         motion: inputs to simulate an experiment on, a DataFrame or the path of a file; its own when left out.
         seed: of the noise of simulated records; None for none.
+        studies: of `stage`, such as `steps` or `hunting`; all of them when left out.
+        progress: called with what is simulated, the runs done, and their number.
 
     Raises:
         InputError: an unknown name, a fault in a file, or a model that cannot be simulated on these inputs.
@@ -147,7 +180,10 @@ def simulate(
     if isinstance(what, str) and what in names:
         if motion is not None:
             raise InputError(f"simulate: '{what}' has a motion of its own; a motion is for an experiment with records")
-        return _thesis_experiment(what, design or load_design(), models)
+        report = progress or (lambda step, done, total: None)
+        if what == "stage":
+            return _stage(design or load_design(), studies, report)
+        return _thesis_experiment(what, design or load_design(), models, report)
     if isinstance(what, str) and not Path(what).exists():
         raise InputError(
             f"simulate: '{what}' is neither an experiment of the thesis nor a folder{nearest(what, names)}"
@@ -155,20 +191,62 @@ def simulate(
     return _records(as_experiment(what, design), motion, seed)
 
 
-def _thesis_experiment(name: str, design: Design, models: Sequence[str]) -> Simulation:
-    from sim.experiments.friction_models import MODELS
-    from sim.integration.simulate import SimulationError
-    from sim.stage.studies import STUDY_NAMES
-    from workbench.simulation.experiments import Selection, simulate_selection
+def chosen_models(models: Sequence[str]) -> tuple[str, ...]:
+    """The friction models named, all of them without any, in the order of the library.
 
+    Raises:
+        InputError: no such model.
+    """
+    known = friction_models()
     for model in models:
-        if model not in MODELS:
-            raise InputError(f"simulate: no friction model '{model}'{nearest(model, MODELS)}")
-    chosen = Selection((name,), tuple(models) or tuple(MODELS), None, STUDY_NAMES)
+        if model not in known:
+            raise InputError(f"simulate: no friction model '{model}'{nearest(model, known)}")
+    return tuple(model for model in known if not models or model in models)
+
+
+def _thesis_experiment(name: str, design: Design, models: Sequence[str], report: ProgressCallback) -> Simulation:
+    from sim.integration.simulate import SimulationError
+    from workbench.simulation.experiments import moving_mass, simulate_experiment
+
+    chosen, done = chosen_models(models), 0
+
+    def advance() -> None:
+        nonlocal done
+        done += 1
+        report(name, done, len(chosen))
+
+    report(name, 0, len(chosen))
+    mass = 1.0 if name == "tip" else moving_mass(design.values, None)
     try:
-        return Simulation(name, simulate_selection(design.values, chosen)[name])
+        return Simulation(name, simulate_experiment(design.values, name, chosen, mass, advance))
     except SimulationError as failure:
         raise InputError(str(failure)) from None
+
+
+def _stage(design: Design, studies: Sequence[str], report: ProgressCallback) -> Simulation:
+    from sim.experiments.stage import STUDIES, stage_drive
+    from stagecad.parallel import fork_map
+    from stagecad.solids.assembly.machine import body_masses
+
+    for study in studies:
+        if study not in STUDIES:
+            raise InputError(f"simulate: no study of the stage '{study}'{nearest(study, STUDIES)}")
+    drive, found = stage_drive(design.values, body_masses(design.values)), {}
+    for study in (one for one in STUDIES if not studies or one in studies):
+
+        def run_cases(function: Callable[[Any], Any], cases: Sequence[Any], study: str = study) -> list[Any]:
+            done = 0
+
+            def advance(case: Any) -> None:
+                nonlocal done
+                done += 1
+                report(study.replace("_", " "), done, len(cases))
+
+            report(study.replace("_", " "), 0, len(cases))
+            return fork_map(function, cases, progress=advance)
+
+        found[study] = STUDIES[study](drive, run_cases)
+    return Simulation("stage", found)
 
 
 def _records(experiment: Experiment, motion: Any, seed: int | None) -> SimulatedRecords:

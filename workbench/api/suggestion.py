@@ -13,7 +13,7 @@ from sysid.report import suggestion_json
 from workbench.api.diagnosis import Diagnosis
 from workbench.api.experiment import Experiment, as_experiment
 from workbench.api.fitted import document
-from workbench.api.result import Result
+from workbench.api.result import Result, results_in
 from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
@@ -84,10 +84,28 @@ class Suggestion(Result):
 
         return motion_figure(self.motions, motion)
 
-    def summary(self) -> list[tuple[str, str]]:
+    def write_below(self, out: str | Path) -> Suggestion:
+        """Write the motions below the folder `out` as `stagecad suggest` does; returns it with its files."""
+        from workbench.report.page import write_motions
+
+        rows = write_motions(results_in(out), self.found)
+        return Suggestion(self.experiment, self.found, tuple(row["file"] for row in rows))
+
+    @property
+    def statements(self) -> list[str]:
+        """The result in words."""
         from workbench.identification.statements import suggestion_statements
 
-        return [("result", line) for line in suggestion_statements(self.found)]
+        return suggestion_statements(self.found)
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write the report of `stagecad suggest` below the folder `out`; returns the file to open."""
+        from workbench.report.page import write_suggestion
+
+        return write_suggestion(results_in(out), self.found, self.to_json())
+
+    def summary(self) -> list[tuple[str, str]]:
+        return [("result", line) for line in self.statements]
 
     def __repr__(self) -> str:
         best = self.found.motions[0]

@@ -42,7 +42,7 @@ def command(run: Run, host: str, port: int, token: str | None, browser: bool, tr
     if run.overrides:
         raise InputError("--set: values are changed on the page; name the parameter file with --params")
     if token is not None and len(token) < 16:
-        raise InputError("--token: at least 16 characters are wanted")
+        raise InputError("--token: at least 16 characters are required")
     if token is None and host not in LOOPBACK:
         token = secrets.token_urlsafe(24)
     params = run.params

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.errors import InputError, nearest
+from workbench.api.new_experiment import fresh_demo
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
 """Beside the packages in a checkout; an installed package has the demonstration only."""
@@ -31,12 +32,10 @@ def copied(name: str, target: Path) -> Path:
     Raises:
         InputError: no such example.
     """
-    from workbench.commands.demo import free_folder, fresh_copy
-
     if name not in available():
         raise InputError(f"no example '{name}'{nearest(name, available())}")
     if name == "demo":
-        return fresh_copy(free_folder(target))
+        return fresh_demo(target)
     number, free = 1, target
     while free.exists():
         number += 1

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry, packaged_text
-from stagecad.parameters.load import changed_text, design_from_text, diff, load_design
+from stagecad.parameters.load import changed_text
 from stagecad.parameters.rules.registry import violations
 from stagecad.parameters.tables.machine import schema
-from workbench.page.live_checks import LiveChecks, LiveResult, check_row
+from workbench.api.design import Design, load_design
+from workbench.api.differences import diff
+from workbench.api.live_checks import LiveChecks, LiveResult, check_row
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"
@@ -55,12 +56,13 @@ class MachineSession:
         return dict(self._history[self._place])
 
     def as_json(self) -> dict[str, Any]:
-        """File, files that can be opened, changes, and whether there is something to undo or redo."""
+        """File, files that can be opened, changes, digest of the design, and what there is to undo or redo."""
         with self._lock:
             return {
                 "file": self.file,
                 "files": self.project.parameter_files(),
                 "changes": self.changes,
+                "digest": self.design().values.digest,
                 "undo": self._place,
                 "redo": len(self._history) - 1 - self._place,
             }
@@ -71,7 +73,7 @@ class MachineSession:
             if file not in (None, self._first, *self.project.parameter_files()):
                 raise InputError(f"{file}: no parameter file of this folder")
             text = self._read(file)
-            design_from_text(text, file or "thesis.toml", rules=False, folder=self._folder(file))
+            self._design(file, text, {})
             self.file, self._text, self._history, self._place = file, text, [{}], 0
             self._keep()
 
@@ -83,7 +85,7 @@ class MachineSession:
         """
         with self._lock:
             self.design(changes)
-            saved = {entry.key: entry.text for entry in self.saved.entries}
+            saved = {entry.key: entry.text for entry in self.saved.values.entries}
             changes = {key: text for key, text in changes.items() if text != saved.get(key)}
             if changes != self._history[self._place]:
                 self._history = [*self._history[: self._place + 1], changes][-200:]
@@ -106,19 +108,19 @@ class MachineSession:
 
     def design(self, changes: Changes | None = None) -> Design:
         """The design with `changes` (by default the present ones); rules across values are not required."""
-        changes = self.changes if changes is None else changes
-        overrides = tuple(f"{key}={text}" for key, text in changes.items())
-        if self.file is None:
-            return load_design(None, overrides, rules=False)
-        return design_from_text(self._text, self.file, overrides, rules=False, folder=self._folder(self.file))
+        return self._design(self.file, self._text, self.changes if changes is None else changes)
+
+    def _design(self, file: str | None, text: str, changes: Changes) -> Design:
+        if file is None:
+            return load_design(values=changes, rules=False)
+        return load_design(self._folder(file) / file, changes, text, rules=False)
 
     def source(self, changes: Changes | None = None) -> dict[str, Any]:
         """Arguments from which another process makes the design."""
         changes = self.changes if changes is None else changes
-        overrides = [f"{key}={text}" for key, text in changes.items()]
         # Another process works in another folder.
         name = "" if self.file is None else str(self._folder(self.file) / self.file)
-        return {"text": None if self.file is None else self._text, "name": name, "overrides": overrides}
+        return {"text": None if self.file is None else self._text, "name": name, "overrides": dict(changes)}
 
     def preview(self, changes: Changes, limit: float, since: int) -> dict[str, Any]:
         """What the page shows while a value is dragged: checks evaluated within `limit` seconds, violated rules.
@@ -126,7 +128,7 @@ class MachineSession:
         Checks that the page has, by the version `since` of an earlier answer, are left out.
         """
         design = self.design(changes)
-        result = self.checks.update(design, limit, since)
+        result = self.checks.update(design.values, limit, since)
         return {**live_json(result), "violations": violated(design), "changed": self._changed(design, changes)}
 
     def save(self, name: str) -> str:
@@ -147,26 +149,26 @@ class MachineSession:
         """Keys in which the design differs from its saved file, or from another file of the project."""
         base = self.saved
         if other is not None:
-            base = design_from_text(self._read(other), other, rules=False, folder=self._folder(other))
+            base = self._design(other, self._read(other), {})
         return [
             {"key": one.key, "before": _entry_json(one.before), "after": _entry_json(one.after)}
-            for one in diff(base, self.design())
+            for one in diff(base, self.design(), solids=False, margins=False).found.parameters
         ]
 
     def parameters(self) -> list[dict[str, Any]]:
         """Every parameter of the saved file: text, bounds in the unit of the text, origin, kind of the value."""
-        design = self.saved
+        design = self.saved.values
         keys = schema(tuple(design.materials))
         return [{**parameter_json(entry), **_bounds(entry, keys[entry.key], design)} for entry in design.entries]
 
     def _changed(self, design: Design, changes: Changes) -> dict[str, str]:
         """Text of the values that differ from the saved file: those set, and those computed from them."""
-        saved = {entry.key: entry.text for entry in self.saved.entries}
-        return {e.key: e.text for e in design.entries if e.text != saved[e.key] or e.key in changes}
+        saved = {entry.key: entry.text for entry in self.saved.values.entries}
+        return {e.key: e.text for e in design.values.entries if e.text != saved[e.key] or e.key in changes}
 
     def _text_with_changes(self, name: str) -> str:
         text = packaged_text() if self.file is None else self._text
-        design = self.design()
+        design = self.design().values
         changes: dict[str, tuple[str | float | bool, str]] = {}
         for key in self.changes:
             entry = design.entry(key)
@@ -212,7 +214,7 @@ def live_json(result: LiveResult) -> dict[str, Any]:
 
 def violated(design: Design) -> list[dict[str, str]]:
     """All rules across values that the design violates."""
-    return [asdict(one) for one in violations(design)]
+    return [asdict(one) for one in violations(design.values)]
 
 
 def parameter_json(entry: Entry) -> dict[str, Any]:
@@ -240,7 +242,7 @@ def _shown(entry: Entry) -> tuple[float | None, str]:
     return (float(match[1]), match[2].strip()) if match else (None, "")
 
 
-def _bounds(entry: Entry, declaration: Any, design: Design) -> dict[str, Any]:
+def _bounds(entry: Entry, declaration: Any, design: Any) -> dict[str, Any]:
     number, _ = _shown(entry)
     allowed = list(declaration.allowed)
     if declaration.kind == "material":

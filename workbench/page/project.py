@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from workbench.api.design import Design
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3
@@ -43,6 +44,10 @@ class Project:
     def state(self) -> Path:
         """Folder of jobs and of the state of the page."""
         return self.results / "workbench"
+
+    def stated_design(self) -> Design | None:
+        """The design of `--params`, whose values an experiment may state as `"design"`; None: the packaged one."""
+        return None if self.params is None else Design(self.params.resolve(), rules=False)
 
     def inside(self, path: str) -> Path:
         """A path of the project as given by the page.

@@ -19,7 +19,7 @@ from starlette.staticfiles import StaticFiles
 
 from stagecad import __version__
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, finite
+from workbench.options import finite
 from workbench.page.curves import extremes, read_blocks, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.machine_session import MachineSession
@@ -90,7 +90,6 @@ def create_app(project: Project) -> FastAPI:
     app = FastAPI(title="stagecad workbench", version=__version__, lifespan=lifespan, docs_url=None, redoc_url=None)
     app.state.project, app.state.events, app.state.jobs = project, events, jobs
     app.state.machine = MachineSession(project)
-    app.state.design_values = lambda: _design_values(project)
     for module in (machine, optimisation, experiments, measurement, simulation):
         app.include_router(module.router)
     _add_common_routes(app)
@@ -174,17 +173,11 @@ def _add_errors(app: FastAPI) -> None:
         return JSONResponse({"error": f"{error.filename or 'file'}: {error.strerror or error}"}, status_code=500)
 
 
-def _design_values(project: Project) -> Any:
-    from workbench.identification.design_values import design_values
-
-    return design_values(Run(project.params, (), project.results, None))
-
-
 def _warm_up(app: FastAPI) -> None:
     """Evaluate every check once, so that the first slider does not wait for what they load."""
     session: MachineSession = app.state.machine
     with suppress(InputError):
-        session.checks.update(session.design(), 1e9)
+        session.checks.update(session.design().values, 1e9)
 
 
 def serve(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ import pytest
 from starlette.testclient import TestClient
 
 import stagecad
+from stagecad.parameters.file import packaged_text
 from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench.cli import run
 from workbench.page.project import Project
@@ -97,6 +99,59 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
 
     undone = _job(client, "/api/experiment/rig/undo")["document"]
     _compared(undone, _command(tmp_path, "add", "rig", "--undo"))
+
+
+def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> None:
+    slide(tmp_path / "rig", FORCE, '"coulomb"', held_out=True)
+    found = _job(client, "/api/experiment/rig/suggest")["document"]
+    _compared(found, _command(tmp_path, "suggest", "rig", "--no-figures"))
+    assert all((folder / "build" / "rig" / "suggest" / Path(row["file"]).name).is_file() for row in found)
+
+
+def test_optimisation(client: TestClient, folder: Path) -> None:
+    """Only the thickness is free, and a rule is violated, so that no solids are wanted."""
+    text = re.sub(r',\s*free = "[^"]*"', "", packaged_text())
+    (folder / "one_free.toml").write_text(text, "utf-8")
+    free, keep = {"stage.thickness": "6 mm:30 mm"}, ["sag of the drive surface over the travel"]
+    client.post("/api/machine/open", json={"name": "one_free.toml"})
+    assert client.get("/api/machine/optimize").json() == {}
+    client.post("/api/machine/commit", json={"changes": {"stage.thickness": "6.1 mm"}})
+    found = _job(client, "/api/machine/optimize", free=free, keep=keep, budget=30)
+    assert found["document"]["feasible"] and found["document"]["verified"]
+    assert [row["key"] for row in found["document"]["changes"]] == list(found["changes"]) == ["stage.thickness"]
+    words = ["--set", "stage.thickness=6.1 mm", "--free", "stage.thickness=6 mm:30 mm", "--keep", *keep]
+    document = _command(folder, "optimize", "--params", "one_free.toml", *words, "--budget", "30", "--no-figures")
+    _compared(found["document"], document)
+    client.post("/api/machine/open", json={"name": None})
+
+
+@pytest.mark.slow
+def test_parts_and_drawings(client: TestClient, folder: Path) -> None:
+    solids = _job(client, "/api/machine/solids")
+    document = _command(folder, "parts")
+    whole = document["parts"].pop("assembly")
+    assert solids["parts"].keys() == document["parts"].keys()
+    for name, part in document["parts"].items():
+        files = part.pop("files")
+        assert f"{name}.glb" in {Path(file).name for file in files}
+        _compared({key: solids["parts"][name][key] for key in part}, part, name)
+    _compared(solids["moving_body"], document["moving_body"])
+    count = sum(solids["parts"][one["part"]]["mass"]["value"] for one in solids["instances"])
+    assert count == pytest.approx(whole["mass"]["value"], rel=1e-9)
+
+    drawn = _job(client, "/api/machine/drawings/tip")["sheets"]
+    sheets = _command(folder, "drawings", "tip")["sheets"]
+    assert [one["name"] for one in drawn] == list(sheets)
+    for one in drawn:
+        stated = sheets[one["name"]]
+        assert set(one["files"]) <= {Path(file).name for file in stated.pop("files")}
+        _compared({key: one[key] for key in stated}, stated)
+
+
+@pytest.mark.slow
+def test_a_study_of_the_stage(client: TestClient, folder: Path) -> None:
+    found = _job(client, "/api/simulation/run", experiment="stage-steps", models=["lugre"])["document"]
+    _compared(found, _command(folder, "simulate", "stage", "--study", "steps", "--no-figures", "--format", "none"))
 
 
 def test_simulation(client: TestClient, folder: Path) -> None:

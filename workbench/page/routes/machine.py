@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Request
@@ -11,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from workbench.api.sheets import cached_file, chosen_sheets, sheet_names
 from workbench.options import finite
 from workbench.page.machine_session import Changes, MachineSession
 
@@ -120,7 +120,7 @@ def differences(request: Request, other: str | None = None) -> list[dict[str, An
 def checks(request: Request) -> list[dict[str, Any]]:
     """Every check of the present design: the document of `stagecad check --json` without proposals evaluated."""
     session = session_of(request)
-    session.checks.update(session.design(), FULL)
+    session.checks.update(session.design().values, FULL)
     return finite([check.as_json() for check in session.checks.all_known().values()])
 
 
@@ -146,7 +146,7 @@ def solids(request: Request, body: SolidsBody) -> dict[str, Any]:
 def masses(request: Request, number: int) -> dict[str, Any]:
     """Take the masses of the solids of a finished job for the checks, if they are of the present design."""
     session, jobs = session_of(request), request.app.state.jobs
-    result, design = jobs.result(number), session.design()
+    result, design = jobs.result(number), session.design().values
     taken = result.get("digest") == design.digest
     if taken:
         moving, tip = (MassProperties.from_json(result[name]) for name in ("moving_body", "tip"))
@@ -157,18 +157,14 @@ def masses(request: Request, number: int) -> dict[str, Any]:
 @router.get("/sheets")
 def sheets(request: Request) -> dict[str, list[str]]:
     """Names of the sheets by subject."""
-    from drawings.artefacts.names import sheet_names
-
-    return {subject: list(names) for subject, names in sheet_names(session_of(request).design()).items()}
+    return sheet_names(session_of(request).design())
 
 
 @router.post("/drawings/{subject}")
 def drawings(request: Request, subject: str) -> dict[str, Any]:
     """Start the job that draws the sheets of a subject."""
-    from drawings.artefacts.names import chosen_sheets
-
     session, jobs = session_of(request), request.app.state.jobs
-    chosen_sheets((subject,), session.design())
+    chosen_sheets(session.design(), [subject])
     arguments = {**session.source(), "subject": subject}
     return jobs.submit("solids", "drawings", arguments, title="Drawing", subject=subject, replaces=True).as_json()
 
@@ -176,14 +172,10 @@ def drawings(request: Request, subject: str) -> dict[str, Any]:
 @router.get("/artefacts/{key}/{name}")
 def artefact(key: str, name: str) -> FileResponse:
     """A file of the cache of solids and drawings, by its key."""
-    from stagecad.solids.artefacts.store import ArtefactStore
-
     suffix = "." + name.rpartition(".")[2]
-    path = ArtefactStore().folder / "entries" / key / name
-    if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3}", name):
-        raise InputError(f"{key}/{name}: no file of the cache")
-    if suffix not in ARTEFACTS or not path.is_file():
-        raise InputError(f"{name}: no such file in the cache; make the solids again")
+    path = cached_file(key, name)
+    if suffix not in ARTEFACTS:
+        raise InputError(f"{name}: no mesh, and no sheet")
     return FileResponse(path, media_type=ARTEFACTS[suffix], headers=IMMUTABLE)
 
 

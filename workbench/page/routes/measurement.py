@@ -41,12 +41,10 @@ class PredictBody(Body):
 @router.get("/{name:path}/ladder")
 def ladder(request: Request, name: str) -> dict[str, Any]:
     """The rungs of an experiment, and whether its model was edited by hand since."""
-    from workbench.api.design import Design
     from workbench.api.growth import ladder as ladder_of
 
     project = project_of(request)
-    design = None if project.params is None else Design(project.params.resolve(), rules=False)
-    found = ladder_of(project.experiment(name), design)
+    found = ladder_of(project.experiment(name), project.stated_design())
     stated = found.experiment.stated
     return finite(
         {"rungs": found.to_json(), "edited": found.edited, "effects": list(stated.effects), "text": stated.text}

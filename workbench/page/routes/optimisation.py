@@ -8,6 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError
+from workbench.api.optimisation import marked_free, need_free
 from workbench.page.routes.machine import Body, Text, session_of
 
 router = APIRouter(prefix="/api/machine/optimize")
@@ -24,19 +25,16 @@ class OptimizeBody(Body):
 @router.get("")
 def free(request: Request) -> dict[str, str]:
     """Ranges `LOW:HIGH` and choices `A|B` of the parameters that the present file marks as free."""
-    return {e.key: e.free.replace("..", ":") for e in session_of(request).design().entries if e.free}
+    return marked_free(session_of(request).design())
 
 
 @router.post("")
 def optimize(request: Request, body: OptimizeBody) -> dict[str, Any]:
     """Start `stagecad optimize` on the present design."""
-    from designcalc.optimisation.space import free_parameters
-
     session, jobs = session_of(request), request.app.state.jobs
     for key, text in body.free.items():
         if "=" in key or not text.strip():
             raise InputError(f"{key}: a range LOW:HIGH is wanted, or choices A|B")
-    freed = [f"{key}={text}" for key, text in body.free.items()]
-    free_parameters(session.design(), freed)
-    arguments = {**session.source(), "freed": freed, "keep": body.keep, "budget": body.budget}
+    need_free(session.design(), body.free)
+    arguments = {**session.source(), "free": body.free, "keep": body.keep, "budget": body.budget}
     return jobs.submit("optimisation", "optimize", arguments, title="Optimize", replaces=True).as_json()

@@ -70,14 +70,14 @@ class SimulateBody(Body):
 @router.get("")
 def overview(request: Request) -> dict[str, Any]:
     """Experiments, friction models, and the parameters that they read."""
-    from sim.experiments.friction_models import MODELS, TITLES
+    from workbench.api.simulation import friction_models
 
-    design = request.app.state.machine.design()
+    design = request.app.state.machine.design().values
     tip = ("actuator.piezo_spacing", "actuator.tip_height", "actuator.stroke_amplitude", "actuator.phase")
     return finite(
         {
             "experiments": EXPERIMENTS,
-            "models": {model: TITLES[model] for model in MODELS},
+            "models": friction_models(),
             "parameters": {
                 name: [parameter_json(design.entry(key)) for key in keys]
                 for name, keys in (("body", BODY_KEYS), ("stage", STAGE_KEYS))
@@ -90,9 +90,9 @@ def overview(request: Request) -> dict[str, Any]:
 @router.post("/tip")
 def tip(body: TipBody) -> dict[str, Any]:
     """Path of the tip about its rest, with its half axes and tilt."""
-    from sim.experiments.tip import tip_ellipse
+    from workbench.api.simulation import tip_path
 
-    path = tip_ellipse(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
+    path = tip_path(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
     every = 2
     features = {name: {"value": value, "unit": unit} for name, (value, unit) in path.features().items()}
     return {"x": path.x[::every].tolist(), "y": path.y[::every].tolist(), "features": features}
@@ -101,14 +101,12 @@ def tip(body: TipBody) -> dict[str, Any]:
 @router.post("/run")
 def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     """Start an experiment; a waiting one is replaced."""
-    from sim.experiments.friction_models import MODELS
+    from workbench.api.simulation import chosen_models
 
     session, jobs = request.app.state.machine, request.app.state.jobs
     if body.experiment not in EXPERIMENTS:
         raise InputError(f"no experiment '{body.experiment}'{nearest(body.experiment, EXPERIMENTS)}")
-    for model in body.models:
-        if model not in MODELS:
-            raise InputError(f"no friction model '{model}'{nearest(model, MODELS)}")
+    chosen_models(body.models)
     changes = {**session.changes, **body.changes}
     session.design(changes)
     arguments = {**session.source(changes), "experiment": body.experiment, "models": body.models}

@@ -201,7 +201,7 @@ class Simulation {
     this.middle.classList.add('stack');
     this.linePlots(pick.y, places, columns, inkOf);
     this.phasePlot(phase, pick.phase, columns, inkOf);
-    this.showFeatures(found.document[found.experiment]);
+    this.showFeatures(Object.values(found.document)[0]);
   }
 
   async linePlots(names, places, columns, inkOf) {

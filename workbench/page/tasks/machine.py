@@ -1,88 +1,34 @@
-"""Jobs of the machine view: solids, drawings, optimisation."""
+"""Jobs of the machine view: solids and drawings."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
-from workbench.machine.design_source import DesignSource
+from workbench.api.design import Design, load_design
+from workbench.api.sheets import sheets as sheets_of
+from workbench.api.solids import solids as solids_of
 from workbench.page.job_process import Report
 
 
-def solids(text: str | None, name: str, overrides: list[str], folder: str, report: Report) -> dict[str, Any]:
-    """The parts and where they stand in the machine; the mesh of a part is in the cache under its key.
-
-    Frames are (3 x 4) rows of rotation and shift in mm, seated and in the exploded view.
-    """
-    from stagecad.solids.artefacts.part import build_parts
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.assembly.assemble import assemble
-    from stagecad.solids.assembly.machine import body_masses, part_mass
-    from stagecad.solids.modelling.registry import part_names
-
-    design = DesignSource(text, name, tuple(overrides)).design()
-    names = part_names(design)
-    count = 0
-
-    def advance(part: str) -> None:
-        nonlocal count
-        count += 1
-        report(part.replace("_", " "), count, len(names))
-
-    # This process keeps the CAD kernel loaded, and a crash of it ends the job alone.
-    parts = build_parts(ArtefactStore(), names, design, advance, isolate=False)
-    masses = body_masses(design)
-    found = {
-        part: {
-            "key": built.entry.key,
-            "material": built.material,
-            "description": built.description,
-            **part_mass(built, design).as_json(),
-            "reads": [path for path in built.entry.reads if "." in path],
-        }
-        for part, built in parts.items()
-    }
-    instances = [
-        {"name": one.name, "part": one.part, "frame": _rows(one.frame), "exploded": _rows(one.exploded)}
-        for one in assemble(parts, design)
-    ]
-    return {
-        "digest": design.digest,
-        "parts": found,
-        "instances": instances,
-        "moving_body": masses.moving.as_json(),
-        "tip": masses.tip.as_json(),
-    }
+def design_of(text: str | None, name: str, overrides: dict[str, str], rules: bool = True) -> Design:
+    """The design of the page: a parameter file by its text (None: the packaged one), and the changes made to it."""
+    return load_design(Path(name) if name else None, overrides, text, rules)
 
 
-def _rows(frame: Any) -> list[list[float]]:
-    return [[*row, shift] for row, shift in zip(frame.rotation, frame.shift)]
+def solids(text: str | None, name: str, overrides: dict[str, str], folder: str, report: Report) -> dict[str, Any]:
+    """The parts and where they stand in the machine; the mesh of a part is in the cache under its key."""
+    return solids_of(design_of(text, name, overrides), report).to_json()
 
 
 def drawings(
-    text: str | None, name: str, overrides: list[str], subject: str, folder: str, report: Report
+    text: str | None, name: str, overrides: dict[str, str], subject: str, folder: str, report: Report
 ) -> dict[str, Any]:
     """The sheets of one subject: a part, the assembly, or the procedure."""
-    from drawings.artefacts.names import chosen_sheets
-    from drawings.artefacts.tasks import build_all_sheets
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.machine.artefacts import procedure_values
-
-    design = DesignSource(text, name, tuple(overrides)).design()
-    wanted = chosen_sheets((subject,), design)
+    design = design_of(text, name, overrides)
     report("drawing", 0, 0)
-    made = build_all_sheets(ArtefactStore(), wanted, design, calculate=procedure_values)
-    sheets = [
-        {
-            "name": sheet.name,
-            "part": sheet.part,
-            "paper": sheet.paper,
-            "scale": sheet.scale,
-            "views": list(sheet.views),
-            "hits": list(sheet.hits),
-            "key": sheet.artefact.key,
-            "files": list(sheet.files),
-        }
-        for part in wanted
-        for sheet in made[part]
+    found = [
+        {"name": one.name, "key": one.key, "files": list(one.files)} | one.document
+        for one in sheets_of(design, [subject])
     ]
-    return {"subject": subject, "digest": design.digest, "sheets": sheets}
+    return {"subject": subject, "digest": design.values.digest, "sheets": found}

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from workbench.machine.design_source import DesignSource
+from workbench.api.optimisation import optimize as optimize_design
 from workbench.page.job_process import Report
-
-if TYPE_CHECKING:
-    from designcalc.optimisation.evaluation import Evaluator
-    from designcalc.optimisation.optimise import Outcome
+from workbench.page.tasks.machine import design_of
 
 MOST_POINTS = 2000
 """Designs of a Pareto figure."""
@@ -18,64 +15,33 @@ MOST_POINTS = 2000
 def optimize(
     text: str | None,
     name: str,
-    overrides: list[str],
-    freed: list[str],
+    overrides: dict[str, str],
+    free: dict[str, str],
     keep: list[str],
     budget: int,
     folder: str,
     report: Report,
 ) -> dict[str, Any]:
     """The document of `stagecad optimize --json`, the changes as the page makes them, and the Pareto fronts."""
-    from designcalc.optimisation.optimise import optimise, outcome_document, required_checks
-    from designcalc.optimisation.space import free_parameters
-    from stagecad.parameters.rules.registry import violations
-    from stagecad.solids.assembly.machine import body_masses
-    from workbench.machine.optimisation import evaluator_of, unverified, verified_checks
+    design = design_of(text, name, overrides, rules=False)
 
-    source = DesignSource(text, name, tuple(overrides))
-    design = source.design(rules=False)
-    chosen = {one.partition("=")[0].strip() for one in freed}
+    def tell(step: str, done: int, total: int) -> None:
+        report(f"{step}: {done} designs" if done else step, done, total)
+
     # What the file marks as free and the page does not is kept.
-    free = [one for one in free_parameters(design, freed) if one.key in chosen]
-    report("masses of the solids", 0, 0)
-    # A design that violates a rule may have no solids.
-    masses = None if violations(design) else body_masses(design)
-    evaluator = evaluator_of(source, free, masses)
-    step = ""
-
-    def tell(words: str) -> None:
-        nonlocal step
-        step = words
-        report(step, evaluator.count, 0)
-
-    required = required_checks(evaluator.checks, keep)
-    outcome = optimise(
-        evaluator, required, budget, tell=tell, progress=lambda count: report(f"{step}: {count} designs", count, 0)
-    )
-    after = None
-    if outcome.design is not None and outcome.changes:
-        report("masses of its own solids", 0, 0)
-        after = verified_checks(evaluator, outcome, masses is not None)
-    document = outcome_document(outcome, evaluator, after)
+    found = optimize_design(design, free, keep, only=True, budget=budget, progress=tell)
     return {
-        "digest": design.digest,
-        "document": document,
-        "required": len(outcome.required),
-        "unverified": unverified(outcome, after or []),
-        "changes": {change.key: change.after for change in outcome.changes},
-        "fronts": _fronts(evaluator, outcome),
+        "digest": design.values.digest,
+        "document": found.to_json(),
+        "required": len(found.outcome.required),
+        "unverified": found.unverified,
+        "changes": found.changes,
+        "fronts": [
+            {
+                "names": list(one.names),
+                "points": one.points[:: max(len(one.points) // MOST_POINTS, 1)].T.tolist(),
+                "front": one.front.T.tolist(),
+            }
+            for one in found.fronts
+        ],
     }
-
-
-def _fronts(evaluator: Evaluator, outcome: Outcome) -> list[dict[str, Any]]:
-    """Margins of the designs evaluated in the two first requirements of each conflict, in parts of the limit."""
-    from workbench.report.design_figures import margins_of, pareto_front
-
-    found = []
-    for conflict in outcome.conflicts:
-        if len(conflict.names) > 1:
-            points = margins_of(evaluator, conflict.names[:2])
-            front = pareto_front(points)
-            kept = points[:: max(len(points) // MOST_POINTS, 1)]
-            found.append({"names": list(conflict.names[:2]), "points": kept.T.tolist(), "front": front.T.tolist()})
-    return found
