@@ -132,7 +132,7 @@ def _need_writable(file: Path) -> None:
     """Refuse a file that cannot be written while nothing has been done yet, rather than after all the work."""
     above = next(folder for folder in file.absolute().parents if folder.exists())
     if file.is_dir():
-        raise InputError(f"--json {file}: is a folder; a file is wanted")
+        raise InputError(f"--json {file}: is a folder; a file is required")
     if not above.is_dir():
         raise InputError(f"--json {file}: {above} is a file, not a folder")
     if not os.access(file if file.exists() else above, os.W_OK):

@@ -160,7 +160,7 @@ class SupportedPlate:
 
         Args:
             count: of the modes; those of a free plate include its three rigid-body modes.
-            places: at which the shapes are wanted, m, shape (n, 2).
+            places: at which the shapes are required, m, shape (n, 2).
         """
         free, shapes = self._outline.free_modes
         kept = min(max(round(_KEPT_MODES * count), 60), free.size)

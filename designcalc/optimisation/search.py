@@ -70,7 +70,7 @@ def cma_es(function: Callable[[Array], float], start: Array, budget: int, seed: 
 
 
 class _FoundError(Exception):
-    """A satisfying design was found, and no better one is wanted."""
+    """A satisfying design was found, and no better one is sought."""
 
 
 def cobyla(function: Callable[[Array], float], start: Array, budget: int) -> None:

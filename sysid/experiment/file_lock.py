@@ -81,11 +81,11 @@ def _open(path: Path) -> int:
         handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
     except OSError as error:
         if error.errno == errno.ELOOP:
-            raise InputError(f"{path}: is a link; a lock file is wanted, so remove it") from None
+            raise InputError(f"{path}: is a link; a lock file is required, so remove it") from None
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
-        raise InputError(f"{path}: is no plain file; a lock file is wanted, so remove it")
+        raise InputError(f"{path}: is no plain file; a lock file is required, so remove it")
     return handle
 
 

@@ -55,7 +55,7 @@ def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
     """
     table.allow(kind.known)
     if "mass" in table.data and "inertia" in table.data:
-        raise InputError(f"{table.where()}: 'mass' and 'inertia' are both given; one of them is wanted")
+        raise InputError(f"{table.where()}: 'mass' and 'inertia' are both given; one of them is required")
     axes = []
     for key, value in table.data.items():
         declared = kind.known[key]

@@ -135,7 +135,7 @@ def _si_unit(channel: str, spec: RecordSpec, rig: RigKind, rotary: bool) -> str:
 def _check_rows(rows: int, name: str) -> None:
     if rows < MINIMUM_ROWS:
         word = "row" if rows == 1 else "rows"
-        raise InputError(f"{name}: has {rows} {word} of numbers; at least {MINIMUM_ROWS} are wanted")
+        raise InputError(f"{name}: has {rows} {word} of numbers; at least {MINIMUM_ROWS} are required")
     if rows > MOST_ROWS:
         raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read, so keep every n-th one")
 
@@ -248,7 +248,7 @@ def _window(
         counted = ", counted from its first row" if origin else ""
         raise InputError(
             f"{spec.where}: the window from {low:g} s to {high:g} s holds {kept.size} rows of {name}, which runs from "
-            f"{time[0]:g} s to {time[-1]:g} s{counted}; at least {MINIMUM_ROWS} are wanted"
+            f"{time[0]:g} s to {time[-1]:g} s{counted}; at least {MINIMUM_ROWS} are required"
         )
     notes.append(f"{kept.size} of {time.size} rows lie in the window")
     return kept, {channel: array[inside] for channel, array in values.items()}

@@ -219,7 +219,7 @@ def _value(
     value, where = table.data[key], table.where(key)
     units = parameter_units(parameter, effect, rig, rotary)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise InputError(f"{where}: {shown(value)} is {kind_of(value)}, a quantity is wanted, such as '1 {units[0]}'")
+        raise InputError(f"{where}: {shown(value)} is {kind_of(value)}, a quantity is required, such as '1 {units[0]}'")
     # A dimensionless number and an infinite bound may be written without a unit.
     bare = isinstance(value, int | float)
     if bare and (math.isinf(value) or same_dimension(units[0], "1")):

@@ -48,7 +48,7 @@ class TomlTable:
         self.name = name
         if not isinstance(data, dict):
             example = f"[{name}]" if " " not in name else "{...}" if "." in name else f"[[{name.partition(' ')[0]}]]"
-            raise InputError(f"{file}: {name}: {shown(data)} is {kind_of(data)}, a table is wanted: write {example}")
+            raise InputError(f"{file}: {name}: {shown(data)} is {kind_of(data)}, a table is required: write {example}")
         self.data: Mapping[str, Any] = data
 
     def where(self, key: str = "") -> str:
@@ -71,7 +71,7 @@ class TomlTable:
             return default
         value = self.data[key]
         if not isinstance(value, str):
-            raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, a text is wanted")
+            raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, a text is required")
         _check_printable(value, self.where(key))
         return value
 
@@ -86,17 +86,19 @@ class TomlTable:
         """The boolean under `key`; false if it is missing."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
-            raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, true or false is wanted")
+            raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, true or false is required")
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
         """The list of texts under `key`; empty if it is missing."""
         value = self.data.get(key, [])
         if not isinstance(value, list):
-            raise InputError(f'{self.where(key)}: {shown(value)} is {kind_of(value)}, a list is wanted: ["...", "..."]')
+            raise InputError(
+                f'{self.where(key)}: {shown(value)} is {kind_of(value)}, a list is required: ["...", "..."]'
+            )
         for item in value:
             if not isinstance(item, str):
-                raise InputError(f"{self.where(key)}: {shown(item)} is {kind_of(item)}, a text is wanted")
+                raise InputError(f"{self.where(key)}: {shown(item)} is {kind_of(item)}, a text is required")
             _check_printable(item, self.where(key))
         return tuple(value)
 
@@ -108,9 +110,11 @@ class TomlTable:
         """The array of tables under `key`, numbered from 1 in messages."""
         value = self.data.get(key, [])
         if isinstance(value, dict):
-            raise InputError(f"{self.where(key)}: one table, a list of tables is wanted: write [[{key}]], not [{key}]")
+            raise InputError(
+                f"{self.where(key)}: one table, a list of tables is required: write [[{key}]], not [{key}]"
+            )
         if not isinstance(value, list):
-            raise InputError(f"{self.where(key)}: {kind_of(value)}, a list of tables is wanted: write [[{key}]]")
+            raise InputError(f"{self.where(key)}: {kind_of(value)}, a list of tables is required: write [[{key}]]")
         return [TomlTable(self.file, f"{key} {number}", item) for number, item in enumerate(value, start=1)]
 
 
@@ -161,7 +165,7 @@ def quantity_text(table: TomlTable, key: str, unit: str) -> str:
             f"'{value} {unit}'" if isinstance(value, int | float) and not isinstance(value, bool) else f"'1 {unit}'"
         )
         raise InputError(
-            f"{table.where(key)}: {shown(value)} is {kind_of(value)}, a quantity with its unit is wanted, "
+            f"{table.where(key)}: {shown(value)} is {kind_of(value)}, a quantity with its unit is required, "
             f"such as {example}"
         )
     return value

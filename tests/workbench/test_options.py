@@ -48,7 +48,7 @@ def test_a_json_file_that_cannot_be_written_stops_a_command_before_it_does_anyth
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     (tmp_path / "is_folder.json").mkdir()
     for target, message in (
-        ("is_folder.json", "is_folder.json: is a folder; a file is wanted"),
+        ("is_folder.json", "is_folder.json: is a folder; a file is required"),
         ("rig/fit.csv/deeper/out.json", f"out.json: {folder / 'fit.csv'} is a file, not a folder"),
     ):
         assert cli.run(["add", str(folder), "stribeck", "--json", str(tmp_path / target)]) == 2

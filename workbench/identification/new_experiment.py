@@ -48,7 +48,7 @@ def free_experiment(folder: Path) -> Path:
     if target.exists():
         raise InputError(f"{target}: exists already; remove it first, or name another folder")
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; a folder is wanted")
+        raise InputError(f"{folder}: is a file; a folder is required")
     folder.mkdir(parents=True, exist_ok=True)
     return target
 

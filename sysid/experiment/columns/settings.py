@@ -98,7 +98,7 @@ def read_channel_settings(table: TomlTable, kind: RigKind) -> dict[str, tuple[Co
         _check_channel(table.where(), channel, kind)
         items = value if isinstance(value, list) else [value]
         if not items:
-            raise InputError(f"{table.where(channel)}: the list is empty; a column or a list of columns is wanted")
+            raise InputError(f"{table.where(channel)}: the list is empty; a column or a list of columns is required")
         settings[channel] = tuple(_setting(table, channel, item) for item in items)
         if len(items) > 1 and any(setting.stated is not None for setting in settings[channel]):
             raise InputError(f"{table.where(channel)}: columns are added; a value or a step of each row stands alone")
@@ -147,7 +147,7 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
         return ColumnSetting(column=_column_number(value, where), where=where)
     if not isinstance(value, dict):
         raise InputError(
-            f"{where}: {shown(value)} is {kind_of(value)}; a column's name, its number, or a table is wanted: "
+            f"{where}: {shown(value)} is {kind_of(value)}; a column's name, its number, or a table is required: "
             '{column = "NAME", unit = "A", scale = "0.113 N*m/A", sign = -1}'
         )
     inner = TomlTable(table.file, f"{table.name}.{channel}", value)
@@ -192,7 +192,7 @@ def _stated(table: TomlTable, channel: str) -> Stated | None:
         return Stated(table.text(key), key == "pitch")
     pulses = table.data[key]
     if isinstance(pulses, bool) or not isinstance(pulses, int | float) or not 0.0 < pulses < math.inf:
-        raise InputError(f"{table.where(key)}: {shown(pulses)} is not allowed; a number above zero is wanted")
+        raise InputError(f"{table.where(key)}: {shown(pulses)} is not allowed; a number above zero is required")
     return Stated(f"{2.0 * math.pi / pulses!r} rad", True)
 
 
@@ -204,7 +204,7 @@ def _column_number(value: int, where: str) -> int:
 
 def _sign(table: TomlTable, key: str, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int | float) or value not in (1, -1):
-        raise InputError(f"{table.where(key)}: {shown(value)} is not allowed; 1 or -1 is wanted")
+        raise InputError(f"{table.where(key)}: {shown(value)} is not allowed; 1 or -1 is required")
     return int(value)
 
 

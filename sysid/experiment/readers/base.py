@@ -79,11 +79,11 @@ class Reader(Protocol):
 def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
     """Refuse a path that is not a file with something in it; `suffixes` are those of record files."""
     if is_folder(path):
-        raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is wanted")
+        raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is required")
     try:
         found = path.stat()
         if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{shown_path(name)}: is no plain file; a CSV, Parquet or MAT file is wanted")
+            raise InputError(f"{shown_path(name)}: is no plain file; a CSV, Parquet or MAT file is required")
         if found.st_size > MOST_BYTES:
             raise InputError(
                 f"{shown_path(name)}: is larger than {MOST_BYTES / 1024**3:g} GB; split it, or keep every n-th row"
@@ -100,7 +100,7 @@ def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{shown_path(name)}: cannot be read: {reason}") from None
     if not start.strip():
-        raise InputError(f"{name}: the file is empty; one header row and at least two rows of numbers are wanted")
+        raise InputError(f"{name}: the file is empty; one header row and at least two rows of numbers are required")
 
 
 def file_sha256(path: Path) -> str:

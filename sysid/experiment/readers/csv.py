@@ -185,7 +185,7 @@ def _wrong_width(cells: Sequence[str], dialect: Dialect) -> str:
     whole = sum(re.fullmatch(r"-?\d+", cell) is not None for cell in cells)
     # A comma too many at the end of a row is no decimal comma.
     decimal = dialect.delimiter == "," and len(cells) > dialect.width and whole > 1 and cells[-1] != ""
-    hint = "; is the decimal sign a comma? a point is wanted where commas separate the columns" if decimal else ""
+    hint = "; is the decimal sign a comma? a point is required where commas separate the columns" if decimal else ""
     other = f"the header has {dialect.width}" if dialect.header_row else f"the others have {dialect.width}"
     return f"has {len(cells)} cell{'s' * (len(cells) != 1)}, {other}{hint}"
 
@@ -195,9 +195,9 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
     if value is not None and not math.isinf(value):
         return value
     problem = "is no number" if value is None else "is not finite"
-    hint = "; a number is wanted, or nothing for a gap"
+    hint = "; a number is required, or nothing for a gap"
     if re.fullmatch(r"-?\d+,\d+", cell) and dialect.decimal == ".":
-        hint = '; a point is wanted as decimal sign, or [format] decimal = ","'
+        hint = '; a point is required as decimal sign, or [format] decimal = ","'
     elif _STAMP.search(cell):
         hint = '; if it is a time stamp, name its form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
     elif value is None and not re.search(r"\d", cell):

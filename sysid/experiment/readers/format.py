@@ -103,5 +103,5 @@ def _row(table: TomlTable, key: str, absent: bool = False) -> int | None:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         wanted = "a row number from 1, or false if there is none," if absent else "a row number from 1"
         kind = f"{shown(value)} is {kind_of(value)}" if not isinstance(value, int) else f"{shown(value)} is not allowed"
-        raise InputError(f"{table.where(key)}: {kind}; {wanted} is wanted")
+        raise InputError(f"{table.where(key)}: {kind}; {wanted} is required")
     return value

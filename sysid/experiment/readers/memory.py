@@ -27,7 +27,7 @@ class MemoryTable:
         self.columns = {label: np.asarray(values) for label, values in columns.items()}
         sizes = {values.shape for values in self.columns.values()}
         if len(sizes) > 1 or any(len(shape) != 1 for shape in sizes):
-            raise InputError(f"{name}: its columns have the shapes {sorted(sizes)}; one length is wanted for all")
+            raise InputError(f"{name}: its columns have the shapes {sorted(sizes)}; one length is required for all")
 
     def __str__(self) -> str:
         return self.name
@@ -57,7 +57,7 @@ class MemoryReader:
             label = header.labels[index]
             values = cast(MemoryTable, path).columns[label]
             if values.dtype.kind not in "biuf":
-                raise InputError(f"{name}: column '{label}': holds {values.dtype}, numbers are wanted")
+                raise InputError(f"{name}: column '{label}': holds {values.dtype}, numbers are required")
             array = values.astype(float)
             check_finite(array, name, label)
             found.append(Column(array))

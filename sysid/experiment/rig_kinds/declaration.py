@@ -87,7 +87,7 @@ def declared_rig(top: TomlTable, name: str) -> RigKind:
     known = {key: _known(top.table("known"), key, defaults) for key in top.table("known").data}
     balance = _formulas(top.table("balance"), base.channels, own, known, base)
     if not balance:
-        raise InputError(f"{top.where('balance')}: is missing; a channel of {base.name} by a formula is wanted")
+        raise InputError(f"{top.where('balance')}: is missing; a channel of {base.name} by a formula is required")
     constants = _formulas(top.table("set"), base.known, {}, known, base)
     optional = {key.partition(".")[2] for key in defaults if key.startswith("channel.")}
     required = _required(balance, base, optional)

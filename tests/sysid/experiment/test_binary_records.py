@@ -64,7 +64,7 @@ def test_only_the_columns_asked_for_are_read(tmp_path: Path) -> None:
     assert opened.header.labels == ("time", "text", "force")
     found = [column.values for column in opened.columns([2, 0, 0])]
     assert np.array_equal(found, [-T, T, T])
-    with pytest.raises(InputError, match="column 'text': holds string, numbers are wanted"):
+    with pytest.raises(InputError, match="column 'text': holds string, numbers are required"):
         opened.columns([1])
 
 

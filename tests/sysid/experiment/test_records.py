@@ -138,7 +138,7 @@ def test_integers_in_parquet_are_numbers_and_texts_are_refused(tmp_path):
     write(np.arange(100))
     assert _load(tmp_path, 'file = "fit.parquet"')[0].channels["position"][3] == pytest.approx(3e-6)
     write([str(i) for i in range(100)])
-    with pytest.raises(InputError, match=r"column 'friction_force \[N\]': holds string, numbers are wanted"):
+    with pytest.raises(InputError, match=r"column 'friction_force \[N\]': holds string, numbers are required"):
         _load(tmp_path, 'file = "fit.parquet"')
 
 

@@ -45,7 +45,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
             found.append(_seconds(column, name, label))
             continue
         if not (pyarrow.types.is_integer(column.type) or pyarrow.types.is_floating(column.type)):
-            raise InputError(f"{name}: column '{label}': holds {column.type}, numbers are wanted")
+            raise InputError(f"{name}: column '{label}': holds {column.type}, numbers are required")
         values = to_numpy(column.cast(pyarrow.float64(), safe=False))
         check_finite(values, name, label)
         found.append(Column(values))
