@@ -276,7 +276,7 @@ class _Worker:
         self.pipe, other_end = context.Pipe()
         self._limit = pool.limit
         self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)
-        with _interrupts_blocked(pool.method), warnings.catch_warnings():
+        with interrupts_blocked(pool.method), warnings.catch_warnings():
             # Python 3.12 warns of forks with threads; threads alive during `fork_map` hold no lock that a worker needs.
             warnings.simplefilter("ignore", DeprecationWarning)
             with contextlib.nullcontext() if script else _script_left_out():
@@ -336,7 +336,7 @@ def _script_left_out() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _interrupts_blocked(method: str) -> Iterator[None]:
+def interrupts_blocked(method: str) -> Iterator[None]:
     """SIGINT is blocked until the end of the block, and permanently in processes started in it (inherited mask)."""
     if not hasattr(signal, "pthread_sigmask"):
         yield

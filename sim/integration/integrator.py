@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ from sim.integration.problem import (
 from sim.integration.right_hand_side import drive_at, friction_terms, rates_of_change
 from sim.integration.rodas5p import STAGES, STEP, dense_coefficients, evaluate
 from sim.numerics.compilation import INLINED
-from sim.numerics.views import Part, Zeros, over_views
+from sim.numerics.views import OverViews, Part, Zeros
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 REPORT_HEAD = 4
@@ -291,7 +292,7 @@ def _steps(memory):
         output.report[REPORT_HEAD + j] = work.y[j]
 
 
-_compiled_steps = over_views(_steps, SOURCES, INLINED["fastmath"], [LINEARISE, STEP, OUTPUTS])
+_compiled_steps = OverViews(_steps, SOURCES, INLINED["fastmath"], [LINEARISE, STEP, OUTPUTS])
 
 
 @functools.lru_cache(maxsize=64)
@@ -326,9 +327,24 @@ def _workspace(size: int, keeps_history: bool) -> Workspace:
     )
 
 
+def begin_compilation(arguments: Callable[[], tuple[Problem, Tolerance, Output]]) -> None:
+    """Let another process begin to compile the integrator where the disk lacks it.
+
+    Args:
+        arguments: gives those of `integrate` for any model, such as one without laws.
+    """
+    if not _compiled_steps.is_compiled:
+        problem, tolerance, output = arguments()
+        start = np.zeros(problem.layout.size)
+        _compiled_steps.begin_parts(problem, tolerance, output, _workspace_from(start, problem))
+
+
 def integrate(problem: Problem, start: np.ndarray, tolerance: Tolerance, output: Output) -> None:
     """Integrate from the first to the last instant of `output`; the report is [outcome, time, accepted steps, rejected
     attempts, *state]."""
+    _compiled_steps(problem, tolerance, output, _workspace_from(start, problem))
+
+
+def _workspace_from(start: np.ndarray, problem: Problem) -> Workspace:
     work = _workspace(problem.layout.size, problem.body.friction_delay > 0.0)
-    work = work._replace(y=start.copy(), initial_speed=abs(start[1]))
-    _compiled_steps(problem, tolerance, output, work)
+    return work._replace(y=start.copy(), initial_speed=abs(start[1]))

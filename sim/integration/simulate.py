@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from sim.effects.model import Model
 from sim.integration.drive import Drive
 from sim.integration.input_compression import force_at
 from stagecad.parameters.errors import InputError
+
+if TYPE_CHECKING:
+    from sim.integration.plan import Plan
+    from sim.integration.problem import Output, Problem, Tolerance
 
 
 class SimulationError(RuntimeError):
@@ -120,9 +124,9 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
         InputError: an argument out of range, or an effect that cannot be integrated.
         SimulationError: the step became too small, a law gave a number that is not finite, or too many steps.
     """
-    from sim.integration.integrator import DONE, REPORT_HEAD, integrate
+    from sim.integration.integrator import DONE, begin_compilation, integrate
     from sim.integration.plan import Surroundings, plan_of
-    from sim.integration.problem import WORKS, Output
+    from sim.integration.problem import WORKS
 
     chosen = Settings(**settings)
     t = np.ascontiguousarray(time, dtype=float)
@@ -131,22 +135,15 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
     table = np.column_stack(np.broadcast_arrays(np.atleast_1d(chosen.load), np.atleast_1d(chosen.temperature)))
     table = np.ascontiguousarray(table, dtype=float)
     surroundings = Surroundings(table, float(t[0]), float(t[-1] - t[0]) / max(table.shape[0] - 1, 1))
+    begin_compilation(lambda: _arguments(plan_of(Model((), ()), drive, chosen.mass, surroundings), t, chosen))
     given = plan_of(model, drive, chosen.mass, surroundings)
     plan = given.compressed(t[0], t[-1], chosen.tolerance)
-    memory_length = plan.memory_length if chosen.memory_length is None else chosen.memory_length
-    problem = plan.problem(memory_length, chosen.energy)
+    problem, tolerance, output = _arguments(plan, t, chosen)
     layout = problem.layout
     velocity = drive.initial_velocity if chosen.velocity is None else chosen.velocity
     start = plan.start(layout, chosen.position, velocity, chosen.bristle)
     if layout.head > 2:
         start[2], start[3] = chosen.travelled, chosen.contact_age
-    tolerance = plan.tolerance(layout, chosen.tolerance, chosen.longest_step, chosen.most_steps)
-    output = Output(
-        time=t,
-        states=np.empty((layout.size if chosen.forces or chosen.energy else 2, t.size)),
-        forces=np.empty((t.size if chosen.forces else 0, 4)),
-        report=np.zeros(REPORT_HEAD + layout.size),
-    )
     integrate(problem, start, tolerance, output)
     states, forces, report = output.states, output.forces, output.report
     if report[0] != DONE:
@@ -173,6 +170,23 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
         steps=int(report[2]),
         rejected=int(report[3]),
     )
+
+
+def _arguments(plan: Plan, t: np.ndarray, chosen: Settings) -> tuple[Problem, Tolerance, Output]:
+    """Of the integrator, without the initial state."""
+    from sim.integration.integrator import REPORT_HEAD
+    from sim.integration.problem import Output
+
+    problem = plan.problem(plan.memory_length if chosen.memory_length is None else chosen.memory_length, chosen.energy)
+    size = problem.layout.size
+    tolerance = plan.tolerance(problem.layout, chosen.tolerance, chosen.longest_step, chosen.most_steps)
+    output = Output(
+        time=t,
+        states=np.empty((size if chosen.forces or chosen.energy else 2, t.size)),
+        forces=np.empty((t.size if chosen.forces else 0, 4)),
+        report=np.zeros(REPORT_HEAD + size),
+    )
+    return problem, tolerance, output
 
 
 def _stored(model: Model, bristle: np.ndarray, level: np.ndarray) -> np.ndarray:

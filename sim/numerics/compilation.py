@@ -123,8 +123,18 @@ def compile_callback(function: Callable[..., Any], signature: Any, also: Iterabl
     """
     numba = _numba_parts()
     chosen = {"cache": True, "error_model": "numpy", "forceinline": True, **options}
-    with _caching_in(key_folder([function.__code__.co_filename, __file__, *also, *_called(function)])):
+    with _caching_in(_callback_folder(function, also)):
         return numba.cfunc(signature, **chosen)(function)
+
+
+def is_cached(function: Callable[..., Any], also: Iterable[str] = ()) -> bool:
+    """Whether the disk has what `compile_callback` made of a function, for some signature and processor."""
+    index = f"*.{function.__qualname__}-{function.__code__.co_firstlineno}.*.nbi"
+    return any(_callback_folder(function, also).glob(f"*/{index}"))
+
+
+def _callback_folder(function: Callable[..., Any], also: Iterable[str]) -> Path:
+    return key_folder([function.__code__.co_filename, __file__, *also, *_called(function)])
 
 
 @overload

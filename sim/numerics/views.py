@@ -15,6 +15,7 @@ import math
 import operator
 import struct
 from collections.abc import Callable, Iterable, Sequence
+from multiprocessing.process import BaseProcess
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,8 @@ from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
-from sim.numerics.compilation import compile_callback
+from sim.numerics.compilation import compile_callback, is_cached
+from stagecad.background import forked
 
 
 class View(types.Type):
@@ -133,6 +135,11 @@ class _Packed:
         self.length = 0
         self._add(arguments)
 
+    @property
+    def form(self) -> str:
+        """Kinds of all words, one after the other."""
+        return "".join(self.codes)
+
     def _add(self, value: Any) -> None:
         if isinstance(value, float):
             self.codes.append("d")
@@ -174,7 +181,7 @@ class Part:
     """A function compiled on its own, which others call by its address instead of containing it.
 
     numba optimises a function again in each one that calls it: a large one is better compiled once. `call` is for
-    compiled code: `call(address, memory, arguments)`, with an address that `over_views` adds to the arguments.
+    compiled code: `call(address, memory, arguments)`, with an address that `OverViews` adds to the arguments.
 
     Args:
         function: of the memory of the function that calls it, and of a tuple of further arguments; it returns a float.
@@ -194,57 +201,83 @@ class Part:
         return types.float64(types.int64, memory, self.arguments), generate
 
 
-def over_views(
-    function: Callable[[Any], None],
-    also: Iterable[str] = (),
-    fastmath: Iterable[str] = (),
-    parts: Sequence[Part] = (),
-) -> Callable[..., None]:
-    """Compile a function that receives its arguments in memory, the arrays among them as views, cached on disk.
-
-    Args:
-        function: of one argument `memory`, where `memory[0]` is the tuple of the arguments; it returns nothing.
-        also: further source files that it depends on.
-        fastmath: numba's.
-        parts: that it calls; a tuple of their addresses follows the arguments in memory.
-
-    Returns:
-        A function of these arguments: floats, integers, arrays in C order of float64 or int64, `Zeros`, (named) tuples
-        of these, the same ones in each call. It is compiled when it is first called with a combination of kinds and
-        numbers of dimensions. Other threads run meanwhile.
-
-    Raises:
-        TypeError: an argument of another kind.
-    """
-    files, options = [__file__, *also], {"forceinline": False, "fastmath": set(fastmath), "_nrt": False}
-    ready: dict[str, _Ready] = {}
-
-    def compiled(arguments: tuple[Any, ...]) -> _Ready:
-        memory = types.CPointer(_kind((*arguments, (0,) * len(parts)) if parts else arguments))
-        made = [compile_callback(p.function, types.float64(memory, p.arguments), files, **options) for p in parts]
-        main = compile_callback(function, types.void(memory), files, **options)
-        call = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(main.address)
-        return _Ready(call, [one.address for one in made], (main, made))
-
-    def call(*arguments: Any) -> None:
-        packed = _Packed(arguments)
-        zeros = np.zeros(packed.length)
-        begin = zeros.ctypes.data
-        for at, offset in packed.zeros:
-            packed.words[at] = begin + 8 * offset
-        form = "".join(packed.codes)
-        if form not in ready:
-            ready[form] = compiled(arguments)
-        found = ready[form]
-        words = struct.pack("=" + form.replace("P", "Q") + "q" * len(parts), *packed.words, *found.parts)
-        found.call(words)
-
-    return call
-
-
 class _Ready(NamedTuple):
     """A compiled function, the addresses of its parts, and what owns both."""
 
     call: Callable[[bytes], None]
     parts: list[int]
     owners: Any
+
+
+class OverViews:
+    """A function that is compiled to receive its arguments in memory, the arrays among them as views, cached on disk.
+
+    Args:
+        function: of one argument `memory`, where `memory[0]` is the tuple of the arguments; it returns nothing.
+        also: further source files that it depends on.
+        fastmath: numba's.
+        parts: that it calls; a tuple of their addresses follows the arguments in memory.
+    """
+
+    def __init__(
+        self,
+        function: Callable[[Any], None],
+        also: Iterable[str] = (),
+        fastmath: Iterable[str] = (),
+        parts: Sequence[Part] = (),
+    ) -> None:
+        self._function, self._parts, self._files = function, parts, [__file__, *also]
+        self._options = {"forceinline": False, "fastmath": set(fastmath), "_nrt": False}
+        self._ready: dict[str, _Ready] = {}
+        self._other_process: BaseProcess | None = None
+
+    def __call__(self, *arguments: Any) -> None:
+        """Call the function with floats, integers, arrays in C order of float64 or int64, `Zeros`, (named) tuples of
+        these, the same ones in each call. It is compiled when it is first called with a combination of kinds and
+        numbers of dimensions. Other threads run meanwhile.
+
+        Raises:
+            TypeError: an argument of another kind.
+        """
+        packed = _Packed(arguments)
+        zeros = np.zeros(packed.length)
+        begin = zeros.ctypes.data
+        for at, offset in packed.zeros:
+            packed.words[at] = begin + 8 * offset
+        form = packed.form
+        if form not in self._ready:
+            self._ready[form] = self._compiled(arguments)
+        found = self._ready[form]
+        words = struct.pack("=" + form.replace("P", "Q") + "q" * len(self._parts), *packed.words, *found.parts)
+        found.call(words)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether it has been called, so that it is compiled for the arguments of that call at least."""
+        return bool(self._ready)
+
+    def begin_parts(self, *arguments: Any) -> None:
+        """Let another process begin to compile the parts that the disk lacks, for a call with such arguments to come.
+
+        This process compiles the function itself meanwhile, and what else it needs.
+        """
+        if self._other_process is not None or all(is_cached(part.function, self._files) for part in self._parts):
+            return
+        memory = self._memory(arguments)
+        self._other_process = forked(lambda: [self._compiled_part(part, memory) for part in self._parts])
+
+    def _memory(self, arguments: tuple[Any, ...]) -> Any:
+        return types.CPointer(_kind((*arguments, (0,) * len(self._parts)) if self._parts else arguments))
+
+    def _compiled_part(self, part: Part, memory: Any) -> Any:
+        signature_of_part = types.float64(memory, part.arguments)
+        return compile_callback(part.function, signature_of_part, self._files, **self._options)
+
+    def _compiled(self, arguments: tuple[Any, ...]) -> _Ready:
+        memory = self._memory(arguments)
+        main = compile_callback(self._function, types.void(memory), self._files, **self._options)
+        if self._other_process is not None:
+            self._other_process.join()
+        made = [self._compiled_part(part, memory) for part in self._parts]
+        call = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(main.address)
+        return _Ready(call, [one.address for one in made], (main, made))

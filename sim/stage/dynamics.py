@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.numerics.compilation import INLINED, compile_function
-from sim.numerics.views import over_views
+from sim.numerics.views import OverViews
 from sim.stage import bending, slip_elements
 from sim.stage import state as state_module
 from sim.stage.state import Constants, State
@@ -373,7 +373,7 @@ def _advance(memory):
     s.clock[0] += commands.shape[0] * h
 
 
-_compiled_advance = over_views(_advance, [state_module.__file__])
+_compiled_advance = OverViews(_advance, [state_module.__file__])
 
 
 def advance(constants: Constants, state: State, commands: np.ndarray, rows: np.ndarray, stride: int) -> None:

@@ -11,9 +11,10 @@ import pytest
 
 from sim.effects.catalogue import find
 from sim.effects.model import compose
-from sim.integration import drive, kernels
+from sim.integration import drive, integrator, kernels
 from sim.integration.drive import Drive
 from sim.integration.simulate import SimulationError, simulate
+from sim.numerics import views
 from stagecad.parameters.errors import InputError
 
 NO_FORCE = drive.force([0.0, 1.0], [0.0, 0.0])
@@ -247,3 +248,22 @@ def test_a_load_that_varies_is_followed():
     assert run.level == pytest.approx(load / 10.0, abs=1e-12)
     steady = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=10.0, bristle=[1.0])
     assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "effects", [["lugre_causal", "stribeck"], ["coulomb", "backlash", "drive_lag", "flexible_mode"]]
+)
+def test_what_is_compiled_before_the_laws_are_laid_out_is_what_the_model_needs(effects, monkeypatch):
+    kinds = []
+    monkeypatch.setattr(integrator, "begin_compilation", lambda arguments: kinds.append(views._kind(arguments())))
+    integrate = integrator.integrate
+
+    def noted(problem, start, tolerance, output):
+        kinds.append(views._kind((problem, tolerance, output)))
+        integrate(problem, start, tolerance, output)
+
+    monkeypatch.setattr(integrator, "integrate", noted)
+    pull = drive.pulled_spring([0.0, 1.0], [0.0, 1e-3], 1000.0)
+    for settings in ({}, {"energy": True, "forces": False}):
+        simulate(compose(effects), pull, np.linspace(0.0, 0.01, 3), **settings)
+    assert len(kinds) == 4 and len(set(kinds)) == 1

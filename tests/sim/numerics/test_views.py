@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from sim.numerics.views import Part, Zeros, over_views
+from sim.numerics import views
+from sim.numerics.views import OverViews, Part, Zeros
 
 
 class Inner(NamedTuple):
@@ -42,7 +43,7 @@ def _arguments():
 
 
 def test_entries_rows_and_shapes_are_those_of_the_arrays():
-    compiled = over_views(_work)
+    compiled = OverViews(_work)
     outer, shift = _arguments()
     block = outer.block.copy()
     compiled(outer, shift)
@@ -53,7 +54,7 @@ def test_entries_rows_and_shapes_are_those_of_the_arrays():
 
 
 def test_numbers_of_numpy_are_numbers_and_another_size_needs_no_other_kernel():
-    compiled = over_views(_work)
+    compiled = OverViews(_work)
     outer, shift = _arguments()
     compiled(outer, shift)
     longer = Outer(np.float64(2.0), Inner(np.int64(3), np.zeros(3)), np.ones((3, 2)), np.ones((3, 2, 3)), np.array([0]))
@@ -68,7 +69,7 @@ def test_numbers_of_numpy_are_numbers_and_another_size_needs_no_other_kernel():
 def test_what_compiled_code_would_misread_is_refused(wrong):
     outer, shift = _arguments()
     with pytest.raises(TypeError, match="must be"):
-        over_views(_work)(outer._replace(matrix=wrong), shift)
+        OverViews(_work)(outer._replace(matrix=wrong), shift)
 
 
 class Spare(NamedTuple):
@@ -92,7 +93,7 @@ def _fill(memory):
 
 
 def test_arrays_of_zeros_are_zero_in_each_call_and_do_not_overlap():
-    compiled = over_views(_fill)
+    compiled = OverViews(_fill)
     for _ in range(2):
         out = np.zeros(2)
         compiled(out, Spare(Zeros((2, 2)), Zeros((3,)), Zeros((4,), int)))
@@ -123,5 +124,22 @@ def _by_parts(memory):
 
 def test_a_part_works_on_the_same_memory_with_arguments_of_its_own():
     vector = np.array([0.0, 1.0, 2.0])
-    over_views(_by_parts, parts=[WEIGHTED])(vector)
+    OverViews(_by_parts, parts=[WEIGHTED])(vector)
     assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0]
+
+
+def test_parts_compiled_by_another_process_are_found_on_the_disk(monkeypatch):
+    calls = []
+
+    def here(function):
+        calls.append(function())
+
+    monkeypatch.setattr(views, "forked", here)
+    monkeypatch.setattr(views, "is_cached", lambda *_: bool(calls))
+    begun = OverViews(_by_parts, parts=[WEIGHTED])
+    for _ in range(2):
+        begun.begin_parts(np.zeros(3))
+    assert len(calls) == 1 and not begun.is_compiled
+    vector = np.array([0.0, 1.0, 2.0])
+    begun(vector)
+    assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0] and begun.is_compiled
