@@ -69,18 +69,12 @@ class JointStiffness:
     flange_compression: Array
     flange_shear: Array
     thread_shear: Array
-    bed_shear: Array
     bolt: Array
 
     @property
     def joint_per_diameter(self) -> Array:
         """Cb/Db: flange, thread and bolt in series, Pa."""
         return 1 / (1 / self.flange_compression + 1 / self.flange_shear + 1 / self.thread_shear + 1 / self.bolt)
-
-    @property
-    def total_per_diameter(self) -> Array:
-        """The same with the shear of the bed as a fifth spring, Pa (the spreadsheet's column 'Total', times E)."""
-        return 1 / (1 / self.joint_per_diameter + 1 / self.bed_shear)
 
 
 def joint_stiffness(rail: Rail, flange_ratio: ArrayLike) -> JointStiffness:
@@ -107,7 +101,6 @@ def joint_stiffness(rail: Rail, flange_ratio: ArrayLike) -> JointStiffness:
         flange_compression=rail.rail_modulus * np.pi / np.log(5 * (0.5 + 2 * tau) / (2.5 + 2 * tau)),
         flange_shear=rail.rail_modulus * flange_shear * tau,
         thread_shear=rail.bed_modulus * thread_shear * np.ones_like(tau),
-        bed_shear=rail.bed_modulus * thread_shear * np.ones_like(tau),
         bolt=rail.bolt_modulus * (np.pi / 4) / (tau + 0.75),
     )
 

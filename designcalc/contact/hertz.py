@@ -262,11 +262,6 @@ def line_contact(
     )
 
 
-def point_energy(contact: PointContact) -> Array:
-    """Elastic energy of the contact, ``U = 2/5 F delta`` (J), the integral of F ~ delta^1.5."""
-    return 0.4 * contact.load * contact.approach
-
-
 def load_at_pressure(
     pressure: ArrayLike,
     radius_1: ArrayLike,

@@ -121,11 +121,6 @@ def _one_cell(
     return TeethField(*(float(v) for v in fine), error=error)
 
 
-def flat_field(gap: float) -> TeethField:
-    """The limit without grooves: ``W = mu0/(2 e)`` per unit area and squared potential, K_z = mu0/e^3, K_x = 0."""
-    return TeethField(MU_0 / (2 * gap), 0.0, MU_0 / (2 * gap**2), 0.0, MU_0 / gap**3, 0.0)
-
-
 def ratio_map(width_ratios: Array, gap_ratios: Array, depth_ratio: float = 0.5) -> tuple[Array, Array, Array]:
     """K_x/K_z over tooth width and gap, both over the pitch.
 

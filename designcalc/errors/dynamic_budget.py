@@ -83,10 +83,6 @@ class PositionLoop:
         """``1/(1 + L)``: error over a disturbance of the position."""
         return 1 / (1 + self.open_loop(frequency))
 
-    def noise_response(self, frequency: Array) -> Response:
-        """``-L/(1 + L)``: position over noise before the sensor's filter."""
-        return self.sensitivity(frequency) - 1
-
     def stable(self) -> bool:
         """By Nyquist's criterion: the open loop, whose only unstable pole is its integrator, does not encircle -1."""
         f = np.geomspace(1e-4 * self.crossover, 0.5 * self.sample_rate, 4001)

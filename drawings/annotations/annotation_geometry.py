@@ -6,7 +6,7 @@ The writers draw them, and the layout takes the boxes of their texts and lines f
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from drawings.annotations.annotation import (
     AngularDimension,
@@ -128,11 +128,6 @@ def text_box(text: Text) -> Box2:
     start = {"left": 0.0, "middle": -width / 2, "right": -width}[text.alignment]
     u = _direction(text.angle)
     return bounding_box([_offset(text.at, u, x, y) for x in (start, start + width) for y in (0.0, text.height)])
-
-
-def text_boxes(primitives: Iterable[Primitive]) -> list[Box2]:
-    """Bounding boxes of the texts among primitives."""
-    return [text_box(primitive) for primitive in primitives if isinstance(primitive, Text)]
 
 
 def readable(angle: float) -> float:

@@ -226,11 +226,6 @@ class Derived:
         return self.design.height_pin_1.stroke / 2 * self.design.height_pin_1.slope
 
     @property
-    def height_per_turn(self) -> float:
-        """Height gained by one turn of the set screw."""
-        return self.design.set_screw.pitch * self.design.height_pin_1.slope
-
-    @property
     def piezo_circle(self) -> float:
         """Radius of the circle through the three piezos: R = D / sqrt(3)."""
         return self.design.actuator.piezo_spacing / math.sqrt(3.0)

@@ -66,12 +66,6 @@ class Datum:
         if abs(sum(a * b for a, b in zip(self.normal, self.x_direction))) > 1e-9:
             raise ValueError(f"datum '{self.name}': normal and x direction are not at right angles")
 
-    @property
-    def y_direction(self) -> Point:
-        """Third axis of the right-handed frame (x direction, y direction, normal)."""
-        (a, b, c), (u, v, w) = self.normal, self.x_direction
-        return (b * w - c * v, c * u - a * w, a * v - b * u)
-
 
 @dataclass(frozen=True)
 class Dimension:

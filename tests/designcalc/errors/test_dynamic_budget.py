@@ -33,7 +33,7 @@ def test_rms_of_white_noise_is_that_of_the_lyapunov_equation(which):
     column = (noise if which == "sensor" else tip)[:, None]
     covariance = solve_continuous_lyapunov(matrix, -(density**2 / 2) * column @ column.T)
     f = db.frequencies(1e-3, 1e6, [(LOOP.resonance, LOOP.damping)], [])
-    path = LOOP.noise_response(f) if which == "sensor" else LOOP.plant(f) * LOOP.sensitivity(f)
+    path = LOOP.sensitivity(f) - 1 if which == "sensor" else LOOP.plant(f) * LOOP.sensitivity(f)
     row = db.Disturbance("noise", "test", density * np.abs(path))
     found = db.DynamicBudget("x", f, (row,))
     assert found.rms(row) == pytest.approx(np.sqrt(covariance[0, 0]), rel=2e-3)

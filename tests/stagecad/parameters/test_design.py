@@ -46,7 +46,6 @@ def test_the_heights_of_the_machine(thesis: Design) -> None:
     assert derived.tip_apex == pytest.approx(27.4)
     assert derived.piezo_plane == pytest.approx(7.4)
     assert derived.holder_bottom == pytest.approx(-34.6)
-    assert derived.height_per_turn == pytest.approx(0.15875)
     assert 2 * derived.height_adjustment == pytest.approx(1.0)
     assert thesis.piezo.length + thesis.holder.floor - thesis.holder.height == pytest.approx(5.4)
     assert derived.piezo_circle == pytest.approx(26.56, abs=0.005)

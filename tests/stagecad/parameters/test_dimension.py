@@ -9,11 +9,6 @@ import pytest
 from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance
 
 
-def test_a_datum_is_a_right_handed_frame() -> None:
-    datum = Datum("seat", (1.0, 2.0, 3.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0))
-    assert datum.y_direction == (0.0, -1.0, 0.0)
-
-
 @pytest.mark.parametrize(
     ("normal", "x_direction"),
     [((0.0, 0.0, 2.0), (1.0, 0.0, 0.0)), ((0.0, 0.0, 1.0), (0.0, 0.6, 0.8)), ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))],
