@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, MutableMapping
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-"""What the libraries read as they are loaded."""
+"""Environment variables that the libraries read as they are loaded."""
 
 
 def use_one_thread(environment: MutableMapping[str, str]) -> None:

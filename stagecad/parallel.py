@@ -236,7 +236,7 @@ class _Pool:
         return replace(task, lost=True)
 
     def apply(self, item: Any, late: bool) -> bytes:
-        """In a worker: pickled whether it succeeded, and the result or the exception; empty if that does not pickle."""
+        """Outcome of an item, pickled in the worker: success, and the result or exception; empty if it does not pickle."""
         function = self.limit.fallback if late and self.limit and self.limit.fallback else self.function
         try:
             answer = True, function(item)
@@ -290,7 +290,7 @@ class _Worker:
             self.pipe.send((item, task.late))
 
     def answer(self) -> bytes | None:
-        """Of `_Pool.apply`; None if the process ended."""
+        """Outcome of `_Pool.apply`; None if the process ended."""
         try:
             return self.pipe.recv_bytes()
         except (EOFError, OSError):

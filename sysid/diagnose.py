@@ -90,7 +90,7 @@ class Diagnosis:
 
     @property
     def reason(self) -> str:
-        """Of the verdict, in words."""
+        """Reason of the verdict as text."""
         return self.decision.reason
 
 

@@ -115,12 +115,12 @@ class SupportedPlate:
 
     @cached_property
     def _stiffness(self) -> csc_array:
-        """Of the plate on its springs, N/m."""
+        """Stiffness matrix of the plate on its springs, N/m."""
         return self.plate.rigidity * self._outline.stiffness + low_rank(self._spring_rows, self._outline.size)
 
     @cached_property
     def _mass(self) -> csc_array:
-        """Of plate and masses, kg."""
+        """Mass matrix of plate and masses, kg."""
         return self._area_density * self._outline.mass + low_rank(self._mass_rows, self._outline.size)
 
     def compliance(self, loads: ArrayLike, responses: ArrayLike | None = None) -> Array:

@@ -104,7 +104,7 @@ class Outline:
 
     @cached_property
     def _factors(self) -> SuperLU:
-        """Of the plate on the springs at its corners."""
+        """Factors of the stiffness matrix of the plate on springs at its corners."""
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
 

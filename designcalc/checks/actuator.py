@@ -127,7 +127,7 @@ def current(r: DesignInputs) -> Check:
 
 
 def tension(r: DesignInputs) -> Check:
-    """At the frequency of the required speed, as heat and current."""
+    """Tension at the frequency of the required speed, like heat and current."""
     f, spacing = speed_frequency(r), r("actuator.piezo_spacing")
     _, Y = usable_ellipse(r)
     swing = float(stack_tension(mass_on_piezos(r), inertia_on_piezos(r), f, Y, tilt_amplitude(r), spacing))

@@ -61,7 +61,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 
 def _air_stiffness(r: DesignInputs) -> float:
-    """Of one pad at its catalogue point, worked out from its load there, N/m."""
+    """Stiffness of one pad at its catalogue point, from its load there, N/m."""
     gap, load = r("candidates.air_bearing.gap"), r("candidates.air_bearing.load")
     diameter, supply = r("candidates.air_bearing.diameter"), r("candidates.air_bearing.supply")
     return float(stiffness_of_gap(gap, gap, load, diameter, supply))

@@ -35,7 +35,7 @@ class Change:
 
     @property
     def override(self) -> str:
-        """As for `--set`."""
+        """The change as `--set` takes it."""
         return f"{self.key}={self.text}"
 
 

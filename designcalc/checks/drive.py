@@ -189,7 +189,7 @@ def _stop_room(r: DesignInputs) -> float:
 
 
 def stopping(r: DesignInputs) -> Check:
-    """With the drive off the stage runs at full speed into its end stops; without them only the pads brake it."""
+    """Without drive the stage meets its end stops at full speed; without end stops only the pads brake it."""
     energy, brake = 0.5 * moved_mass(r) * r("requirements.speed") ** 2, r("bearing.dynamic_friction") * load(r)
     spring = r("end_stop.count") * r("end_stop.stiffness")
     alone = energy / brake

@@ -71,7 +71,7 @@ def stability(r: DesignInputs, sensor: str) -> Check:
 
 
 def settling(r: DesignInputs) -> Check:
-    """From the end of the drive: the plate rings down, then the loop takes up what the lean of the tip reaches."""
+    """Time from the end of the drive: ring-down of the plate, then the controller over the range of the tip's lean."""
     held, loop, along = held_plate(r), position_loop(r, PROBE), suspension(r)
     force, smooth, resolution = tip_load(r), r("requirements.smoothness"), r("requirements.resolution_coarse")
     rings = held.ring_down(force, smooth)

@@ -29,7 +29,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 
 def _alternative_base(r: DesignInputs) -> tuple[str, str]:
-    """Of Invar 36 and SUS416, the one that the base is not made of: key and name."""
+    """Key and name of the other material of Invar 36 and SUS416, of which the base is not made."""
     return ("invar_36", "Invar 36") if r.design.value("base.material") == "sus416" else ("sus416", "SUS416")
 
 

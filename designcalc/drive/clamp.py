@@ -88,7 +88,7 @@ class ClampFinger:
         return 1 / (bending + ends)
 
     def _thickness(self, x: Array | float) -> Array:
-        """Of the neck at a distance from its middle, between the relief hole and the pocket, m."""
+        """Thickness of the neck at a distance x from its middle, between the relief hole and the pocket, m."""
         return _notch_thickness(x, self.neck, self.relief_radius, self.pocket_radius)
 
     @property
@@ -176,7 +176,7 @@ class ClampFinger:
 
 
 def _notch_thickness(x: Array | float, neck: float, r: float, R: float) -> Array:
-    """Of the material between two circles of radii r and R, `neck` apart, at a distance x from its middle, m."""
+    """Thickness between two circles of radii r and R, `neck` apart, at a distance x from the middle of the neck, m."""
     return np.asarray(neck + r - np.sqrt(r**2 - np.square(x)) + R - np.sqrt(R**2 - np.square(x)))
 
 

@@ -59,7 +59,7 @@ class MagnetSection:
 
     @property
     def iron_width(self) -> float:
-        """Of one iron: its teeth at their pitch, m."""
+        """Width of one iron, the number of its teeth times their pitch, m."""
         return self.teeth * self.pitch
 
 

@@ -127,7 +127,7 @@ def tilt_stress(angle: ArrayLike, length: ArrayLike, area: ArrayLike, modulus: A
 
 
 def rocking_stiffness(stack_stiffness: ArrayLike, piezo_spacing: ArrayLike) -> Array:
-    """Of the tip about the axis across the travel, on two stacks D apart: ``k D^2/2``, N m/rad."""
+    """Stiffness of the tip about the axis across the travel, on two stacks D apart: ``k D^2/2``, N m/rad."""
     k, D = np.asarray(stack_stiffness, float), np.asarray(piezo_spacing, float)
     _require(np.all(k > 0) and np.all(D > 0), "stiffness and spacing")
     return k * D**2 / 2

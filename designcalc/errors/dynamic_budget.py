@@ -84,7 +84,7 @@ class PositionLoop:
         return 1 / (1 + self.open_loop(frequency))
 
     def stable(self) -> bool:
-        """By Nyquist's criterion: the open loop, whose only unstable pole is its integrator, does not encircle -1."""
+        """Nyquist's criterion: the open loop, whose only unstable pole is its integrator, does not encircle -1."""
         f = np.geomspace(1e-4 * self.crossover, 0.5 * self.sample_rate, 4001)
         f = np.unique(np.append(f, self.resonance * (1 + self.damping * np.linspace(-8, 8, 801))))
         f = f[(f > 0) & (f <= 0.5 * self.sample_rate)]

@@ -41,7 +41,7 @@ from designcalc.machine.tip_dynamics import PIEZOS, stack_stiffness, usable_elli
 Array = NDArray[np.float64]
 
 MODES = 20
-"""Of the plate on its springs, up to some 4 kHz."""
+"""Number of modes of the plate on its springs, up to some 4 kHz."""
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,9 @@ def held_plate(r: DesignInputs) -> HeldPlate:
 
 
 DRIVEN_MODES = 40
-"""Of the plate on its pads; for a plate of this size they reach beyond 10 kHz."""
+"""Number of modes of the plate on its pads; for a plate of this size they reach beyond 10 kHz."""
 HARMONICS = 3
-"""Of the pulses, which the stage hardly follows beyond."""
+"""Number of harmonics of the pulses; the stage hardly follows higher ones."""
 PHASES = 256
 """Instants of a period at which the vibration is evaluated."""
 

@@ -21,7 +21,7 @@ from designcalc.machine.pads import pad_positions, pad_spring_stiffness
 Array = NDArray[np.float64]
 
 TIP: Place = (0.0, 0.0)
-"""Where the tip acts with the stage in the middle of its travel, m."""
+"""Point at which the tip acts with the stage in the middle of its travel, m."""
 
 
 def payload_feet(r: DesignInputs) -> list[Place]:
@@ -73,7 +73,7 @@ def give_at_tip(r: DesignInputs) -> float:
 
 
 def give_of_pads_at_tip(r: DesignInputs) -> float:
-    """That of a rigid stage on its pads, m/N."""
+    """Compliance above the tip of a rigid stage on its pads, m/N."""
     rows = np.column_stack([np.ones(len(pad_positions(r))), pad_positions(r)])
     at = np.array([1.0, *TIP])
     return float(at @ np.linalg.solve(rows.T @ (pad_spring_stiffness(r)[:, None] * rows), at))
@@ -101,7 +101,7 @@ def modal_damping(r: DesignInputs, frequency: Array, at_pads: Array) -> Array:
 
 
 RIGID_MODES = 3
-"""Of a free plate: heave, roll, pitch."""
+"""Number of rigid modes of a free plate: heave, roll, pitch."""
 
 
 TIP_PLACES = 5

@@ -20,7 +20,7 @@ from designcalc.machine.loads import tip_load
 from designcalc.machine.tip_contact import contact_stiffness
 
 PIEZOS = 3
-"""Under one tip."""
+"""Number of piezos under one tip."""
 
 
 def stack_stiffness(r: DesignInputs) -> float:

@@ -109,7 +109,7 @@ class Evaluator:
     most: int | None = None
     """Number of evaluations beyond which `OutOfBudgetError` is raised."""
     deadline: float | None = None
-    """The same for the time, on the clock `time.monotonic`."""
+    """Time on the clock `time.monotonic` beyond which it is raised."""
 
     def __post_init__(self) -> None:
         self.base: Design = self.variations.design

@@ -44,7 +44,7 @@ from drawings.views.view import Arc, Box2, Point2, View
 ARROW = 3.0
 """Length of an arrow head, mm; its width is a third of it."""
 GAP = 1.0
-"""From the part to the start of an extension line, and from a dimension line to its text, mm."""
+"""Gap between the part and the start of an extension line, and between a dimension line and its text, mm."""
 BEYOND = 2.0
 """Length of an extension line past the dimension line, mm."""
 TAIL = 5.0

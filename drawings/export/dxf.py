@@ -49,7 +49,7 @@ DESCRIPTIONS: dict[LineType, str] = {
 MILLIMETRES = 4
 """Unit of the drawing, as DXF numbers it."""
 MARGIN = 2.0
-"""From the primitives of a scale to the edge of their viewport, mm on paper."""
+"""Margin between the primitives of a scale and the edge of their viewport, mm on paper."""
 
 
 def dxf_document(drawing: DrawingModel) -> Drawing:

@@ -26,12 +26,12 @@ _ALIGNMENTS = {
     "right": TextEntityAlignment.RIGHT,
 }
 _DECIMALS = 9
-"""Of lengths in model space, mm: the noise of scaling to paper and back is left out."""
+"""Decimals of lengths in model space, mm: rounding errors of scaling to paper and back are removed."""
 
 
 @dataclass(frozen=True)
 class ModelMapping:
-    """From the paper to model space: (x, y) is at ((x + shift) / scale, y / scale)."""
+    """Mapping from paper to model space: (x, y) is at ((x + shift) / scale, y / scale)."""
 
     scale: float = 1.0
     shift: float = 0.0

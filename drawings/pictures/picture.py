@@ -18,7 +18,7 @@ TOP, SECTION, SIDE_SECTION = "top", "section A-A", "section B-B"
 EXPLODED, FROM_BELOW = "exploded", "from below"
 """Names of the machine's pictures, and of their views."""
 SCALE = 0.5
-"""Of the views of the whole machine."""
+"""Scale of the views of the whole machine."""
 CHORD = 0.015
 """Greatest distance of a polyline of these views from its curve, mm on the paper."""
 

@@ -42,15 +42,15 @@ FIRST, PITCH = 10.0, 8.0
 LEVEL_COST, EXTENSION_COST = 5.0, 0.3
 """Cost of each level of dimension lines, mm, and of extension lines per mm."""
 INSIDE_COST, INSIDE_STEP, INSIDE_SPAN_COST = 14.0, 6.0, 0.12
-"""Of a dimension line within the outline: cost, cost and distance of each further one, mm; cost per mm of length."""
+"""Cost of a dimension line within the outline, mm; cost and distance of each further one, mm; cost per mm of length."""
 THROUGH_COST, THROUGH_MOST = 0.25, 6.0
 """Cost of an extension line within the outline, mm per mm, and its greatest value, mm."""
 ACROSS_COST, ACROSS_SPAN_COST = 14.0, 0.3
-"""Of a dimension line across the feature, without extension lines: cost, mm, and cost per mm of its length."""
+"""Cost of a dimension line across the feature, without extension lines, mm, and cost per mm of its length."""
 OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
-"""Of a text off the middle of its dimension line: cost at the end of the line, mm, and cost per mm off the middle."""
+"""Cost of a text at the end of its dimension line instead of in the middle, mm, and cost per mm off the middle."""
 BESIDE_COST, BESIDE_DISTANCE_COST = 0.5, 0.25
-"""Of a text outside its dimension line: cost, mm, and cost per mm away from it."""
+"""Cost of a text outside its dimension line, mm, and cost per mm away from it."""
 LEADER_COST = 0.4
 """Cost of a leader per mm."""
 OBLIQUE_COST = 0.05

@@ -15,7 +15,7 @@ from drawings.placement.vectors import between, direction, dot, plus, view_point
 from drawings.views.view import Point2, View
 
 FRAME_LEADER_COST, FRAME_SHIFT_COST, OFF_CENTRE_COST = 0.5, 0.3, 2.0
-"""Of a control frame or datum symbol: cost of its leader per mm, of its shift along the face per mm, and of a leader
+"""Costs of a control frame or datum symbol: of its leader per mm, of its shift along the face per mm, and of a leader
 at the end of the face instead of at its middle, mm."""
 FRAME_CLEARANCE = 1.3
 """Distance of a control frame from the end of the dimension line that it continues, mm."""

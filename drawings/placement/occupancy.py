@@ -48,7 +48,7 @@ OUTLINE: tuple[Layer, ...] = ("VISIBLE", "HIDDEN")
 LEADER_TIP = 0.3
 """Half side of the box about the tip of a leader in which a line of the part must lie, mm."""
 CALLOUT_TIP = 0.5
-"""The same for a callout, which may end between the two lines of a chamfer, mm."""
+"""Half side of that box for a callout, which may end between the two lines of a chamfer, mm."""
 SELF_CLEARANCE, TEXT_CLEARANCE, LINE_CLEARANCE = 0.2, 1.2, 0.4
 """Clearance of a text from the lines of its own annotation, from everything else, and of a line from a text, mm."""
 FRAME_REACH = 1.0

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 SIZES: tuple[Paper, ...] = ("A1", "A0")
 """Sizes of the paper, the smallest on which the exploded view fits beside the other views."""
 HEADINGS: tuple[str, ...] = ("Item", "Qty", "Part", "Number", "Material", "Mass each")
-"""Of the columns of the parts list."""
+"""Headings of the columns of the parts list."""
 ROW = 6.5
 """Height of its rows, mm."""
 CELL = 3.0

@@ -23,7 +23,7 @@ PAPERS: dict[Paper, tuple[float, float]] = {
 """Trimmed sizes, mm: width, height."""
 
 FILING_MARGIN, MARGIN = 20.0, 10.0
-"""From the trimmed edge to the frame: on the left, and elsewhere, mm."""
+"""Distance of the frame from the trimmed edge: on the left, and elsewhere, mm."""
 BORDER = 5.0
 """Width of the border that carries the zones, mm."""
 ZONE = 50.0

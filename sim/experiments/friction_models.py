@@ -12,7 +12,7 @@ MODELS = ("lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run")
 """Canudas et al.; 'no bristle damping'; 'modified dynamics' as derived; the same as its listings ran it (a1 = 0)."""
 
 MOST_STEPS = 3_000_000
-"""Of one simulation: some seconds; far above what the experiments need unless a parameter makes the contact hard."""
+"""Largest number of steps of a simulation (some seconds); the experiments need far fewer unless a contact is stiff."""
 
 TITLES = {
     "lugre": "LuGre (Canudas et al.)",

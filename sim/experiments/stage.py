@@ -87,7 +87,7 @@ STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = dict(
         strict=True,
     )
 )
-"""By name, in the order of a run."""
+"""Studies by name, in the order of a run."""
 
 
 def run_serially(function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:

@@ -18,7 +18,7 @@ from sim.library.time_domain import AddedOscillator, Backlash, DelayedSpeed, Fir
 from stagecad.parameters.errors import InputError
 
 SCALE = 1e-3
-"""Of position and velocity: an error is kept below tolerance times (scale + value), m and m/s."""
+"""Scale of position and velocity, m and m/s: an error is kept below tolerance times (scale + value)."""
 
 
 @dataclass(frozen=True)

@@ -173,7 +173,7 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
 
 
 def _arguments(plan: Plan, t: np.ndarray, chosen: Settings) -> tuple[Problem, Tolerance, Output]:
-    """Of the integrator, without the initial state."""
+    """Arguments of the integrator, without the initial state."""
     from sim.integration.integrator import REPORT_HEAD
     from sim.integration.problem import Output
 

@@ -62,7 +62,7 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
 
 
 def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
-    """The same for an input that is held from each row to the next, as a converter holds a voltage."""
+    """`resonance` of an input that is held from each row to the next, as a converter holds a voltage."""
     return _resonance(signal, step, 0.0, True, _transition(step, frequency, damping))
 
 

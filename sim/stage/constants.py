@@ -15,9 +15,9 @@ from sim.stage.statics import Rest, contact_depth, preload_places
 from stagecad.parameters.errors import InputError
 
 STEP = 1e-6
-"""s. The quickest mode of the packaged design, the tip on its piezos and the contact, has some 12 kHz."""
+"""s. The fastest mode of the packaged design, the tip on its piezos and the contact, has some 12 kHz."""
 STEPS_A_CYCLE = 40
-"""At least so many steps in a period of the quickest mode."""
+"""Least number of steps in a period of the fastest mode."""
 
 
 def quickest_mode(machine: StageMachine) -> float:

@@ -22,7 +22,7 @@ GUESS = 1.8
 SETTLED = 0.01
 """A speed is steady when it changes by less than this part of X f in a fifth of the run."""
 PIECES = 10
-"""In the shortest run; before each the stage is set back, so that it stays near mid-travel."""
+"""Pieces of the shortest run; before each the stage is set back, so that it stays near mid-travel."""
 LOOKED_AT = (1, 2, 4, 8)
 """Shortest runs after which it is checked whether the speed is steady: the fifths grow, and what comes and goes
 averages out."""

@@ -34,7 +34,7 @@ class Bending:
 
     @property
     def spacing(self) -> np.ndarray:
-        """Of the nodes along x and y, m, shape (2,)."""
+        """Spacing of the nodes along x and y, m, shape (2,)."""
         return -2.0 * self.corner / (np.array(self.shapes.shape[:0:-1]) - 1.0)
 
     def at(self, places: np.ndarray) -> np.ndarray:

@@ -48,7 +48,7 @@ class StageRun:
 
     @property
     def velocity(self) -> np.ndarray:
-        """Of the centre of mass and turns, m/s and rad/s, shape (n, 6)."""
+        """Velocity of the centre of mass, m/s, and angular velocity, rad/s, shape (n, 6)."""
         return self.rows[:, 7:13]
 
     @property
@@ -59,11 +59,11 @@ class StageRun:
         return {name: self.rows[:, 13 + i] for i, name in enumerate(names)}
 
     def apex(self, actuator: int) -> np.ndarray:
-        """Of a tip from mid-stroke, m, shape (n, 3)."""
+        """Displacement of the apex of a tip from mid-stroke, m, shape (n, 3)."""
         return self._actuator(actuator)[:, 0:3]
 
     def tip_force(self, actuator: int) -> np.ndarray:
-        """Of a tip on the stage, N, shape (n, 3)."""
+        """Force of a tip on the stage, N, shape (n, 3)."""
         return self._actuator(actuator)[:, 3:6]
 
     def tip_impulse(self, actuator: int) -> np.ndarray:
@@ -71,7 +71,7 @@ class StageRun:
         return self._actuator(actuator)[:, 6:9]
 
     def contact_time(self, actuator: int) -> np.ndarray:
-        """How long the tip has touched so far, s."""
+        """Time for which the tip has been in contact so far, s."""
         return self._actuator(actuator)[:, 9]
 
     def voltage(self, actuator: int) -> np.ndarray:
@@ -79,11 +79,11 @@ class StageRun:
         return self._actuator(actuator)[:, 10:13]
 
     def pad_force(self, pad: int) -> np.ndarray:
-        """Of a pad on the stage, N, shape (n, 3)."""
+        """Force of a pad on the stage, N, shape (n, 3)."""
         return self._pad(pad)[:, 0:3]
 
     def lifted_time(self, pad: int) -> np.ndarray:
-        """How long the pad has been off its way so far, s."""
+        """Time for which the pad has been off its way so far, s."""
         return self._pad(pad)[:, 3]
 
     def mean_tip_load(self, start: float, end: float) -> float:
@@ -93,7 +93,7 @@ class StageRun:
         return gained / float(np.diff(self.time[ends])[0])
 
     def mean_velocity(self, start: float, end: float) -> np.ndarray:
-        """Of the middle of the drive surface between two times, m/s, m/s, rad/s, shape (3,)."""
+        """Mean velocity of the middle of the drive surface between two times, m/s, m/s, rad/s, shape (3,)."""
         ends = [int(np.argmin(np.abs(self.time - t))) for t in (start, end)]
         return np.diff(self.position[ends], axis=0)[0] / float(np.diff(self.time[ends])[0])
 

@@ -121,7 +121,7 @@ def rest_at(
 
 
 def preload_places(machine: StageMachine) -> np.ndarray:
-    """Where the magnets pull, (x, y) from the middle of the stage, m, (n, 2)."""
+    """Points at which the magnets pull, (x, y) from the middle of the stage, m, (n, 2)."""
     irons = np.asarray(machine.stage.guide_places, dtype=float).reshape(-1, 2)
     return irons if len(irons) else np.zeros((1, 2))
 

@@ -176,7 +176,7 @@ COMPUTED: dict[str, Formula] = {
         "piezo.blocking_force / piezo.stroke", lambda d: d.piezo.blocking_force / d.piezo.stroke
     ),
 }
-"""By key, in the order of computation."""
+"""Computed parameters by key, in the order of computation."""
 
 
 def corners(along: float, across: float) -> list[Place]:
@@ -222,7 +222,7 @@ class Derived:
 
     @property
     def height_adjustment(self) -> float:
-        """How far the tip can be raised or lowered from the middle: half the wedge pin's stroke times its slope."""
+        """Range of the height of the tip to either side of the middle: half the wedge pin's stroke times its slope."""
         return self.design.height_pin_1.stroke / 2 * self.design.height_pin_1.slope
 
     @property
@@ -303,7 +303,7 @@ class Derived:
 
     @property
     def way_screw_end_margin(self) -> float:
-        """From the last screw of a way to the way's end."""
+        """Distance of the last screw of a way from the end of the way."""
         way = self.design.bearing_way
         return (way.length - (way.bolt_count - 1) * way.bolt_spacing) / 2
 
@@ -335,7 +335,7 @@ class Derived:
 
     @property
     def interferometer_front(self) -> float:
-        """From the back of a stop bar to the front of the interferometer, along the travel."""
+        """Distance from the back of a stop bar to the front of the interferometer, along the travel."""
         optics = self.design.interferometer
         return self.design.sensor_bracket.optics - (optics.length - optics.screw_spacing) / 2
 

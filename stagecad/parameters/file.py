@@ -116,7 +116,7 @@ def _packaged() -> ParameterFile:
 
 
 def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> ParameterFile:
-    """As `read_parameter_file`, from text.
+    """Like `read_parameter_file`, from text.
 
     Args:
         text: of the file.

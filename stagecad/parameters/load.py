@@ -48,17 +48,17 @@ def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *
 def design_from_text(
     text: str, name: str, overrides: Sequence[str] = (), *, rules: bool = True, folder: Path | None = None
 ) -> Design:
-    """As `load_design`, from the text of a parameter file; `name` and `folder` as of `parse_parameter_text`."""
+    """Like `load_design`, from the text of a parameter file; `name` and `folder` as in `parse_parameter_text`."""
     return _design(parse_parameter_text(text, name, folder), overrides, rules)
 
 
 def load_variations(path: str | Path | None = None, overrides: Sequence[str] = ()) -> Variations:
-    """As `load_design` without rules: the design, and quick changes of its values."""
+    """Like `load_design` without rules: the design, and fast changes of its values."""
     return Variations(_source(read_parameter_file(path), overrides))
 
 
 def variations_from_text(text: str, name: str, overrides: Sequence[str] = (), folder: Path | None = None) -> Variations:
-    """As `load_variations`, from the text of a parameter file."""
+    """Like `load_variations`, from the text of a parameter file."""
     return Variations(_source(parse_parameter_text(text, name, folder), overrides))
 
 

@@ -15,7 +15,7 @@ Matrix = tuple[Vector, Vector, Vector]
 
 @dataclass(frozen=True)
 class MassProperties:
-    """Of a part, or of several taken together.
+    """Mass properties of a part, or of several parts together.
 
     Args:
         volume: m^3.
@@ -56,7 +56,7 @@ class MassProperties:
         return rows  # type: ignore[return-value]
 
     def as_json(self) -> dict[str, Any]:
-        """As in the document of `stagecad parts`: every number a quantity in SI."""
+        """The entry in the document of `stagecad parts`: every number a quantity in SI."""
         return {
             "volume": {"value": self.volume, "unit": "m^3"},
             "mass": {"value": self.mass, "unit": "kg"},

@@ -49,7 +49,7 @@ REFITTED = 10
 """Candidates refitted in full, in the order of the screening. The others keep their screening fit."""
 
 IN_FULL = 3
-"""Of those, candidates refitted to the whole of long records; the others keep the fit to their beginnings."""
+"""Number of these candidates refitted to the whole of long records; the others keep the fit to their beginnings."""
 
 PAIRS_REFITTED = 6
 """Pairs refitted, in the order of the joint score."""

@@ -182,7 +182,7 @@ class _Iterate:
     exact: bool
 
     def measured(self, problem: _Problem) -> _Iterate:
-        """The same point with the Jacobian by differences."""
+        """This point with the Jacobian by differences."""
         columns = jacobian(problem.function, self.point, self.residual, problem.unknowns)
         return _Iterate(self.point, self.residual, columns, True)
 

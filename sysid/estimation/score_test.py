@@ -29,7 +29,7 @@ KEPT_SCORES = 6
 """Best grid points of an effect that are kept as starting points of its refit."""
 
 IN_PAIRS = 2
-"""Of those, the ones that enter the joint test of two effects and keep their columns for it."""
+"""Number of these that enter the joint test of two effects and keep their columns for it."""
 
 EVERY_ROW = slice(None)
 

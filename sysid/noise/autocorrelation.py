@@ -31,8 +31,9 @@ QUANTILE, NORMAL_QUANTILE = 0.35, 0.453762
 the signal changes fast do not contribute."""
 
 HIGH, NORMAL_HIGH, TAIL = 0.85, 1.439531, 1.2
-"""The same of a high quantile. V from it exceeds V from the low one by less than the factor `TAIL`, beside its
-statistical error, where the differences consist of noise: what a signal contributes is concentrated in time."""
+"""A high quantile, and the same of a standard normal variable. V from it exceeds V from the low one by less than the
+factor `TAIL`, beside its statistical error, where the differences consist of noise: the contribution of a signal is
+concentrated in time."""
 
 CORRELATIONS = (0.0, *np.exp(-1.0 / 2.0 ** np.arange(-1.0, 9.01, 0.25)).tolist())
 

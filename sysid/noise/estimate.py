@@ -86,7 +86,7 @@ class Noise:
 
     @property
     def autocorrelation(self) -> float:
-        """At a lag of one sample."""
+        """Autocorrelation at a lag of one sample."""
         return (1.0 - self.spectrum.white) * self.spectrum.correlation
 
     def to_json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What no smooth function of the recorded motion explains in a channel.
+"""Residual of a channel after regression on smooth functions of the recorded motion.
 
 A measured force is regressed on hat functions of every other recorded channel, of its rate and of the rate's rate,
 separately for each direction of motion and at rest: the forces of a machine without memory, with any law, and its

@@ -201,7 +201,7 @@ class Model:
         return frozenset(f"{e.name}.{p.name}" for e in self.effects for p in e.parameters if not p.reported)
 
     def at(self, values: Mapping[str, float]) -> Model:
-        """The same model with other values, which are also where its next fit begins."""
+        """This model with other values, which are also the start of its next fit."""
         merged = {**self.values, **values}
         return replace(self, values=merged, unknowns=tuple(replace(u, start=merged[u.key]) for u in self.unknowns))
 

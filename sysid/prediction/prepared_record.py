@@ -1,4 +1,4 @@
-"""What all prepared records have in common."""
+"""Common properties of all prepared records."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class Problem:
 
     @property
     def rig(self) -> RigModel:
-        """What differs between the kinds of rig."""
+        """Model of the kind of rig."""
         return RIG_MODELS[self.kind]
 
     @property

@@ -1,4 +1,4 @@
-"""What differs between the kinds of rig, behind one interface: `sysid/prediction/rig_models.py` has the kinds."""
+"""Interface of a kind of rig: preparation, prediction, simulation; `sysid/prediction/rig_models.py` has the kinds."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ class RigModel(ABC):
         return model
 
     def without_motion(self, scales: Scales) -> str:
-        """What is wrong with records in which nothing moves; empty if something does."""
+        """Error of records in which nothing moves; empty if something moves."""
         return "nothing moves; give a record of motion" if scales.position == 0.0 or scales.velocity == 0.0 else ""
 
     def simulate(self, rig: Rig, record: Record, effects: Effects, values: Values, start: Start | None) -> Channels:

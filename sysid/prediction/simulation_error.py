@@ -55,7 +55,7 @@ class SimulationMisfit(NamedTuple):
 
 
 Errors = dict[str, dict[str, SimulationMisfit]]
-"""By set of records (`fit`, `validate`) and channel."""
+"""Errors by set of records (`fit`, `validate`) and channel."""
 
 
 @dataclass(frozen=True)

@@ -162,4 +162,4 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
         _suspensions,
     ),
 }
-"""By the name they are called with."""
+"""Calculators by their name in `stagecad calc`."""

@@ -342,4 +342,4 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
         _probe,
     ),
 }
-"""By the name they are called with."""
+"""Calculators by their name in `stagecad calc`."""

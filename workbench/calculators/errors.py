@@ -114,4 +114,4 @@ ERROR_CALCULATORS: dict[str, Calculator] = {
     ),
     "budget": Calculator("Error budgets at the payload, each contribution named, the largest first.", {}, _budget),
 }
-"""By the name they are called with."""
+"""Calculators by their name in `stagecad calc`."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from designcalc.machine.inputs import DesignInputs
 
 ALL = {**CALCULATORS, **DRIVE_CALCULATORS, **BEARING_CALCULATORS, **ERROR_CALCULATORS}
-"""By the name they are called with."""
+"""All calculators by their name."""
 
 
 def _epilog() -> str:

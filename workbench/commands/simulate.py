@@ -47,7 +47,7 @@ class Options:
 
     @property
     def formats(self) -> tuple[str, ...]:
-        """Of the data files."""
+        """Formats of the data files."""
         return {"both": ("csv", "parquet"), "none": ()}.get(self.kinds, (self.kinds,))
 
 

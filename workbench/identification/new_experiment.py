@@ -54,7 +54,7 @@ def free_experiment(folder: Path) -> Path:
 
 
 def questions(proposal: ExperimentProposal) -> list[str]:
-    """What the user should decide, one line each."""
+    """Questions that the user should decide, one line each."""
     asked = [f"rig.kind = '{proposal.kind}': {proposal.question}"] if proposal.question else []
     for column in proposal.columns:
         if column.question and column.channel is not None:

@@ -84,7 +84,7 @@ def noise_text(problem: Problem) -> str:
 
 
 def comparison_statement(found: Comparison) -> str:
-    """How far the model is above the noise, and on which coordinates its residual depends."""
+    """The error of the model over the noise, and the coordinates on which its residual depends."""
     if is_adequate(found):
         most = worst_over_noise(found.fit, found.validate)
         return f"The error is {over_noise_text(most)} the noise: the residual is at the noise level."
@@ -150,7 +150,7 @@ def _curve_text(curve: FreeCurve) -> str:
 
 
 def next_step_statement(found: Diagnosis) -> str:
-    """What the user can do where more is missing than the effect named, or nothing is named; else empty."""
+    """Possible next steps where more is missing than the effect named, or nothing is named; else empty."""
     folder = found.problem.experiment.folder
     if found.best is not None and found.unexplained_share > NEGLIGIBLE_SHARE:
         return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."

@@ -75,7 +75,7 @@ def interval_text(quantity: Row) -> str:
 
 
 def identifiability_text(quantity: Row) -> str:
-    """Why a fitted value is uncertain; empty where the records determine it."""
+    """Reason why a fitted value is uncertain; empty where the records determine it."""
     if quantity.get("at_bound"):
         return "at its bound"
     low, high = quantity.get("low"), quantity.get("high")

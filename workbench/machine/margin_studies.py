@@ -29,7 +29,7 @@ def evaluated_checks(run: Run, masses: BodyMasses | None) -> list[Check]:
 
 
 def evaluated(source: DesignSource, design: Design, masses: BodyMasses | None) -> list[Check]:
-    """As `evaluated_checks`, of the design that `source` gives."""
+    """Like `evaluated_checks`, for the design that `source` gives."""
     from designcalc.checks import run_checks
     from designcalc.checks.analysis.proposals import evaluate_proposals
 

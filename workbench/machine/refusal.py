@@ -1,4 +1,4 @@
-"""What to do about a design that the rules accept, and of which the CAD kernel makes no valid solid."""
+"""Advice for a design that the rules accept, but of which the CAD kernel makes no valid solid."""
 
 from __future__ import annotations
 

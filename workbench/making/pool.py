@@ -48,7 +48,7 @@ def absent(making: Making) -> list[str]:
 
 
 def _kind(task: str) -> str:
-    """By the libraries that a task loads, which take a second each."""
+    """Kind of a task by the libraries that it loads; loading them takes a second each."""
     return "with the CAD kernel" if needs_kernel(task) else "without it"
 
 

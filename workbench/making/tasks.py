@@ -86,7 +86,7 @@ class _StoreAsItIs(ArtefactStore):
 
 @dataclass(frozen=True)
 class Making:
-    """What is made; sent to the processes.
+    """Description of what is made, sent to the processes.
 
     Attributes:
         folder: of the store.

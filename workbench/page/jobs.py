@@ -27,7 +27,7 @@ from workbench.page.job_process import serve
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 LANES = ("solids", "optimisation", "identification", "simulation")
 SCHEMA = 1
-"""Of the results; those of another version of the program are not shown."""
+"""Schema of the results; those of another version of the program are not shown."""
 KEPT = 60
 """Finished jobs that are kept."""
 KEPT_PASSING = 3

@@ -9,7 +9,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 
 SMALL = "small.png"
 WIDTH = 900
-"""Of the small picture, pixels."""
+"""Width of the small picture, pixels."""
 
 
 def reduced_sheet(store: ArtefactStore, design: Any, path: Path, content: str) -> Artefact:

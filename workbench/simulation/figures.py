@@ -174,4 +174,4 @@ FIGURES: dict[str, Callable[..., list[Path]]] = {
     "stick-slip": draw_stick_slip,
     "passivity": draw_passivity,
 }
-"""By experiment."""
+"""Functions that draw the figures, by experiment."""

@@ -24,7 +24,7 @@ MOST_BARS = 40
 
 @styled
 def draw_study(folder: Path, study: Study) -> list[Path]:
-    """For each experiment with curves their bands; for each experiment the distribution of its features."""
+    """Draw the bands of the curves of each experiment, and the distribution of its features."""
     written = []
     for name in dict.fromkeys(path[0] for path in study.distributions):
         paths = [path for path in study.nominal.curves if path[0] == name]

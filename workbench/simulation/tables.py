@@ -14,7 +14,7 @@ from stagecad.parameters.atomic import atomic_path
 Columns = dict[str, np.ndarray]
 
 ROWS = 20_001
-"""At most so many rows a table: 1 kHz over the 20 s of a stick-slip run."""
+"""Largest number of rows of a table: 1 kHz over the 20 s of a stick-slip run."""
 
 
 def simulation_columns(run: Simulation, force: str, end: float | None = None, rows: int = ROWS) -> Columns:

@@ -14,7 +14,7 @@ from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.parameters.rules.registry import violations
 
 _NAMED = 2
-"""Of the checks that a change makes fail, so many are named."""
+"""Largest number of checks that are named among those that a change makes fail."""
 
 
 def evaluate_proposals(

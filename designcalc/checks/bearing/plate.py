@@ -16,7 +16,7 @@ from stagecad.parameters.design import Design
 
 _PLATE = "Kirchhoff plate on its pads by finite elements (Zienkiewicz, Taylor, section 11.3)"
 _TIP_SHARE = 0.1
-"""Of the largest motion above the tip among the modes; with less, the tip hardly excites a mode."""
+"""Part of the largest motion above the tip among the modes, below which the tip hardly excites a mode."""
 
 
 def checks(design: Design) -> list[CheckFunction]:

@@ -227,7 +227,7 @@ def bolt_dimple(r: DesignInputs) -> Check:
 
 
 def warp(r: DesignInputs) -> Check:
-    """Under the pads the row of screws causes waves of its pitch."""
+    """The row of screws causes waves of its pitch in the running face under the pads."""
     way, force = rail(r), screw_preload(r, "way")
     pitch = r("bearing_way.bolt_spacing")
     line = r("base.way_gap") / 2 + r("bearing_way.width") - r("bearing_way.bolt_edge")

@@ -19,7 +19,7 @@ from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 
 DURATION = 0.1
 HEIGHT = 0.5
-"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height: no pad lifts at
+"""Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height: no pad lifts at
 mid-travel."""
 
 

@@ -16,7 +16,7 @@ from sim.stage.waveforms import Ellipse, two_piezo_ellipse
 
 PHASES = tuple(math.radians(degrees) for degrees in (30, 50, 70, 90, 110, 130, 150))
 HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
+"""Heights of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ class HoldingLoop:
 
     @property
     def output_unit(self) -> str:
-        """Of the loop's output."""
+        """Unit of the output of the loop."""
         return "m" if self.moves == "lean" else "1"
 
 

@@ -20,12 +20,12 @@ from sim.stage.waveforms import Ellipse, scaled_to, two_piezo_ellipse
 DIRECTIONS = tuple(math.radians(degrees) for degrees in range(0, 360, 30))
 DURATION = 0.06
 HEIGHT = -0.45
-"""Of each apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
+"""Height of each apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 IN_STEP = (0.0, 0.0, 0.0)
 IN_THIRDS = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
 """Phases of the three actuators' turns."""
 WITHIN_CURRENT = 0.8
-"""Of the frequency up to which the amplifier follows a sine of the full stroke."""
+"""Part of the frequency up to which the amplifier follows a sine of the full stroke."""
 
 
 @dataclass(frozen=True)

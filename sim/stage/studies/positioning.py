@@ -28,7 +28,7 @@ from sim.stage.waveforms import two_piezo_ellipse, volts_for
 
 TARGET = 0.5e-3
 COARSE_HEIGHT = 0.5
-"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
+"""Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DECELERATION = 0.15
 """m/s^2, of the desired speed; a tenth of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
@@ -91,7 +91,7 @@ class Positioning:
         return self.run.position[:, 0] + self.by_floor - self.target
 
     def within(self, limit: float, mean_time: float = 0.0) -> float | None:
-        """From when on the true error stays within a limit (m), s; None when it does not.
+        """Time from which the true error stays within a limit (m), s; None if it does not.
 
         Args:
             limit: m.

@@ -18,7 +18,7 @@ from sim.stage.waveforms import knots_wave, step_times, two_piezo_ellipse
 
 POSITIONS = 9
 HEIGHTS = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
-"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
+"""Heights of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DURATION = 0.03
 PUSH_TIME = 0.06
 PUSH_HIGHEST = 7e-6

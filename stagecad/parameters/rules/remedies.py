@@ -56,7 +56,7 @@ def violation_documents(design: Design, found: Sequence[Violation], changed: Cha
 
 
 def remedies(design: Design, violation: Violation, changed: Changed) -> list[Remedy]:
-    """For each parameter that the message names, the nearest value that satisfies the rule.
+    """The nearest value that satisfies the rule, for each parameter that the message names.
 
     Those without new violations come first, then the smallest relative change.
     """

@@ -27,7 +27,7 @@ _ORDERED = (
 
 @rule
 def ordered(d: Design) -> Iterator[str]:
-    """Of two values named as smaller and larger, the first is not the larger."""
+    """A value named as the smaller of two is not larger than the other one."""
     for small, large in _ORDERED:
         if d.si(small) > d.si(large):
             yield f"{given(d, small)} is more than {given(d, large)}"

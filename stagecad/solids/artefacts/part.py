@@ -61,7 +61,7 @@ class BuiltPart:
 
     @property
     def part_number(self) -> str:
-        """Of the catalogue; empty for a part made from a drawing."""
+        """Part number of the catalogue; empty for a part made from a drawing."""
         return self._document["part_number"]
 
     @property

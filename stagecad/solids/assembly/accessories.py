@@ -1,4 +1,4 @@
-"""What the assembly needs besides its parts: small screws, consumables, leads, tools that stay with it, sensors."""
+"""Items of the assembly besides its parts: small screws, consumables, leads, tools that stay with it, sensors."""
 
 from __future__ import annotations
 

@@ -227,7 +227,7 @@ def _back(frame: Frame, direction: Vector) -> Vector:
 
 
 def count(instances: Iterable[Instance]) -> dict[str, int]:
-    """How many there are of each part, in the order of their first appearance."""
+    """Number of each part, in the order of their first appearance."""
     counts: dict[str, int] = {}
     for instance in instances:
         counts[instance.part] = counts.get(instance.part, 0) + 1

@@ -63,7 +63,7 @@ class DeclaredSolid:
 
     @property
     def mass(self) -> MassProperties:
-        """In coordinates of the part."""
+        """Mass properties in coordinates of the part."""
         return mass_properties(self.geometry, self.density)
 
 

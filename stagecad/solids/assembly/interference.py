@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "interference"
-"""Of the artefact."""
+"""Name of the artefact."""
 
 TOUCH = 1e-2
 """Common volume below which two parts only touch, mm^3: a face of 10 000 mm^2 pressed in by a nanometre."""
@@ -146,7 +146,7 @@ class _Place:
 
     @property
     def key(self) -> str:
-        """What the common volume depends on besides the parts."""
+        """Values besides the parts on which the common volume depends."""
         return repr((self.one.part, self.one.compression, self.two.part, self.two.compression, self.frame))
 
     @property

@@ -17,7 +17,7 @@ ISOMETRIC = (1.0, -1.15, 0.85)
 """Direction towards the viewer: in front (-y), to the right (+x) and above."""
 
 BELOW = (1.0, -1.15, -0.85)
-"""The same from below, for the working faces of the stage."""
+"""Direction of view from below, for the working faces of the stage."""
 
 
 def picture(

@@ -33,7 +33,7 @@ THREAD_DESIGNATION = {
     "unc_3_8": "3/8-16 UNC",
     "unc_1": "1-8 UNC",
 }
-"""By name in the table of threads. Metric: ISO 261 coarse; tap drills by ISO 2306. Unified: ASME B1.1, 2B.
+"""Designations by name in the table of threads. Metric: ISO 261 coarse; tap drills by ISO 2306. Unified: ASME B1.1, 2B.
 
 Threads are cosmetic: the solid has the tap drill's hole, the sheet this text and thin lines (ISO 6410-1).
 """

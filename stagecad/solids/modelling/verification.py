@@ -30,7 +30,7 @@ class Surface:
     origin: Point
     axis: Point
     radius: float
-    """Of cylinder, sphere, a torus's tube; of a cone at its origin."""
+    """Radius of a cylinder, sphere, or the tube of a torus; of a cone at its origin."""
     taper: float
     """Tangent of a cone's half angle."""
     low: Point

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Clamp:
-    """Where one clamp is. All lengths in mm, angles in degrees."""
+    """Place of one clamp. All lengths in mm, angles in degrees."""
 
     pocket: int
     """Number of its pocket, 1 to 3."""

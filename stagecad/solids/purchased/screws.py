@@ -84,5 +84,5 @@ PARTS = {
     "bar_screw": SocketCapScrew("bar_screw", "bar"),
     "stop_screw": SocketCapScrew("stop_screw", "stop"),
 }
-"""Of a bearing way (3/8"-16 x 1"), of the clamp slot at actuator 1 (6") and at 2 and 3 (4.5"), of a tooth bar
+"""Screws of a bearing way (3/8"-16 x 1"), of the clamp slot at actuator 1 (6") and at 2 and 3 (4.5"), of a tooth bar
 and the sensor bracket, of a stop bar."""

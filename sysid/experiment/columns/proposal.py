@@ -49,7 +49,7 @@ _UNITS = {
     "V": "voltage",
     "degC": "temperature",
 }
-"""What a column of this dimension is taken for where its name tells nothing."""
+"""Channel of a column by its dimension, where its name gives no indication."""
 
 _SCALES = {("drive_force", "A"): "{si}/A", ("drive_force", "V"): "{si}/V", ("normal_load", "Pa"): "mm^2"}
 """Unit of the scale from a dimension to a channel of another one, `{si}` that of the channel."""
@@ -138,7 +138,7 @@ def _holds_intervals(columns: Mapping[int, np.ndarray], proposals: Sequence[Prop
 
 
 def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]) -> tuple[str, str]:
-    """What a column is taken for, and the question that goes with it."""
+    """Proposed channel of a column, and the question to the user."""
     plain = name.strip().casefold()
     if plain in known:
         return plain, ""

@@ -43,7 +43,7 @@ class Stated:
 
 @dataclass(frozen=True)
 class ColumnSetting:
-    """What the experiment says of one column of a channel; None is left to the file.
+    """Settings of one column of a channel in the experiment; None is left to the file.
 
     Args:
         column: name in the header, or number from 1.

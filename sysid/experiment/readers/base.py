@@ -1,4 +1,4 @@
-"""What every reader of record files offers: two pure functions of a path, one for the labels, one for the columns."""
+"""Interface of the readers of record files: two pure functions of a path, one for the labels, one for the columns."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOST_ROWS = 20_000_000
 
 @dataclass(frozen=True)
 class Header:
-    """What a file says of its columns.
+    """Columns of a file, as the file describes them.
 
     Args:
         labels: of the columns, as written.

@@ -28,7 +28,7 @@ LONG_DIGITS = 10
 """Digits before the decimal sign from which a number (a Unix time) is read exactly and counted from its first row."""
 
 _STAMP = re.compile(r"\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|\d:\d\d")
-"""With bounded numbers: a cell may be a million digits long, from each of which a search begins."""
+"""The numbers are bounded, since a search begins at each digit of a cell, which may be a million digits long."""
 
 
 def read_header(path: Path, name: str, settings: Format) -> Header:

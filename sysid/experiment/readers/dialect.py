@@ -190,7 +190,7 @@ def _width(rows: Sequence[Sequence[str]]) -> int:
 def _layout(
     lines: Sequence[str], rows: list[tuple[int, list[str]]], way: _Way, encoding: str, settings: Format, name: str
 ) -> Dialect:
-    """Where header, units and numbers stand."""
+    """The dialect with the rows of header, units and numbers."""
     width, decimal = way.width, way.decimal
     columns = _kinds(rows, width, decimal, settings)
     least = settings.first_row or 1
@@ -347,7 +347,7 @@ def _refuse_grouped(rows: Sequence[Sequence[str]], name: str) -> None:
 
 
 def _remarks(way: _Way, encoding: str, header: int, units: int, first: int, plain: int) -> list[str]:
-    """What is other than in plain CSV: comma, decimal point, header in the first line, UTF-8."""
+    """Differences from plain CSV: comma, decimal point, header in the first line, UTF-8."""
     remarks = [] if way.delimiter == "," else [DELIMITERS[way.delimiter]]
     remarks += ["decimal comma"] if way.decimal == "," else []
     remarks += [encoding.upper()] if encoding not in ("utf-8", "utf-8-sig") else []

@@ -106,7 +106,7 @@ def _ask(
 
 
 def answer() -> None:
-    """In the process: read a file, answer on standard output."""
+    """Read a file in the separate process, and answer on standard output."""
     from stagecad.parallel import end_with_parent
 
     module, path, name, settings, indices, parent = json.loads(sys.argv[1])

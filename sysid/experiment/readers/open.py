@@ -74,7 +74,7 @@ class RecordFile:
 
     @cached_property
     def sha256(self) -> str:
-        """Of the file's bytes, or of the labels and values of a table in memory."""
+        """Hash of the file's bytes, or of the labels and values of a table in memory."""
         return self.path.sha256() if isinstance(self.path, MemoryTable) else file_sha256(self.path)
 
 
@@ -88,7 +88,7 @@ def record_suffix(name: str) -> str | None:
 
 
 def unknown_format(name: str) -> str:
-    """What is wrong with the suffix of a file, and what is allowed."""
+    """Error of a file whose suffix is not known, with the suffixes that are allowed."""
     return (
         f"'{Path(name).suffix.lower()}' is no record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
         ".parquet, .mat, .h5, .npz, .tdms, .json"

@@ -25,9 +25,9 @@ CONTACT_DAMPING = 0.03
 MASS = 1.0
 """kg, where a fit of the mass begins."""
 MOST_DAMPING = 10.0
-"""Times its start, a third of critical, that the dashpot may grow; a fit at this bound indicates a missing effect."""
+"""Largest value of the dashpot over its start, a third of critical; a fit at this bound indicates a missing effect."""
 GUIDE = 0.01
-"""Of the contact's stiffness: the size in which a guide across the travel (teeth, a flexure) is fitted."""
+"""Scale of the fitted stiffness of a guide across the travel (teeth, a flexure), over that of the contact."""
 MOST_TURN = 0.3
 """Largest rotation of the sensors against the tip, rad."""
 GOES_UP = 0.02
