@@ -236,7 +236,7 @@ class _Pool:
         return replace(task, lost=True)
 
     def apply(self, item: Any, late: bool) -> bytes:
-        """Outcome of an item, pickled in the worker: success, and the result or exception; empty if it does not pickle."""
+        """Outcome of an item, pickled in the worker: success, and result or exception; empty if it does not pickle."""
         function = self.limit.fallback if late and self.limit and self.limit.fallback else self.function
         try:
             answer = True, function(item)

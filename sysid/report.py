@@ -302,8 +302,8 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
 
 
 def residual_correlation_json(problem: Problem, fitted: FittedModel) -> dict[str, Any]:
-    """For each channel, on the records of the fit: whether the residual is white noise, its autocorrelation at the first
-    lag, and the inputs that it correlates with: the largest correlation and its lag."""
+    """For each channel, on the records of the fit: whether the residual is white noise, its autocorrelation at lag one,
+    and the inputs that it correlates with: the largest correlation and its lag."""
     out: dict[str, Any] = {}
     for channel in dict.fromkeys(name for record in problem.fit_records for name in record.measured):
         found = residual_correlation(problem, fitted.model, channel)

@@ -200,7 +200,7 @@ def relaxations(
     alone: dict[str, Evaluation],
     budget: int,
 ) -> Iterator[Relaxation]:
-    """Best margin of each member of each conflict with the other members satisfied; of a single member, in any design."""
+    """Best margin of each member of each conflict with the other members satisfied; of a single one, in any design."""
     for conflict in conflicts:
         for name in conflict.names:
             others = tuple(other for other in conflict.names if other != name)
