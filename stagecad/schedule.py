@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 FEW = 3
-"""Up to so many items of a kind are left to a process that has begun the kind: loading libraries takes longer."""
+"""Number of items of a kind up to which they are left to a process that has begun the kind: loading takes longer."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The command line: finds the command, and turns every way a run can end into an exit status.
 
-A command's module is imported only when that command runs, so `stagecad --help` stays quick.
+A command's module is imported only when that command runs, so `stagecad --help` is fast.
 Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or usage, one line; 130 Ctrl-C.
 """
 

@@ -68,7 +68,7 @@ class Modes:
 
     Args:
         frequency: Hz, shape (modes,), rising.
-        shapes: deflection at the places asked for, of modes with modal mass 1 kg, shape (places, modes).
+        shapes: deflection at the requested places, of modes with modal mass 1 kg, shape (places, modes).
     """
 
     frequency: Array

@@ -28,7 +28,7 @@ from stagecad.parameters.design import Design
 _ACTUATOR = "Table 2: actuator"
 SLIP_SHARE = 0.421
 """Mean of ``|pi/2 sin wt - 1|`` over half a period. A tip that touches for half of each period slips by this part of X
-while the stage goes 2 X, under twice its mean force."""
+while the stage moves by 2 X, under twice its mean force."""
 
 
 def checks(design: Design) -> list[CheckFunction]:
@@ -172,7 +172,7 @@ def bending(r: DesignInputs) -> Check:
 
 
 def sway_mode(r: DesignInputs) -> Check:
-    """The tip on stacks that bend: above this resonance it gives way to the drive force."""
+    """Resonance of the tip on bending stacks, above which it yields to the drive force."""
     first, drive = sway_resonance(r), r("actuator.frequency")
     return Check(
         "sway of the tip on its stacks against the drive",
@@ -236,7 +236,7 @@ def amplifier_noise(r: DesignInputs) -> Check:
 
 
 def creep(r: DesignInputs) -> Check:
-    """After a move to the end of its reach the pressed tip goes on by the creep of its stacks."""
+    """After a move to the end of its range the pressed tip moves on by the creep of its stacks."""
     reach = usable_ellipse(r)[0] / 2
     drift = r("piezo.creep") * reach
     return Check(

@@ -25,7 +25,7 @@ def acceleration_limit(
 ) -> Array:
     """Largest acceleration of the stage without lifting it off its pads, m/s^2.
 
-    The tip carries ``share`` of weight and preload, ``N = share (1+p) m g``; the pads carry and rub with the rest:
+    The tip carries ``share`` of weight and preload, ``N = share (1+p) m g``; the pads carry the rest, with friction:
     ``a = g (1+p) [mu share - mu_pad (1 - share)]``. With share = 1 it is the absolute limit ``mu (1+p) g``.
 
     Args:

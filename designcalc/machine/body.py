@@ -44,7 +44,7 @@ def moving_body(r: DesignInputs) -> MassProperties:
 
 
 def ballast(r: DesignInputs) -> float:
-    """Mass that replaces the magnets of a machine without teeth: its weight is the preload asked for, kg."""
+    """Mass that replaces the magnets of a machine without teeth: its weight is the required preload, kg."""
     return 0.0 if r.design.teeth.fitted else r("preload.force") / r("environment.gravity")
 
 

@@ -27,7 +27,7 @@ def weight(r: DesignInputs) -> float:
 def preload(r: DesignInputs) -> float:
     """Preload that acts, N: the attraction of the magnets; in a machine without teeth the ballast's weight.
 
-    `preload.force` is the preload asked for; with magnets it is a requirement, not a load.
+    `preload.force` is the required preload; with magnets it is a requirement, not a load.
     """
     if r.design.teeth.fitted:
         return r.given("attraction of the magnets", attraction(r), "N", "field of magnet, irons and bar with leakage")

@@ -1,14 +1,15 @@
 """Vibration of the stage as a plate: at rest on pads and pressed tip, and on its pads under the pulses of the tip.
 
-At rest, by modal superposition with masses of 1 kg: a floor that shakes pads and tip moves the payload relative to it
-by ``sum_m phi_m(payload) Gamma_m r_m^2 H_m``, ``Gamma_m = sum k phi_m/omega_m^2`` over the springs (since a rigid
-translation bends nothing), ``r_m = f/f_m``, ``H = 1/(1 - r^2 + 2 i zeta r)``; the tip moves it by its stiffness times
-the static compliance and what each mode adds to it, ``phi_m(tip) phi_m(payload) (H_m - 1)/omega_m^2``.
+At rest, by modal superposition with masses of 1 kg: vibration of the floor under pads and tip moves the payload
+relative to it by ``sum_m phi_m(payload) Gamma_m r_m^2 H_m``, ``Gamma_m = sum k phi_m/omega_m^2`` over the springs
+(since a rigid translation bends nothing), ``r_m = f/f_m``, ``H = 1/(1 - r^2 + 2 i zeta r)``; the tip moves it by its
+stiffness times the static compliance plus the contribution of each mode,
+``phi_m(tip) phi_m(payload) (H_m - 1)/omega_m^2``.
 
 Driven: the tip carries its mean load N in pulses. Their mean bends the stage as a static force does; their parts F_k
-at the multiples k f of the drive's frequency shake it: ``u(t) = G(0) N + sum_k F_k Re(G(k f) exp(2 pi i k f t))``,
-with the static compliance and what each mode adds to it in G. The pulses are those against a stage that stays where it
-is; how its vibration changes them takes the simulation.
+at the multiples k f of the drive's frequency excite it: ``u(t) = G(0) N + sum_k F_k Re(G(k f) exp(2 pi i k f t))``,
+with the static compliance and the contribution of each mode in G. The pulses are those against a stage at rest; only
+the simulation computes how its vibration changes them.
 
 Source: Meirovitch, Fundamentals of Vibrations (2001), chapter 7; mode acceleration for the modes left out.
 """

@@ -1,4 +1,4 @@
-"""Rules and checks of a changed design, quickly: how far it is from violating no rule and failing no check."""
+"""Fast evaluation of the rules and checks of a changed design, and its distance from satisfying all of them."""
 
 from __future__ import annotations
 

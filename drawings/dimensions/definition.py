@@ -57,7 +57,7 @@ class FaceDefinition:
 
     @property
     def problems(self) -> Iterator[str]:
-        """What is not defined."""
+        """What is not defined, one text for each of size and place."""
         where = ", ".join(f"{round(value, 3) + 0.0:g}" for value in self.middle)
         for what in ("size", "place"):
             if not getattr(self, what):
@@ -93,7 +93,7 @@ class Definition:
 
 @dataclass(frozen=True)
 class Notes:
-    """What the notes of a part say about its shape.
+    """Shape of a part that its notes define.
 
     Args:
         symmetric: names of axes whose middle plane is a plane of symmetry.
@@ -107,7 +107,7 @@ class Notes:
 
 
 def notes_on_shape(module: Any, design: Any) -> Notes:
-    """What the module of a part says about symmetry."""
+    """Symmetry and faces defined by notes, as the module of a part declares them."""
     by_note = getattr(module, "defined_by_note", None)
     return Notes(
         getattr(module, "SYMMETRIC", ""),
@@ -190,7 +190,7 @@ class _Part:
         return self._notes.defines(_middle(surface))
 
     def place_of(self, surface: Surface) -> str:
-        """What places a face, or one of its images by rotation."""
+        """Declaration that locates a face, or one of its images by rotation."""
         if joined := self._joins(surface):
             return joined
         for sector in range(self._notes.turned):

@@ -1,4 +1,4 @@
-"""Whether a finished sheet can be read: checks of the DXF document itself, as it looks on paper.
+"""Checks of the readability of a finished sheet, on the DXF document as it appears on paper.
 
 Nothing is taken from the program that placed texts and dimensions (`drawings.export.dxf_reading`). No text touches
 another text or a line, everything is within the frame and off the title block, no two dimension lines share a line,

@@ -64,7 +64,7 @@ DIMENSION_LINE_SPACING = 6.0
 
 @dataclass(frozen=True)
 class Footprint:
-    """The paper that one annotation takes.
+    """Area of the paper that one annotation occupies.
 
     Args:
         texts: bounding boxes of the texts.
@@ -221,7 +221,7 @@ def view_lines(view: View, layers: Sequence[Layer] = ()) -> list[Line]:
 
 
 def footprint_of(annotation: Annotation, view: View) -> Footprint:
-    """The paper that an annotation of a view takes."""
+    """Area of the paper that an annotation of a view occupies."""
     primitives = list(annotation_primitives(annotation, view))
     texts = [text_box(item) for item in primitives if isinstance(item, Text)]
     lines = [line for item in primitives for line in _lines(item)]

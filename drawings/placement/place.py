@@ -205,7 +205,7 @@ class _Run:
         return lines
 
     def _ways_out(self, spec: DimensionSpec) -> list[Line]:
-        """The way that the leader of an annotation that is not placed yet probably takes out of its face."""
+        """Probable path out of its face of the leader of an annotation that is not placed yet."""
         if isinstance(spec, CalloutSpec) and spec.outward is not None:
             (x, y), turn = self.view.to_paper(spec.at), math.radians(spec.outward)
         elif isinstance(spec, FrameSpec) and not spec.diameter:

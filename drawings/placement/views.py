@@ -22,7 +22,7 @@ from stagecad.parameters.dimension import Point
 VIEW_SPACING, TABLE_SPACING = 9.0, 3.0
 """Least distance between two views with their annotations, and between a view and a table, mm."""
 STEP = 4.0
-"""Step of the places tried for a view that is not aligned with another, mm."""
+"""Step between the trial positions of a view that is not aligned with another, mm."""
 REFERENCE_LETTERS = "PQRSTUVW"
 """Labels of views that are not in their place by projection."""
 OUTSIDE = 6.0

@@ -264,7 +264,7 @@ def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
 
 
 def spread(wanted: Sequence[float], apart: float, low: float, high: float) -> list[float]:
-    """Heights near the wanted ones, in their order, at least `apart` from each other, within the limits if they fit."""
+    """Heights near the desired ones, in order, at least `apart` from each other, within the limits if they fit."""
     places = list(wanted)
     for i in range(1, len(places)):
         places[i] = max(places[i], places[i - 1] + apart)
@@ -304,7 +304,7 @@ def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = 
 def _column_widths(cells: Sequence[Sequence[str]], whole: float) -> list[float]:
     """Widths of the columns in proportion to their longest texts, mm.
 
-    The specification of what has no material does not count: it goes on into the next columns.
+    The specification of what has no material does not count: it continues into the next columns.
     """
     needed = [
         CELL + max(text_width(row[n], SMALL_HEIGHT) for row in cells if n + 1 == len(row) or row[n + 1])

@@ -24,8 +24,8 @@ SETTLED = 0.01
 PIECES = 10
 """Pieces of the shortest run; before each the stage is set back, so that it stays near mid-travel."""
 LOOKED_AT = (1, 2, 4, 8)
-"""Shortest runs after which it is checked whether the speed is steady: the fifths grow, and what comes and goes
-averages out."""
+"""Shortest runs after which it is checked whether the speed is steady: the fifths grow, and
+fluctuations average out."""
 STRIDE, STEADY_STRIDE = 20, 10
 """Steps to a row, and where a swing is read off the rows."""
 

@@ -88,7 +88,7 @@ def driven_alone(design: Design, machine: StageMachine) -> StageMachine:
 
 
 def driven_by_three(design: Design, machine: StageMachine, masses: BodyMasses) -> StageMachine:
-    """The machine on three actuators, without teeth: the preload asked for is a dead weight, and nothing guides it.
+    """The machine on three actuators, without teeth: the required preload is a dead weight, and nothing guides it.
 
     The weight, a point in the middle, takes part in the bending modes.
     """

@@ -1,4 +1,4 @@
-"""Designs that differ from one design in a few values, quickly: only what depends on them is computed again."""
+"""Designs that differ from one design in a few values: only what depends on these values is computed again."""
 
 from __future__ import annotations
 

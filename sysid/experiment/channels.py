@@ -275,7 +275,7 @@ def _written_otherwise(column: Column, wanted: str, declared: Channel) -> Column
 def _term(
     declared: Channel, column: Column, setting: ColumnSetting, header: Header, units: Mapping[str, str], file: str
 ) -> tuple[Term, str, bool | None]:
-    """A column of a channel, the SI unit it is converted to, and whether the axis is rotary (None if not told)."""
+    """A column of a channel, the SI unit it is converted to, and whether the axis is rotary (None if not known)."""
     channel, place = declared.name, f"{file}: column '{column.label.strip()}'"
     stated = units.get(channel, units.get(column.name, setting.unit))
     stated = stated or header.units.get(column.label, header.units.get(channel)) or column.unit

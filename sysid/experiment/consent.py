@@ -1,6 +1,6 @@
 """Consent to run the Python files of an experiment, stored for the content of each file.
 
-An experiment may come from somebody else, and `[model] custom` names Python files that run with the user's rights. They
+An experiment may come from someone else, and `[model] custom` names Python files that run with the user's rights. They
 run after the user has consented (`--trust`): the consent is stored by the sha256 of the file's bytes, in a folder of
 this user alone, so that a file that changes is asked for again, and a copy of it is not.
 """

@@ -200,7 +200,7 @@ def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile
 def _check_time(
     time: np.ndarray, values: dict[str, np.ndarray], opened: RecordFile, spec: RecordSpec, name: str, notes: list[str]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Time and channels without repeated times, as far as the experiment says how; every other fault is refused."""
+    """Time and channels without repeated times, by the method that the experiment states; other faults are errors."""
     label = spec.sources["time"].label
     empty = np.flatnonzero(np.isnan(time))
     if empty.size:

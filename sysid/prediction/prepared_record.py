@@ -80,9 +80,8 @@ class CommonRecord(ABC):
     def settled_from(self) -> int:
         """First row whose prediction does not depend on a state that was not recorded.
 
-        Stretched bristles, plays and creep begin in a state that the motion before the first row has left. It is
-        forgotten once the motion has reversed, or once a driven mass has slid, which takes it far beyond the stretch of
-        bristles.
+        The initial state of bristles, plays and creep results from the motion before the first row. It has no influence
+        after a reversal, or after a driven mass has slid far beyond the stretch of bristles.
         """
 
     @abstractmethod

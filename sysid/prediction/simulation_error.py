@@ -60,7 +60,7 @@ Errors = dict[str, dict[str, SimulationMisfit]]
 
 @dataclass(frozen=True)
 class SimulationErrors:
-    """Errors of simulation of a model; `note` says why there are none."""
+    """Errors of simulation of a model; `note` states why there are none."""
 
     free_run: Errors
     horizon: dict[str, Errors]

@@ -84,7 +84,7 @@ def fresh_copy(folder: Path) -> Path:
 
 
 def remember(folder: Path) -> None:
-    """Write down the state of the experiment in `folder`, by which the next demonstration knows its own work."""
+    """Store the state of the experiment in `folder`, by which the next demonstration recognises an unchanged folder."""
     atomic_write_text(folder / STATE, json.dumps(dict(_hashes(folder)), indent=1) + "\n")
 
 

@@ -285,7 +285,7 @@ def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output
 
 
 def _sweep(run: Run, options: Options, selection: Selection, output: Output) -> None:
-    """Features at every value of a range; the table goes to OUT/simulate/sweep."""
+    """Features at every value of a range; the table is written to OUT/simulate/sweep."""
     from designcalc.checks.analysis.sweep import read_range
     from workbench.simulation.sweep import sweep, sweep_columns, sweep_document
 
@@ -305,7 +305,7 @@ def _sweep(run: Run, options: Options, selection: Selection, output: Output) -> 
 
 
 def _monte_carlo(run: Run, options: Options, selection: Selection, output: Output) -> None:
-    """Simulate sampled machines; a row for each goes to OUT/simulate/draws."""
+    """Simulate sampled machines; a row for each is written to OUT/simulate/draws."""
     from workbench.console.simulation import print_monte_carlo
     from workbench.simulation.monte_carlo import run_monte_carlo
 

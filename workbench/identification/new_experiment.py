@@ -19,7 +19,7 @@ QUESTION = "QUESTION:"
 
 
 def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], ExperimentProposal]:
-    """The files, and what their first one tells of the experiment.
+    """The files, and the experiment proposed from the first of them.
 
     Raises:
         InputError: a file that cannot be read, files with different columns, or an unknown kind of rig.

@@ -66,7 +66,7 @@ def procedure_values(store: ArtefactStore, design: Design) -> ProcedureValues:
 
 
 def stored_values(store: ArtefactStore, design: Design, masses: BodyMasses) -> ProcedureValues:
-    """The values from the store, or calculated now; the field between the teeth takes a second to compute."""
+    """The values from the store, or computed if they are not there; the field between the teeth takes a second."""
     from drawings.procedure.figures import ProcedureValues
 
     def calculate(tracked: Any, folder: Path) -> None:

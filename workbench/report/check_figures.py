@@ -185,7 +185,7 @@ def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str |
 
 @check_figure(6.4, 4.0)
 def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
-    """The lapped way with its waves under one pad, and the height of the pad that rides it."""
+    """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
     from designcalc.checks.bearing.smoothness import lapped_surface, spot
@@ -198,7 +198,7 @@ def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str 
     x = step * np.arange(profiles.shape[1])
     first = (x.size - height.size) // 2
     axes.plot(1e3 * x, 1e9 * profiles[0], color="0.75", lw=0.5, label="way, averaged across the contact")
-    axes.plot(1e3 * x[first : first + height.size], 1e9 * height, color="tab:blue", lw=1.4, label="pad that rides it")
+    axes.plot(1e3 * x[first : first + height.size], 1e9 * height, color="tab:blue", lw=1.4, label="pad on it")
     limit = 1e9 * r("requirements.smoothness")
     axes.axhspan(-limit, limit, color="tab:green", alpha=0.15, lw=0, label="required smoothness")
     axes.set_xlabel("along the travel, mm")

@@ -1,4 +1,4 @@
-"""The columns of a measurement file against time: what a person looks at to tell which is which."""
+"""The columns of a measurement file against time: by which the user recognises each of them."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def _printed_rule(roughness: float) -> str:
 
 
 def ridden(r: DesignInputs) -> Check:
-    """The stage carried over profiles of roughness and waves, its bow left to the straightness."""
+    """Height of the stage over profiles of roughness and waves; their bow belongs to the straightness."""
     side, places = spot(r), pad_positions(r)
     surface = lapped_surface(r)
     rough, waves = _carried_rms(r, surface, side, places)

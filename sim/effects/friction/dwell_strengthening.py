@@ -18,7 +18,7 @@ def _memory(axis: Axis, p: Any) -> Axis:
 
 
 def _without_rests(axis: Axis) -> Any:
-    """Distance gone (n,) without what a position's noise goes while the body rests, m."""
+    """Distance slid (n,), without the changes by noise of the position while the body rests, m."""
     gone = np.abs(np.diff(axis.position))
     gone[(axis.contact_age[1:] > 0.0) & (axis.contact_age[:-1] > 0.0)] = 0.0
     return np.concatenate([[0.0], np.cumsum(gone)])

@@ -1,4 +1,4 @@
-"""Limit cycles about a target: an integral loop against stiction, and one too quick for the stage on its contact."""
+"""Limit cycles about a target: an integral controller with static friction, and one that is too fast for the stage."""
 
 from __future__ import annotations
 

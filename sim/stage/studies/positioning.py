@@ -1,10 +1,10 @@
 """Coarse run and fine settling in a closed loop.
 
-Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. The
+Coarse: the tip follows its ellipse; the output of the controller is the signed amplitude along the travel. The
 desired speed falls with the square root of the remaining distance; the output is proportional to the speed error.
-Fine: the tip stands still, pressed on the drive surface, and leans by the integral of the error; the stage follows
-through contact and bending stacks within its presliding, by a small part of the lean. Floor, amplifiers and air disturb
-both (`sim.stage.studies.disturbances`).
+Fine: the tip is pressed on the drive surface and leans by the integral of the error; the stage follows through contact
+and bending stacks within its presliding, by a small part of the lean. Floor, amplifiers and air disturb both
+(`sim.stage.studies.disturbances`).
 """
 
 from __future__ import annotations
@@ -163,11 +163,11 @@ class Actuation:
         self.last = np.zeros(4)
 
     def commands(self, along: float, rise: float, lift: float, lean: float) -> np.ndarray:
-        """Voltages (steps, 1, 3); each number goes straight from its last value to the new one over the period.
+        """Voltages (steps, 1, 3); each number changes linearly from its last value to the new one over the period.
 
         Args:
-            along: -1 to 1, how far the ellipse goes along.
-            rise: 0 to 1, how far it goes up.
+            along: signed amplitude of the ellipse along the travel, -1 to 1.
+            rise: amplitude of its height, 0 to 1.
             lift: of its middle, m.
             lean: of its middle along x, m.
         """

@@ -12,7 +12,7 @@ from stagecad.solids.artefacts.store import Artefact, sha256
 
 
 class DamagedError(Exception):
-    """The files of an artefact differ from those that were stored, or are gone."""
+    """The files of an artefact differ from those that were stored, or are missing."""
 
     def __init__(self, entry: Artefact) -> None:
         super().__init__(entry.key)

@@ -1,7 +1,7 @@
-"""A first guess of an experiment from its files: kind of rig, channels and units, with a question for each doubt.
+"""A proposal of an experiment from its files: kind of rig, channels and units, with questions where they are uncertain.
 
-A column is assigned by its name and unit; the numbers only tell time (it increases) and velocity (the derivative of
-another column). Nothing is decided here: what is not certain carries a question, which the written file shows.
+A column is assigned by its name and unit; the numbers identify only the time (it increases) and a velocity (the
+derivative of another column). What is uncertain has a question, which the written file shows.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Proposal:
 
 @dataclass(frozen=True)
 class ExperimentProposal:
-    """Kind of rig with the question that goes with it, and the columns."""
+    """Kind of rig with its question to the user, and the columns."""
 
     kind: str
     question: str
@@ -216,7 +216,7 @@ def _is_derivative(position: np.ndarray, other: np.ndarray, time: np.ndarray) ->
 
 
 def _kind(meanings: set[str]) -> tuple[str, str]:
-    """The kind of rig by what its columns are taken for, and the question that goes with it."""
+    """Kind of rig from the channels proposed for its columns, and the question to the user."""
     if {"tip_x", "tip_y", "voltage_1", "voltage_2"} <= meanings:
         return "actuator-tip", ""
     if "pull_position" in meanings:

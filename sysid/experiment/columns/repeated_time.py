@@ -20,7 +20,7 @@ def without_repeats(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time and channels (n,) with strictly increasing time.
 
-    A row that repeats the one before in all channels is left out. Of others, `repeated` says what to do: `first` keeps
+    A row that repeats the one before in all channels is left out. Others are treated by `repeated`: `first` keeps
     the first row of each time, `mean` takes the mean of its rows, `spread` places m rows of one time at
     t + k (t_next - t)/m, k = 0 .. m - 1, where the last group takes the step of the group before.
 

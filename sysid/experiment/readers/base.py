@@ -45,7 +45,7 @@ class Header:
 
 class Column(NamedTuple):
     """The numbers of one column, (n,), NaN in gaps, and the number that was subtracted from them (`origin`), which
-    is only other than zero in time stamps; `said` tells the user of it."""
+    is not zero in time stamps only; `said` is the note on it for the user."""
 
     values: np.ndarray
     origin: float = 0.0

@@ -79,7 +79,7 @@ class RecordFile:
 
 
 def record_suffix(name: str) -> str | None:
-    """The suffix of a record file that tells its format, without `.gz`; None for another file."""
+    """The suffix of a record file that determines its format, without `.gz`; None for another file."""
     suffixes = [suffix.lower() for suffix in Path(name).suffixes]
     suffix = suffixes[-1] if suffixes else ""
     if suffix == ".gz":

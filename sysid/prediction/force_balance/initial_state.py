@@ -60,7 +60,7 @@ def friction_from_initial_state(
     far = 1e3 * max(float(np.ptp(axis.position)), 1e-9)
 
     def with_motion(size: int) -> Callable[[float], np.ndarray]:
-        """Force (size,) in the first rows, as a function of the distance that the motion goes beyond the start, m."""
+        """Force (size,) in the first rows, by the distance of the preceding motion beyond the start, m."""
         count = 3
         position = np.concatenate([np.full(count, axis.position[0]), axis.position[:size]])
         velocity = np.concatenate([np.zeros(count), axis.velocity[:size]])

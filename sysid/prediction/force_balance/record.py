@@ -157,7 +157,7 @@ def direction_of(velocity: np.ndarray, rest: float) -> np.ndarray:
 
 
 def distance_since_reversal(position: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Distance (n,) gone since the direction last changed."""
+    """Distance (n,) since the last change of direction."""
     travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(position)))])
     turned = np.concatenate([[True], direction[1:] != direction[:-1]])
     return travelled - travelled[np.maximum.accumulate(np.where(turned, np.arange(turned.size), 0))]

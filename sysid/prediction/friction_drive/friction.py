@@ -28,7 +28,7 @@ PREFILTER_STEPS = 4.0
 TABLE_SIZE = 400
 """Speeds of a velocity table; they grow with the square of their index, so that they are dense near zero."""
 VELOCITY_COORDINATES = ("velocity", "direction")
-"""Coordinates of the laws that a velocity table takes."""
+"""Coordinates of the laws that a velocity table represents."""
 
 
 class Friction(NamedTuple):
