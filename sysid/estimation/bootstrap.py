@@ -179,7 +179,7 @@ class Bootstrap:
         keys: of the fitted values.
         best: of the fit itself, (p,).
         values: (draws, p), of the draws whose fit converged.
-        asked: requested number of draws.
+        requested: number of draws.
     """
 
     keys: tuple[str, ...]
