@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import design_from_text
 from stagecad.parameters.load import load_design as read_design
-from workbench.api.result import Result
+from workbench.api.result import Result, without_options
 from workbench.options import Run
 
 if TYPE_CHECKING:
@@ -138,13 +137,8 @@ def _overrides(values: Mapping[str, str | float]) -> tuple[str, ...]:
 
 
 def _design(path: Path | None, overrides: tuple[str, ...], rules: bool, text: str | None) -> Design:
-    try:
+    with without_options():
         return Design(path, overrides, rules, text)
-    except InputError as error:
-        if not str(error).startswith("--set"):
-            raise
-        # The option of the commands, which is not here.
-        raise InputError(re.sub(r"^--set:? ?", "", str(error))) from None
 
 
 def as_design(source: Design | str | Path | None) -> Design:

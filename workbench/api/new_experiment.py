@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from workbench.api.result import Result, finite_json
+from workbench.api.result import Result, finite_json, without_options
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -152,7 +152,8 @@ def propose(files: Sequence[str | Path], kind: str | None = None) -> Proposal:
     """
     from workbench.identification.new_experiment import inspect
 
-    return Proposal(*inspect([Path(file) for file in files], kind))
+    with without_options():
+        return Proposal(*inspect([Path(file) for file in files], kind))
 
 
 def write_experiment(folder: str | Path, document: Mapping[str, Any], design: Design | None = None) -> Experiment:

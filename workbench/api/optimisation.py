@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
 from workbench.api.design import Design, load_design
-from workbench.api.result import Result, finite_json
+from workbench.api.result import Result, finite_json, without_options
 from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
@@ -148,7 +148,8 @@ def need_free(design: Design, free: Mapping[str, str]) -> None:
     """
     from designcalc.optimisation.space import free_parameters
 
-    free_parameters(design.values, [f"{key}={text}" for key, text in free.items()])
+    with without_options():
+        free_parameters(design.values, [f"{key}={text}" for key, text in free.items()])
 
 
 def optimize(
@@ -186,7 +187,8 @@ def optimize(
     design, free, report = design or load_design(), free or {}, progress or (lambda step, done, total: None)
     source = source_of(design.run())
     values = source.design(rules=False)
-    freed = free_parameters(values, [f"{key}={text}" for key, text in free.items()])
+    with without_options():
+        freed = free_parameters(values, [f"{key}={text}" for key, text in free.items()])
     report("masses of the solids", 0, 0)
     # A design that violates a rule may have no solids.
     masses = body_masses(values) if solids and not violations(values) else None
@@ -198,9 +200,11 @@ def optimize(
         step = words
         report(step, evaluator.count, evaluations)
 
+    with without_options():
+        required = required_checks(evaluator.checks, keep)
     outcome = optimise(
         evaluator,
-        required_checks(evaluator.checks, keep),
+        required,
         budget,
         evaluations=evaluations,
         tell=tell,

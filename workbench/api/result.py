@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import html
+import re
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,3 +69,14 @@ def results_in(out: str | Path) -> Run:
     from workbench.options import Run
 
     return Run(None, (), Path(out), None)
+
+
+@contextmanager
+def without_options() -> Iterator[None]:
+    """Errors in here do not name an option of the commands (`--set KEY: ...`), which is not known outside them."""
+    try:
+        yield
+    except InputError as error:
+        if not str(error).startswith("--"):
+            raise
+        raise InputError(re.sub(r"^--[a-z]+:? ?", "", str(error))) from None
