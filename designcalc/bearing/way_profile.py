@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -35,10 +35,6 @@ class Surface:
         for name in ("roughness", "waviness"):
             if not getattr(self, name) >= 0:
                 raise InputError(f"way profile: {name} must be 0 or more")
-
-    def without_waves(self) -> Surface:
-        """The same, rough alone."""
-        return replace(self, waviness=0.0)
 
 
 def synthetic_profiles(

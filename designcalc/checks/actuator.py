@@ -188,7 +188,7 @@ def sway_mode(r: DesignInputs) -> Check:
 
 
 def tilt(r: DesignInputs) -> Check:
-    """Why the ends are round: opposed strokes tilt the tip, and flat bonded ends would bend with it."""
+    """Opposed strokes tilt the tip and would bend stacks with flat bonded ends; therefore the ends are round."""
     angle = tilt_amplitude(r)
     flat = float(tilt_stress(angle, r("piezo.length"), r("piezo.element_area"), r.material("piezo", "youngs_modulus")))
     # A round end rolls: the reaction moves by R theta across a preload of half the blocking force.

@@ -98,7 +98,7 @@ def air_surface(r: DesignInputs) -> Check:
 
 
 def air_height(r: DesignInputs) -> Check:
-    """The porous pad is an inch thick, and would lift the stage off the reach of magnets and tip."""
+    """The porous pad is an inch thick, and would lift the stage out of the reach of magnets and tip."""
     room = r("pads.height")
     thick = r("candidates.air_bearing.height")
     return Check(

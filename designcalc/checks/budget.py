@@ -173,7 +173,7 @@ def worked_out(r: DesignInputs, name: str) -> Budget:
 
 
 def budgets(r: DesignInputs) -> list[Budget]:
-    """All of them."""
+    """All budgets."""
     return [worked_out(r, name) for name in _KINDS]
 
 

@@ -25,13 +25,13 @@ def ratio(value: SupportsFloat, divisor: SupportsFloat) -> float:
 
 @dataclass(frozen=True)
 class Change:
-    """A change of one parameter that is proposed, and what evaluating it showed."""
+    """A proposed change of one parameter, and the result of its evaluation."""
 
     key: str
     text: str
     """value with its unit, as it is written in the parameter file"""
     result: str = ""
-    """empty until evaluated, and when the check then passes and no other one fails"""
+    """empty before the evaluation, and if the check then passes and no other one fails"""
 
     @property
     def override(self) -> str:

@@ -50,8 +50,6 @@ class LineContact:
     There is no approach: in two dimensions it grows without bound with the distance of the point it is measured to.
     """
 
-    load_per_length: Array
-    """N/m"""
     half_width: Array
     """b, m"""
     peak_pressure: Array
@@ -256,7 +254,6 @@ def line_contact(
     per_length = force / span
     half_width = np.sqrt(4 * per_length / (np.pi * e_star * curvature))
     return LineContact(
-        load_per_length=per_length * np.ones_like(half_width),
         half_width=half_width,
         peak_pressure=2 * per_length / (np.pi * half_width),
     )

@@ -87,10 +87,6 @@ class ClampFinger:
         ends = 2 * 16.67 / (np.pi * self.plane_modulus * t**2) * t / (t + r)
         return 1 / (bending + ends)
 
-    def _thickness(self, x: Array | float) -> Array:
-        """Thickness of the neck at a distance x from its middle, between the relief hole and the pocket, m."""
-        return _notch_thickness(x, self.neck, self.relief_radius, self.pocket_radius)
-
     @property
     def plane_modulus(self) -> float:
         """``E/(1 - nu^2)``, Pa."""
@@ -166,7 +162,7 @@ class ClampFinger:
         across = abs(screw_force * np.cos(A) + press_force * np.cos(A - phi)) * top
         along = abs(screw_force * np.sin(A) + press_force * np.sin(A - phi)) * top
         x = np.linspace(0, r, _POINTS)
-        thickness = self._thickness(x)
+        thickness = _notch_thickness(x, t, r, self.pocket_radius)
         local = 6 * (self.moment(screw_force, press_force) + across * x) / thickness**2 + along / thickness
         return float((1 + t / (2 * r)) ** 0.45 * local.max())
 

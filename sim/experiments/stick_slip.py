@@ -78,7 +78,7 @@ def stick_slip(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
 
 
 def _resolved(model: Model, pull: drive.Drive, time: np.ndarray, options: Any) -> Simulation:
-    """A run with output dense enough about its peaks and slips to read each off, however light the mass."""
+    """A run with output that is dense enough to resolve its peaks and slips, for any mass."""
     run = simulate(model, pull, time, **options)
     for _ in range(8):
         at = [int(np.searchsorted(run.time, slip) - 1) for slip in slip_times(run)]

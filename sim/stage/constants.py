@@ -44,7 +44,7 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
     """Numbers for the kernel, with the tips at the heights of `rest`.
 
     Raises:
-        InputError: the step is too long for the machine's quickest mode.
+        InputError: the step is too long for the machine's fastest mode.
     """
     quickest = quickest_mode(machine)
     if not 0.0 < step <= 1.0 / (STEPS_A_CYCLE * quickest):

@@ -182,7 +182,6 @@ def _sensors(design: Design) -> Sensors:
     return Sensors(
         interferometer_count=fringe.resolution,
         interferometer_speed=fringe.highest_speed,
-        probe_range=probe.range,
         probe_noise=probe.resolution,
         probe_bandwidth=probe.bandwidth,
         filter_frequency=filtered.filter_frequency,

@@ -197,7 +197,7 @@ class Sensors:
     Args:
         interferometer_count: m.
         interferometer_speed: highest, m/s.
-        probe_range: m; probe_noise: m rms within probe_bandwidth, Hz.
+        probe_noise: m rms within probe_bandwidth, Hz.
         filter_frequency: corner of the RC filter behind the probe, Hz.
         filtered_range: of the converter behind filter and gain, m; filtered_count: of the same, m.
         lvdt_count, lvdt_linearity_error: m.
@@ -205,7 +205,6 @@ class Sensors:
 
     interferometer_count: float
     interferometer_speed: float
-    probe_range: float
     probe_noise: float
     probe_bandwidth: float
     filter_frequency: float

@@ -1,4 +1,4 @@
-"""The driven stage, simulated piece by piece, so that a controller can act in between."""
+"""The driven stage, simulated in successive pieces, so that a controller can act between them."""
 
 from __future__ import annotations
 

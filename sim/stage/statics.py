@@ -1,6 +1,6 @@
 """Static equilibrium of the stage on its pads and tips.
 
-The elastic energy of pads, tips and bent stage in heave, the two turns and the bending modes is convex, so rest is its
+The elastic energy of pads, tips and bent stage in heave, roll, pitch and the bending modes is convex, so rest is its
 minimum, found by Newton's method with halving. There is no friction force at rest: the stage is set down without shear.
 """
 
@@ -132,7 +132,7 @@ def _tips_on_stage(machine: StageMachine, position: float) -> np.ndarray:
 
 
 def _rows(machine: StageMachine, places: np.ndarray) -> np.ndarray:
-    """Height of the stage at places by heave, turns and bending modes, (places, 3 + modes)."""
+    """Height of the stage at places by heave, roll, pitch and bending modes, (places, 3 + modes)."""
     places = np.asarray(places, dtype=float)
     x, y = (places - np.asarray(machine.stage.centre, dtype=float)[:2]).T
     return np.column_stack([np.ones(len(places)), y, -x, machine.stage.bending.at(places)[:, 0]])

@@ -96,7 +96,8 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
     lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
     for k, file in enumerate(opened):
         role = "validate" if len(opened) > 1 and k == len(opened) - 1 else "fit"
-        lines += ["", "[[record]]", f'file = "{_relative(Path(str(file.path)), folder)}"', f'role = "{role}"']
+        relative = Path(os.path.relpath(Path(str(file.path)).resolve(), folder.resolve())).as_posix()
+        lines += ["", "[[record]]", f'file = "{relative}"', f'role = "{role}"']
         if role == "validate":
             lines[-1] += f"    # {QUESTION} is this the record to hold out from the fit?"
         if k == 0:
@@ -136,7 +137,3 @@ def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
 def usual_effects(kind: str) -> list[str]:
     """Effects of a first model of a kind of rig."""
     return [] if kind == "actuator-tip" else ["coulomb", "viscous"]
-
-
-def _relative(path: Path, folder: Path) -> str:
-    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()

@@ -61,7 +61,7 @@ def build(
             own[part.key] = _own(run.design, part, folder, trust)
             solids[part.key] = _own_solid(own[part.key], part)
         else:
-            designs[part.key] = _design_of(run, part)
+            designs[part.key] = source_of(run).design(*(f"{key}={text}" for key, text in part.parameters.items()))
             solids[part.key] = _packaged_solid(designs[part.key], part, str(run.parameter_file))
     datums = {key: solid.datums for key, solid in solids.items()}
     instances = put_together(declaration, datums, str(run.parameter_file))
@@ -99,10 +99,6 @@ def _own_solid(own: OwnPart, part: DeclaredPart) -> DeclaredSolid:
         part_number=getattr(own.module, "PART_NUMBER", ""),
         purchased=hasattr(own.module, "PART_NUMBER"),
     )
-
-
-def _design_of(run: Run, part: DeclaredPart) -> Design:
-    return source_of(run).design(*(f"{key}={text}" for key, text in part.parameters.items()))
 
 
 def _packaged_solid(design: Design, part: DeclaredPart, file: str) -> DeclaredSolid:

@@ -50,11 +50,6 @@ def reads(experiment: str, key: str) -> bool:
     return experiment == "stage" or key.startswith("friction.")
 
 
-def tip_dimensions(design: Design) -> tuple[float, float]:
-    """Piezo spacing D and tip height h of the design, m."""
-    return design.actuator.piezo_spacing * 1e-3, design.actuator.tip_height * 1e-3
-
-
 def friction_of(design: Design) -> Friction:
     """The design's table `friction` (the thesis's Table 3 unless set otherwise), SI."""
     return Friction(**{field.name: getattr(design.friction, field.name) for field in dataclasses.fields(Friction)})
@@ -108,7 +103,7 @@ def simulate_experiment(
     if name == "tip":
         from sim.experiments.tip import PHASES, STROKES, tip_ellipse
 
-        spacing, height = tip_dimensions(design)
+        spacing, height = design.actuator.piezo_spacing * 1e-3, design.actuator.tip_height * 1e-3
         ellipses = {
             stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
             for stroke, size in STROKES.items()

@@ -14,11 +14,11 @@ from designcalc.errors.dynamic_budget import DynamicBudget
 from stagecad.parameters.units import as_json, format_quantity
 
 VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
-"""Worst first."""
+"""Verdicts in the order of the report, the worst first."""
 
 
 def counted(checks: Sequence[Check]) -> str:
-    """`30 pass, 12 fail`, and what else there is."""
+    """Number of checks with each verdict, `30 pass, 12 fail`."""
     words = {"passes": "pass", "fails": "fail", "out_of_range": "out of range", "undecidable": "undecidable"}
     numbers = {verdict: sum(c.verdict == verdict for c in checks) for verdict in words}
     return ", ".join(f"{n} {words[v]}" for v, n in numbers.items() if n or v in ("passes", "fails"))

@@ -127,7 +127,7 @@ def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
 
 
 def changing_checks(points: Sequence[Point], least: float = 1e-3) -> list[str]:
-    """Names of the checks whose margin moves over the sweep by more than `least`.
+    """Names of the checks whose margin changes over the sweep by more than `least`.
 
     Those whose verdict changes come first, then those with the largest change relative to their size.
     """

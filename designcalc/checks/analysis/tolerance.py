@@ -170,7 +170,7 @@ def _ends(
     nominal: Mapping[str, float],
     key: str,
 ) -> list[Array]:
-    """Margins with one dimension at either end of its tolerance, those of checks that do not read it as they were."""
+    """Margins with one dimension at either end of its tolerance; those of checks that do not read it are unchanged."""
     ends = []
     # The deviation of one part changes no other part, as its nominal value would by a formula.
     kept = [f"{entry.key}={entry.text}" for entry in design.entries if entry.formula and entry.key != key]

@@ -138,7 +138,7 @@ def proportions(r: DesignInputs) -> Check:
 
 
 def stiction(r: DesignInputs) -> Check:
-    """Breaking away, the stage jumps by twice the drop of friction over the stiffness that pulls it."""
+    """At break-away the stage jumps by twice the drop of friction over the stiffness that pulls it."""
     static, dynamic, hold = r("bearing.static_friction"), r("bearing.dynamic_friction"), holding_stiffness(r)
     drop = max(static - dynamic, 0.0) * load(r)
     reach = usable_ellipse(r)[0] / 2

@@ -71,7 +71,7 @@ def stiffness(r: DesignInputs) -> Check:
 
 
 def drive_surface_sag(r: DesignInputs) -> Check:
-    """The tip meets the sagging drive surface at another height wherever the stage stands."""
+    """The height at which the tip meets the sagging drive surface depends on the position of the stage."""
     half = r("stage.travel") / 2
     x = np.linspace(-half, half, 21)
     height = sag(r, np.stack([x, np.zeros_like(x)], axis=1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -118,7 +119,7 @@ def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray
     """
     travel, spacing = r("stage.travel"), r("pads.spacing_along")
     tracks, track_of = np.unique(places[:, 1], return_inverse=True)
-    profiles, step = synthetic_profiles(surface.without_waves(), travel + spacing, side, len(tracks))
+    profiles, step = synthetic_profiles(replace(surface, waviness=0.0), travel + spacing, side, len(tracks))
     count = int((travel + side) / step)
     starts = np.rint((places[:, 0] - places[:, 0].min()) / step).astype(int)
     heights = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]

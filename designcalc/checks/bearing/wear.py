@@ -38,7 +38,7 @@ def film_thickness(r: DesignInputs) -> Check:
 
 
 def running_in(r: DesignInputs) -> Check:
-    """The film must outlive its own running in."""
+    """Running in must not wear out the film."""
     cycles, travel = r("bearing.run_in_cycles"), r("stage.travel")
     distance = 2 * travel * cycles
     radius = r("pads.crown_radius")

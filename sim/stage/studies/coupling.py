@@ -25,7 +25,7 @@ mid-travel."""
 
 @dataclass(frozen=True)
 class Fault:
-    """A drive that is not as it should be.
+    """A drive with a fault.
 
     Args:
         text: description of the fault.
@@ -80,18 +80,13 @@ def with_ample_amplifier(machine: StageMachine) -> StageMachine:
     return replace(machine, piezo=free)
 
 
-def with_linear_piezos(machine: StageMachine) -> StageMachine:
-    """The machine with stacks that have neither hysteresis nor creep."""
-    return replace(machine, piezo=replace(machine.piezo, hysteresis=0.0, creep=0.0))
-
-
 def faulty_run(case: tuple[StageMachine, float, float, float, Fault]) -> StageRun:
     """A run with a fault; the case is machine, amplitude (m), phase (rad), frequency (Hz), fault."""
     machine, amplitude, phase, frequency, fault = case
     if fault.ample:
         machine = with_ample_amplifier(machine)
     if fault.linear:
-        machine = with_linear_piezos(machine)
+        machine = replace(machine, piezo=replace(machine.piezo, hysteresis=0.0, creep=0.0))
     machine = replace(machine, actuators=machine.actuators + [0.0, fault.offset])
     ellipse = two_piezo_ellipse(machine, amplitude, phase)
     time = step_times(round(DURATION / STEP), STEP)

@@ -47,7 +47,7 @@ class PlanarStudy:
         return np.array([run.position[-1] for run in self.runs[drive]])
 
     def direction_errors(self, drive: str) -> np.ndarray:
-        """Direction made good less that commanded, rad, shape (n,)."""
+        """Direction of the motion less that commanded, rad, shape (n,)."""
         ends = self.ends(drive)
         away = np.arctan2(ends[:, 1], ends[:, 0]) - self.directions
         return (away + math.pi) % (2.0 * math.pi) - math.pi
