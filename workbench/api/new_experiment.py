@@ -115,7 +115,10 @@ class Proposal(Result):
         return pd.DataFrame(self.columns)[names].set_index("column")
 
     def to_json(self) -> dict[str, Any]:
-        """Kind of rig, columns, the channels and known quantities of the kind with their units, what is missing."""
+        """Kind of rig, columns, the channels and known quantities of the kind with their units, what is missing.
+
+        Of each group under `needed` one channel is wanted.
+        """
         from sysid.experiment.rig_kinds.declaration import find_rig
         from workbench.identification.new_experiment import missing_channels, usual_effects
 
@@ -129,6 +132,7 @@ class Proposal(Result):
                 "read_as": list(self.opened[0].header.remarks),
                 "columns": self.columns,
                 "channels": {name: rig.declared(name).si_unit(rotary) for name in rig.channels},
+                "needed": [list(group) for group in (("time",), *rig.inputs, *rig.measured)],
                 "missing": list(missing_channels(self.found)),
                 "known": known,
                 "effects": usual_effects(self.found.kind),

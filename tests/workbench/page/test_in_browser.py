@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from served_page import Browser, chromium, looking, serving
+from served_page import Browser, chromium, looking, serving, until
 
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.history import read_history
@@ -109,6 +109,18 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
     assert committed.value.json()["changes"] == {"stage.thickness": "13 mm"}
     page.get_by_role("button", name="Undo").click()
     fresh.locator(".margin", has_text=before).wait_for()
+    # A key that is held is one step; Escape leaves the value as it was.
+    field.focus()
+    for _ in range(3):
+        page.keyboard.down("ArrowUp")
+    with page.expect_response("**/api/machine/commit") as committed:
+        page.keyboard.up("ArrowUp")
+    assert set(committed.value.json()["changes"]) == {"stage.thickness"} and committed.value.json()["undo"] == 1
+    field.press("Control+z")
+    page.get_by_role("button", name="Difference", exact=True).wait_for()
+    field.fill("99 mm")
+    field.press("Escape")
+    assert field.input_value() == "12 mm"
     # A value of the wrong dimension is refused in words, and the old one stays.
     field.fill("3 kg")
     field.press("Enter")
@@ -196,8 +208,47 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     )
     assert all(name.strip() in both.inner_text() for name in required.split(","))
     assert page.locator(".optimum .card", has_text="What to relax").locator("tbody tr").count() == 2
+    # The result is that of one design: with another value it is marked, and its changes cannot be made.
+    apply, old = page.get_by_role("button", name="Apply"), page.locator(".optimize .search", has_text="Out of date")
+    assert apply.is_enabled() and old.count() == 0
+    _drag(browser, "stage.thickness", 6.2)
+    old.wait_for()
+    assert apply.is_disabled()
+    page.reload()
+    page.get_by_role("button", name="Optimize", exact=True).click()
+    old.wait_for()
+    assert apply.is_disabled()
+    page.get_by_role("button", name="Undo").click()
+    old.wait_for(state="detached")
+    assert apply.is_enabled()
     page.get_by_role("button", name="Undo").click()
     page.get_by_role("button", name="Difference", exact=True).wait_for()
+    _expected(browser)
+
+
+def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(browser: Browser) -> None:
+    page = browser.page
+    browser.open("simulation")
+    page.get_by_label("experiment", exact=True).select_option("presliding")
+    page.locator("#simulation .plot canvas").first.wait_for()
+    force = page.get_by_label("friction.coulomb", exact=True)
+    before = force.input_value()
+    for wrong in ("3 kg", "much"):
+        force.fill(wrong)
+        force.press("Enter")
+        page.locator("#message.bad", has_text="friction.coulomb").wait_for()
+        until(page, lambda: force.input_value() == before)
+    # A number without a unit is one in the unit of the field.
+    force.fill("1.1")
+    with page.expect_request("**/api/simulation/run") as asked:
+        force.press("Enter")
+    assert asked.value.post_data_json["changes"] == {"friction.coulomb": "1.1 N"}
+    page.get_by_label("experiment", exact=True).select_option("tip")
+    height = page.get_by_label("actuator.tip_height", exact=True)
+    height.fill("2 cm")
+    height.press("Enter")
+    page.locator("#message.bad", has_text="a number in mm").wait_for()
+    assert height.input_value() == "20 mm"
     _expected(browser)
 
 
@@ -216,10 +267,17 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
 
     _drop(page, folder / "fit.csv", folder / "validate.csv")
     dialog.get_by_label("name of the experiment").fill("slide")
-    dialog.get_by_role("button", name="Upload").click()
+    dialog.get_by_label("name of the experiment").press("Enter")
     dialog.get_by_text("read as: semicolon, decimal comma").wait_for()
     assert dialog.get_by_label("kind of rig").input_value() == "velocity-drive"
     assert dialog.get_by_label("role of validate.csv").input_value() == "validate"
+    column = dialog.get_by_label("channel of velocity")
+    column.select_option("friction_force")
+    dialog.get_by_text("no column is taken for position or velocity").wait_for()
+    dialog.get_by_role("button", name="Create").click()
+    dialog.get_by_role("alert").filter(has_text="two columns are taken for friction force").wait_for()
+    column.select_option("velocity")
+    dialog.get_by_text("no column is taken").wait_for(state="hidden")
     dialog.get_by_role("button", name="Create").click()
     page.locator(".map canvas").first.wait_for()
 

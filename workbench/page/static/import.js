@@ -30,6 +30,7 @@ class Import {
     this.act = () => this.send();
     this.next.addEventListener('click', () => this.act());
     this.body = h('div', { class: 'import-body' });
+    this.body.addEventListener('keydown', (event) => { if (event.key === 'Enter' && event.target.matches('input') && !this.next.disabled) this.act(); });
     fill(dialog, h('h2', {}, 'New experiment'), this.body, this.problem,
       h('div', { class: 'actions' }, h('button', { onclick: () => dialog.close('') }, 'Cancel'), this.next));
   }
@@ -71,24 +72,33 @@ class Import {
     this.kind = choice('kind of rig', Object.fromEntries(this.kinds.map((name) => [name, name])), found.kind);
     this.kind.addEventListener('change', () => this.propose(this.kind.value).catch((error) => { this.problem.textContent = error.message; }));
     this.effects = h('input', { type: 'text', value: this.effects?.value ?? found.effects.join(', '), 'aria-label': 'effects of the model', spellcheck: 'false' });
-    this.known = Object.entries(found.known).map(([name, unit]) => [name, h('input', { type: 'text', placeholder: `fitted, or e.g. 1.79 ${unit}`.trim(), 'aria-label': name, spellcheck: 'false' })]);
+    const given = Object.fromEntries((this.known ?? []).map(([name, input]) => [name, input.value]));
+    this.known = Object.entries(found.known).map(([name, unit]) => [name, h('input', { type: 'text', value: given[name] ?? '', placeholder: `fitted, or e.g. 1.79 ${unit}`.trim(), 'aria-label': name, spellcheck: 'false' })]);
     const channels = { '': '–', ...Object.fromEntries(Object.keys(found.channels).map((name) => [name, words(name)])) };
     this.columns = found.columns.map((one) => {
       const channel = choice(`channel of ${one.label}`, channels, one.channel ?? '');
-      const unit = h('input', { type: 'text', value: one.unit, placeholder: one.unit_in_file ? 'as in the file' : 'unit', 'aria-label': `unit of ${one.label}`, spellcheck: 'false' });
+      const unit = h('input', { type: 'text', value: one.unit, placeholder: one.unit_in_file && one.channel ? 'as in the file' : 'unit', 'aria-label': `unit of ${one.label}`, spellcheck: 'false' });
       const scale = h('input', { type: 'text', value: one.scale ?? '', placeholder: '1', 'aria-label': `scale of ${one.label}`, spellcheck: 'false' });
       return { one, channel, unit, scale, sign: choice(`sign of ${one.label}`, { 1: '+', '-1': '−' }, '1') };
     });
+    const missing = h('p', { class: 'warn' });
+    const look = () => {
+      const taken = new Set(this.columns.map(({ channel }) => channel.value));
+      const names = found.needed.filter((group) => !group.some((name) => taken.has(name)));
+      missing.textContent = names.length ? `no column is taken for ${names.map((group) => group.map(words).join(' or ')).join(', ')}` : '';
+    };
+    for (const { channel } of this.columns) channel.addEventListener('change', look);
+    look();
     const field = (name, input) => h('label', { class: 'field' }, h('span', {}, name), input);
     fill(this.body,
       found.read_as.length ? h('p', { class: 'dim' }, `read as: ${found.read_as.join(', ')}`) : null,
       field('kind of rig', this.kind), found.question ? h('p', { class: 'warn' }, found.question) : null,
-      found.missing.length ? h('p', { class: 'warn' }, `no column is taken for ${found.missing.join(', ')}`) : null,
+      missing,
       this.known.map(([name, input]) => field(words(name), input)), field('model', this.effects),
       h('h3', {}, 'Records'), h('table', {}, this.records.map((record, k) => h('tr', {}, h('td', {}, record.file), h('td', { class: 'num dim' }, `${record.rows} rows`), h('td', {}, this.roles[k])))),
-      h('h3', {}, 'Columns'), h('table', { class: 'columns' }, h('thead', {}, h('tr', {}, ['column', 'first values', 'channel', 'unit', 'scale', 'sign'].map((text) => h('th', {}, text)))),
+      h('h3', {}, 'Columns'), h('table', { class: 'columns' }, h('thead', {}, h('tr', {}, ['column', 'first values', 'channel', 'unit', 'scale', 'sign'].map((text) => h('th', { class: text.replace(' ', '-') }, text)))),
         h('tbody', {}, this.columns.map(({ one, channel, unit, scale, sign }) => [
-          h('tr', {}, h('td', {}, one.label), h('td', { class: 'dim' }, one.first ? one.first.slice(0, 3).map((v) => (v === null ? '·' : Number(v.toPrecision(5)))).join(', ') : 'text'), ...[channel, unit, scale, sign].map((input) => h('td', {}, input))),
+          h('tr', {}, h('td', {}, one.label), h('td', { class: 'dim values' }, one.first ? one.first.slice(0, 3).map((v) => (v === null ? '·' : Number(v.toPrecision(5)))).join(', ') : 'text'), ...[channel, unit, scale, sign].map((input) => h('td', {}, input))),
           one.question && one.channel ? h('tr', {}, h('td', {}), h('td', { class: 'warn', colSpan: 5 }, one.question)) : null]))));
   }
 
@@ -97,8 +107,10 @@ class Import {
     const text = (input) => input.value.trim();
     const channels = {};
     for (const { one, channel, unit, scale, sign } of this.columns) {
+      if (channel.value in channels) { this.problem.textContent = `two columns are taken for ${words(channel.value)}: ${channels[channel.value].column} and ${one.label}`; return; }
       if (channel.value) channels[channel.value] = { column: one.column, unit: text(unit), scale: text(scale), sign: Number(sign.value) };
     }
+    this.next.disabled = true;
     try {
       const found = await post('/api/experiments', {
         name: this.name.value, kind: this.kind.value, channels,
@@ -109,6 +121,7 @@ class Import {
       say(`${found.name}/experiment.toml written`, 'good');
       this.dialog.close(found.name);
     } catch (error) { this.problem.textContent = error.message; }
+    this.next.disabled = false;
   }
 }
 

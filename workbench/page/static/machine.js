@@ -69,7 +69,8 @@ class Machine {
     const [state, parameters] = await Promise.all([get('/api/machine'), get('/api/machine/parameters')]);
     this.parameters.load(parameters);
     this.take(state);
-    this.showTab('solids');
+    // A tab that was chosen while the page was loading stays.
+    this.showTab(this.tab ?? 'solids');
     this.preview();
     this.buildSolids();
   }
@@ -87,6 +88,7 @@ class Machine {
     this.redo.disabled = state.redo === 0;
     const count = Object.keys(state.changes).length;
     this.tabs.difference.textContent = count ? `Difference (${count})` : 'Difference';
+    this.optimize?.showAge();
   }
 
   drag(key, text) {
@@ -233,7 +235,9 @@ class Machine {
   }
 
   showTab(name) {
-    this.tab = this.place.dataset.tab = name;
+    this.tab = name;
+    if (!this.state) return;
+    this.place.dataset.tab = name;
     for (const [one, button] of Object.entries(this.tabs)) button.setAttribute('aria-pressed', String(one === name));
     for (const [one, pane] of Object.entries(this.panes)) pane.hidden = one !== name;
     if (name === 'solids') this.view.resize();
@@ -245,7 +249,7 @@ class Machine {
   async showOptimize() {
     const { Optimize } = await import('./optimize.js');
     this.optimize ??= new Optimize(this.panes.optimize, {
-      apply: (changes) => this.applyChanges(changes), reveal: (key) => this.parameters.reveal(key), selected: () => this.parameters.selected, range: (key) => this.rangeOf(key),
+      apply: (changes) => this.applyChanges(changes), digest: () => this.state.digest, reveal: (key) => this.parameters.reveal(key), selected: () => this.parameters.selected, range: (key) => this.rangeOf(key),
     });
     await this.optimize.shown();
   }

@@ -273,7 +273,7 @@ class Measurement {
       h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
         h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
-      errorTable(document.before), this.sliders.card(document, []), this.records(found));
+      errorTable(document.before, 'Error of the present model'), this.sliders.card(document, [], document.effect ? `Fitted values with ${words(document.effect)}` : 'Fitted values'), this.records(found));
     const first = document.effect ?? document.ranking[0]?.effect;
     if (first && document.verdict !== 'adequate') this.previewOf(first);
   }
@@ -318,7 +318,8 @@ class Measurement {
     const best = found.document.slice(0, 6);
     this.ranking.prepend(h('div', { class: 'card suggestion' }, h('h3', {}, 'Next measurement'), found.statements.map((text) => h('p', {}, text)),
       h('table', {}, h('thead', {}, h('tr', {}, h('th', {}, 'motion'), h('th', { class: 'num' }, 'time'), h('th', { class: 'num' }, 'separates'))),
-        h('tbody', {}, best.map((row) => h('tr', { title: `${row.reason}\n${row.file}` }, h('td', {}, row.motion), h('td', { class: 'num' }, `${number(row.seconds, 3)} s`), h('td', { class: 'num' }, row.deviations ? `${number(row.deviations, 3)} σ` : '–')))))));
+        h('tbody', {}, best.map((row) => h('tr', { title: `${row.reason}\n${row.file}` }, h('td', {}, row.motion), h('td', { class: 'num' }, `${number(row.seconds, 3)} s`), h('td', { class: 'num' }, row.deviations ? `${number(row.deviations, 3)} σ` : '–'))))),
+      h('p', { class: 'dim', title: best[0]?.file }, `Written as CSV files to ${best[0]?.file.split(/[\\/]/).slice(-4, -1).join('/')}`)));
     this.ranking.scrollTop = 0;
   }
 
@@ -346,11 +347,11 @@ class Measurement {
 const path = (name) => name.split('/').map(encodeURIComponent).join('/');
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-function errorTable(errors) {
-  const rows = [['fit', 'fit'], ['validate', 'held out']].flatMap(([role, title]) => Object.entries(errors[role] ?? {}).map(([channel, m]) => [title, channel, m]));
-  return h('div', { class: 'card' }, h('h3', {}, 'Error of the model'), h('table', { class: 'errors' },
+function errorTable(errors, title = 'Error of the model') {
+  const rows = [['fit', 'fit'], ['validate', 'held out']].flatMap(([role, name]) => Object.entries(errors[role] ?? {}).map(([channel, m]) => [name, channel, m]));
+  return h('div', { class: 'card' }, h('h3', {}, title), h('table', { class: 'errors' },
     h('thead', {}, h('tr', {}, h('th', {}, 'records'), h('th', {}, 'channel'), h('th', { class: 'num' }, 'rms'), h('th', { class: 'num' }, '× noise'))),
-    h('tbody', {}, rows.map(([title, channel, m]) => h('tr', { title: m.fit_percent === null ? '' : `fit ${m.fit_percent.toFixed(1)} %` }, h('td', {}, title), h('td', {}, words(channel)), h('td', { class: 'num' }, quantity(m.rms)), h('td', { class: 'num' }, times(m.over_noise)))))));
+    h('tbody', {}, rows.map(([name, channel, m]) => h('tr', { title: m.fit_percent === null ? '' : `fit ${m.fit_percent.toFixed(1)} %` }, h('td', {}, name), h('td', {}, words(channel)), h('td', { class: 'num' }, quantity(m.rms)), h('td', { class: 'num' }, times(m.over_noise)))))));
 }
 
 

@@ -6,13 +6,14 @@ import { INKS, XyPlot } from './plot.js';
 export class Optimize {
   /**
    * @param {HTMLElement} place
-   * @param {{apply: (changes: object) => void, reveal: (key: string) => void, selected: () => string|undefined, range: (key: string) => string}} machine
+   * @param {{apply: (changes: object) => void, digest: () => string, reveal: (key: string) => void, selected: () => string|undefined, range: (key: string) => string}} machine
    */
   constructor(place, machine) {
     this.machine = machine;
     this.turn = newest();
     this.opened = 0;
     this.current = 0;
+    this.found = null;
     this.free = new Map();
     this.list = h('div', { class: 'free-list' });
     this.keep = h('input', { type: 'text', 'aria-label': 'required checks', placeholder: 'all checks', spellcheck: 'false', title: 'Names of the required checks, with commas; * stands for any text' });
@@ -80,6 +81,7 @@ export class Optimize {
   }
 
   clear() {
+    this.found = null;
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
   }
@@ -120,8 +122,8 @@ export class Optimize {
     if (job.number < this.current && this.current !== Infinity) return;
     const busy = job.state === 'running' || job.state === 'waiting';
     this.start.disabled = busy;
-    this.progress.hidden = !busy;
-    if (!busy) return;
+    if (!busy) { this.showAge(); return; }
+    this.progress.hidden = false;
     // The elements of a job stay: a button that is made anew at each step cannot be clicked.
     if (this.line?.number !== job.number) {
       this.line = { number: job.number, step: h('span', { class: 'dim step' }) };
@@ -130,9 +132,21 @@ export class Optimize {
     this.line.step.textContent = job.step || 'waiting';
   }
 
+  /** A result is that of one design: it is marked while the present design is another. */
+  showAge() {
+    const old = this.found !== null && this.found.digest !== this.machine.digest();
+    this.result.classList.toggle('outdated', old);
+    for (const button of this.result.querySelectorAll('button.main')) button.disabled = old;
+    if (this.start.disabled) return;
+    this.line = null;
+    fill(this.progress, old ? h('span', { class: 'warn' }, 'Out of date: the design has changed since this search.') : '');
+    this.progress.hidden = !old;
+  }
+
   show(found) {
     const { document } = found;
     this.clear();
+    this.found = found;
     const alone = (document.conflicts ?? []).filter((names) => names.length === 1).map(([name]) => name);
     const sets = (document.conflicts ?? []).filter((names) => names.length > 1);
     const margins = (document.margins ?? []).filter((row) => row.after && (row.after.verdict !== row.before.verdict || percent(row.after.margin) !== percent(row.before.margin)));
@@ -146,10 +160,10 @@ export class Optimize {
         h('div', { class: 'line' }, h('h3', {}, document.feasible ? 'Changes' : 'Changes that meet all but the contradicting requirements'), h('span', { class: 'space' }),
           h('button', { class: 'main', onclick: () => this.machine.apply(found.changes) }, 'Apply')),
         h('table', {}, h('thead', {}, h('tr', {}, ['parameter', 'from', 'to'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
-          h('tbody', {}, document.changes.map((row) => [h('tr', {}, h('td', {}, h('button', { class: 'chip', onclick: () => this.machine.reveal(row.key) }, row.key)), h('td', { class: 'num' }, row.from), h('td', { class: 'num now' }, row.to)), h('tr', { class: 'why' }, h('td', { class: 'dim', colSpan: 3 }, row.reason))])))) : null,
+          h('tbody', {}, document.changes.map((row) => [h('tr', {}, h('td', {}, h('button', { class: 'chip', onclick: () => this.machine.reveal(row.key) }, row.key)), h('td', { class: 'num', title: row.from }, rounded(row.from)), h('td', { class: 'num now', title: row.to }, rounded(row.to))), h('tr', { class: 'why' }, h('td', { class: 'dim', colSpan: 3 }, row.reason))])))) : null,
       alone.length ? h('div', { class: 'card' }, h('h3', {}, 'Out of reach whatever changes'), h('ul', {}, alone.map((name) => h('li', {}, name)))) : null,
       sets.length ? h('div', { class: 'card' }, h('h3', {}, 'Contradicting requirements'), h('ul', {}, sets.map((names) => h('li', {}, names.join(' · '))))) : null,
-      found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'Margins of the designs evaluated, and their front. Both requirements hold in the upper right, beyond the lines of zero margin. ', h('span', {}, swatch(INKS()[0]), 'present design'), ' ', h('span', {}, swatch(INKS()[2]), 'with the changes')), h('div', { class: 'plot' }))),
+      found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'Margins of the designs evaluated, and their front. Both requirements hold in the upper right, beyond the lines of zero margin. ', h('span', {}, dot(INKS()[0]), 'present design'), ' ', h('span', {}, dot(INKS()[2]), 'with the changes')), h('div', { class: 'plot' }))),
       document.relax?.length ? h('div', { class: 'card' }, h('h3', {}, 'What to relax'), h('table', {},
         h('thead', {}, h('tr', {}, ['requirement', 'limit', 'reached'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
         h('tbody', {}, document.relax.map((row) => h('tr', {}, h('td', {}, row.check, row.keeping.length ? h('span', { class: 'dim' }, ` with ${row.keeping.join('; ')}`) : null), h('td', { class: 'num' }, quantity(row.limit)), h('td', { class: 'num' }, quantity(row.needed))))))) : null,
@@ -157,6 +171,7 @@ export class Optimize {
         h('thead', {}, h('tr', {}, ['check', 'before', 'after'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
         h('tbody', {}, margins.map((row) => h('tr', {}, h('td', {}, row.check), h('td', { class: 'num' }, percent(row.before.margin)), h('td', { class: `num ${row.after.verdict === 'passes' ? 'good' : 'bad'}` }, percent(row.after.margin))))))) : null);
     this.drawFronts(found.fronts, document.margins ?? []);
+    this.showAge();
   }
 
   drawFronts(fronts, margins) {
@@ -164,8 +179,10 @@ export class Optimize {
     fronts.forEach(({ names, points, front }, k) => {
       const inks = INKS();
       const [x, y] = points.map((values) => values.map(squeezed));
-      const short = (name, most) => (name.length > most ? `${name.slice(0, most - 2)} …` : name);
-      const plot = new XyPlot(places[k], { x: `margin of ${short(names[0], 32)}`, y: `margin of ${short(names[1], 22)}`, tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
+      // As much of the names as the axes have room for.
+      const em = parseFloat(getComputedStyle(places[k]).fontSize);
+      const short = (name, length) => { const most = Math.max(Math.floor(length / (0.58 * em)) - 10, 8); return name.length > most ? `${name.slice(0, most - 2)} …` : name; };
+      const plot = new XyPlot(places[k], { x: `margin of ${short(names[0], places[k].clientWidth - 7 * em)}`, y: `margin of ${short(names[1], places[k].clientHeight - 4 * em)}`, tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
       const ends = (values) => [Math.min(...values, -0.1), Math.max(...values, 0.1)];
       plot.marks = [['before', inks[0]], ['after', inks[2]]].flatMap(([when, ink]) => {
         const [a, b] = names.map((name) => margins.find((row) => row.check === name)?.[when]?.margin ?? null);
@@ -193,4 +210,7 @@ function marginTicks(low, high, count) {
   const zero = Math.max(values.indexOf(0), 0);
   return { values: values.filter((_, k) => (k - zero) % every === 0), step: 1 };
 }
+const dot = (ink) => { const s = swatch(ink); s.classList.add('dot'); return s; };
+/** A value of a search with as many digits as one reads; the whole number is applied. */
+const rounded = (text) => text.replace(/^-?\d+\.\d+(?=\s|$)/, (digits) => String(Number(Number(digits).toPrecision(5))));
 const percent = (v) => (v === null || v === undefined ? '–' : `${v > 0 ? '+' : v < 0 ? '−' : ''}${Math.abs(100 * v) >= 1e4 ? Math.abs(100 * v).toExponential(0).replace('e+', 'e') : Number(Math.abs(100 * v).toPrecision(2))} %`);

@@ -92,6 +92,7 @@ export class ParameterList {
     const field = h('input', { type: 'text', value: p.text, spellcheck: 'false', 'aria-label': p.key });
     const settle = () => { if (field.value.trim() !== (this.texts?.[p.key] ?? p.text)) this.on.commit(p.key, field.value.trim()); };
     field.addEventListener('change', settle);
+    field.addEventListener('keydown', (event) => { if (event.key === 'Escape') { field.value = this.texts?.[p.key] ?? p.text; field.blur(); } });
     let slider = null;
     if (p.number !== null) {
       const range = sliderRange(p);
@@ -101,16 +102,21 @@ export class ParameterList {
       slider.addEventListener('input', () => { field.value = position(); this.on.drag(p.key, field.value); });
       slider.addEventListener('change', () => this.on.commit(p.key, position()));
       slider.addEventListener('dblclick', () => this.on.commit(p.key, null));
+      // A key that is held is one change, as a slider that is dragged.
+      let held = false;
+      const release = () => { if (held) { held = false; this.on.commit(p.key, field.value); } };
       field.addEventListener('keydown', (event) => {
         const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         if (!sign) return;
         event.preventDefault();
         const now = Number.parseFloat(field.value);
         if (!Number.isFinite(now)) return;
-        const value = now + sign * range.step * (event.shiftKey ? 10 : 2);
-        field.value = valueText(p, value, range.step);
-        this.on.commit(p.key, field.value);
+        held = true;
+        field.value = valueText(p, now + sign * range.step * (event.shiftKey ? 10 : 2), range.step);
+        this.on.drag(p.key, field.value);
       });
+      field.addEventListener('keyup', (event) => { if (event.key.startsWith('Arrow')) release(); });
+      field.addEventListener('blur', release);
       row.append(slider, field);
     } else {
       row.classList.add('wide');

@@ -40,7 +40,7 @@ const tick = (value, step) => (value === 0 ? '0' : Math.abs(value) >= 1e5 || ste
 function axis(label, size, factor = 1, upright = false) {
   return {
     ...(label ? { label, labelSize: rem() * 1.5 } : {}), size, stroke: () => colour('dim'), font: font(), labelFont: font(), gap: 4,
-    grid: { stroke: () => colour('grid'), width: 1 }, ...(upright ? { space: rem() * 1.9 } : {}), ticks: { stroke: () => colour('grid'), width: 1, size: 4 },
+    grid: { stroke: () => colour('grid'), width: 1 }, space: rem() * (upright ? 1.9 : 4), ticks: { stroke: () => colour('grid'), width: 1, size: 4 },
     values: (_, splits) => splits.map((v) => (v === null ? '' : tick(v * factor, Math.abs(splits[1] - splits[0]) * factor))),
   };
 }

@@ -68,10 +68,29 @@ class Simulation {
     const field = h('input', { type: 'text', value: shown, title: `design: ${p.text}`, 'aria-label': p.key, spellcheck: 'false' });
     const slider = h('input', { type: 'range', 'aria-label': `${p.key}, slider` });
     Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: text === p.text ? p.number : Number.parseFloat(text) });
-    slider.addEventListener('input', () => { field.value = valueText(p, slider.valueAsNumber, range.step); if (live) onchange(field.value, slider.valueAsNumber); });
-    slider.addEventListener('change', () => onchange(field.value, slider.valueAsNumber));
-    slider.addEventListener('dblclick', () => { field.value = p.text; slider.value = p.number; onchange(p.text, p.number); });
-    field.addEventListener('change', () => { const v = Number.parseFloat(field.value); slider.value = v; onchange(field.value, v); });
+    let last = [field.value, slider.value];
+    // What is refused leaves the value before.
+    const change = (given, value) => {
+      const before = last;
+      last = [field.value, slider.value];
+      onchange(given, value, () => { last = before; [field.value, slider.value] = before; });
+    };
+    slider.addEventListener('input', () => { field.value = valueText(p, slider.valueAsNumber, range.step); if (live) change(field.value, slider.valueAsNumber); });
+    slider.addEventListener('change', () => change(field.value, slider.valueAsNumber));
+    slider.addEventListener('dblclick', () => { field.value = p.text; slider.value = p.number; change(p.text, p.number); });
+    field.addEventListener('change', () => {
+      const [, digits, unit] = field.value.trim().match(/^([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)$/i) ?? [];
+      // The tip is drawn from numbers in this unit; an experiment takes a text with any.
+      if (digits === undefined || (live && unit && unit !== p.unit)) {
+        say(`${p.key}: '${field.value}': a number${p.unit ? ` in ${p.unit}` : ''} is wanted`, 'bad');
+        [field.value, slider.value] = last;
+        return;
+      }
+      if (!unit && p.unit) field.value = `${digits} ${p.unit}`;
+      if (!unit || unit === p.unit) slider.value = digits;
+      say('');
+      change(field.value, Number(digits));
+    });
     return h('div', { class: 'row' }, h('span', { class: 'name', title: p.meaning }, words(p.title ?? p.key.split('.').at(-1))), slider, field);
   }
 
@@ -151,7 +170,7 @@ class Simulation {
       h('div', { class: 'card dim' }, h('p', {}, this.info.experiments[this.name])),
       this.stage ? null : h('div', { class: 'card' }, h('h3', {}, 'Friction model'), models),
       h('div', { class: 'card rows' }, h('h3', {}, 'Parameters'), this.info.parameters[this.stage ? 'stage' : 'body'].map((p) =>
-        this.slider(p, (text) => { if (text === p.text) delete this.changes[p.key]; else this.changes[p.key] = text; this.run(); }, false, this.changes[p.key]))));
+        this.slider(p, (text, _, reset) => this.change(p, text, reset), false, this.changes[p.key]))));
     this.features = h('div', { class: 'scroll' });
     fill(this.right, h('div', { class: 'head' }, h('h2', {}, 'Features')), this.features);
     fill(this.middle, h('p', { class: 'empty' }, 'simulating …'));
@@ -161,12 +180,20 @@ class Simulation {
     else this.run();
   }
 
-  async run() {
+  change(p, text, reset) {
+    const before = this.changes;
+    this.changes = { ...before, [p.key]: text };
+    if (text === p.text) delete this.changes[p.key];
+    this.run(() => { this.changes = before; reset(); });
+  }
+
+  /** Simulate with the present values; `refused` is called where the server does not take them. */
+  async run(refused = () => {}) {
     if (!this.models.size) { say('choose at least one friction model', 'bad'); return; }
     const current = this.turn();
     if (!this.plots.length) fill(this.middle, h('p', { class: 'empty' }, 'simulating …'));
     try {
-      const job = await post('/api/simulation/run', { experiment: this.name, models: [...this.models], changes: this.changes });
+      const job = await post('/api/simulation/run', { experiment: this.name, models: [...this.models], changes: this.changes }).catch((error) => { if (current()) refused(); throw error; });
       const found = await result(job);
       if (current()) { this.draw(job.number, found); say(''); }
     } catch (error) {

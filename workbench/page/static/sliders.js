@@ -24,14 +24,14 @@ export class ModelSliders {
   }
 
   /** The card with the values of a document; parameters of `sliders` can be moved. */
-  card(document, sliders) {
+  card(document, sliders, title = 'Fitted values') {
     this.clear();
     const movable = new Map(sliders.map((one) => [one.name, one]));
     this.note = h('p', { class: 'dim moved' }, sliders.length ? 'Move a slider to see what the parameter does; a double click brings the fitted value back.' : '');
     return h('div', { class: 'card fitted-card' },
-      h('h3', {}, 'Fitted values'),
+      h('h3', {}, title),
       h('div', { class: 'fitted' }, Object.entries(document.parameters).filter(([, q]) => !q.nuisance).map(([key, q]) => this.row(key, q, movable.get(key)))),
-      this.note,
+      sliders.length ? this.note : null,
       (document.not_identifiable ?? []).map((text) => h('p', { class: 'dim' }, text)));
   }
 

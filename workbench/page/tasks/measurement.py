@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stagecad.parameters.errors import InputError
 from workbench.api.comparison import Comparison
 from workbench.api.comparison import compare as compare_model
 from workbench.api.design import Design
@@ -53,7 +54,10 @@ def predict(
         found = _compared(experiment, params)
     moved = found.with_values(values)
     models = {"model": found.fitted.model, MOVED: moved.model}
-    return {"overlays": _overlays(found, models, Path(folder), (record, channel)), "over_noise": moved.over_noise}
+    overlays = _overlays(found, models, Path(folder), (record, channel))
+    if not overlays:
+        raise InputError(f"{record}: no such record with the channel {channel}")
+    return {"overlays": overlays, "over_noise": moved.over_noise}
 
 
 def diagnose(
