@@ -6,7 +6,7 @@ sheet by itself, and ezdxf's drawing add-on beside the writers of SVG, PDF and P
 Times are of fresh processes with a cache of their own, the best of RUNS (default 2); cold once, from no parts at all,
 and once with the parts made but no sheet drawn. The interpreter's own compiled files are there, as they are from the
 second run of an installed program on. Beside the time of day stands the processor time of all processes together,
-which says more on a busy machine.
+which depends less on other work.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Every effect that may be hidden in a driven stage, through compare, diagnose and add: what is named, what is left.
 
     python -m benchmarks.friction_drive [--kinds piezo_hysteresis ...] [--seeds 1 2] [--rows 2000] [--jobs 1]
-    python -m benchmarks.friction_drive --kept FILE [--kinds ...]     # results by and by; a table of all of them
+    python -m benchmarks.friction_drive --kept FILE [--kinds ...]     # continues; a table of all results
 
 Records come from a generator with laws and an integrator of its own (`tests/recovery/friction_drive/driven_stage`). A
 case is right where the name is right, or ties with at most two others, and adding it leaves at most 1.5 times the noise
-on the held-out record; where nothing is hidden, if nothing is named; where no library has it, if that is said.
+on the held-out record; where nothing is hidden, if nothing is named; where no library has it, if `unexplained`.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Row:
         kind, motion, seed: of the case.
         verdict: of the diagnosis; `failed` where it, or adding, raised.
         effect: named; empty where none is.
-        ties: effects these records cannot tell from it.
+        ties: effects that these records cannot distinguish from it.
         before, after: error over noise on the held-out record, before and after the named effect was added; where
             another than the hidden one was named, `right_after` is what the right one leaves.
         seconds: of processor time: comparing, diagnosing, adding.
@@ -60,7 +60,7 @@ class Row:
 
     @property
     def named_right(self) -> bool:
-        """Whether what is said is right, whatever is left."""
+        """Whether the verdict is right, whatever error is left."""
         accept = HIDDEN[self.kind].accept
         if not accept:
             return self.verdict == "adequate"
@@ -71,7 +71,7 @@ class Row:
 
     @property
     def right(self) -> bool:
-        """Whether what is said is right, and enough is taken away."""
+        """Whether the verdict is right, and the error left is small."""
         return self.named_right and (self.after is None or self.after <= MOST_LEFT)
 
 
@@ -112,7 +112,7 @@ def run_case(kind: str, motion: str, seed: int, rows: int) -> Row:
 
 
 def _left(folder: Path, kind: str, motion: str, seed: int, rows: int, effect: str) -> float:
-    """What the right effect leaves on the held-out record of a case of its own."""
+    """Error over noise on the held-out record that the right effect leaves."""
     from sysid.ladder import add_effects
 
     write_case(folder, kind, motion, seed, rows)

@@ -1,11 +1,12 @@
-"""Do 95 % intervals cover the truth? An independent implementation of the very same laws, the true effect added.
+"""Coverage of the 95 % intervals, with an independent implementation of the same laws and the true effect added.
 
     python benchmarks/hidden_effects.py --cases 0 --coverage 300 --jobs 2
     python benchmarks/interval_coverage.py --autocorrelation 0 0.9 0.98 --cases 60
 
-Only laws that the generator writes as the library does are asked for, plain records and hard ones (coloured noise,
-gaps, other units and rates, rotary axes, a mass that is uncertain or absent) apart. Beside the share of intervals that
-hold the truth stands the robust deviation of (value - truth)/std: 1 is honest, less too modest, more overbold.
+Only laws that the generator has in the form of the library are used; plain records and hard ones (coloured noise, gaps,
+other units and rates, rotary axes, a mass that is uncertain or absent) are counted apart. The share of intervals that
+contain the true value is printed beside the robust deviation of (value - truth)/std, which is 1 for correct intervals,
+less where they are too wide, and more where they are too narrow.
 
 With `--autocorrelation` the records are those of `noise_alone.py`: Coulomb and viscous friction, nothing missing.
 """
@@ -158,7 +159,7 @@ def coverage_table(count: int, seed: int, folder: Path, jobs: int, hard: float =
     groups += [(rig, [r for r in rows if r.rig == rig]) for rig in sorted({r.rig for r in rows})]
     groups += [(name, [r for r in rows if r.key == name]) for name in sorted({r.key for r in rows})]
     lines = [
-        "95 % intervals that hold the truth (asked: 90 to 98 % of them)",
+        "95 % intervals that contain the true value (target: 90 to 98 % of them)",
         *(_line(title, chosen) for title, chosen in groups),
     ]
     lines += ["missed", *(

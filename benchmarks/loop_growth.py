@@ -95,7 +95,7 @@ def measured(folder: Path, rows: int) -> Used:
 
 
 def line(rig: str, used: Used) -> str:
-    """One row of the table, with a word on what is asked where the rows are those it is asked for."""
+    """One row of the table, with the targets where the number of rows is the one that they apply to."""
     text = (
         f"{rig:16s} {used.rows:8d} {used.effects:8d} {used.ranking:9.1f} {used.ranking_clock:7.1f}"
         f" {used.diagnosis:11.1f} {used.diagnosis_clock:7.1f} {used.megabytes:9.0f}  {used.found}"
@@ -111,7 +111,7 @@ def line(rig: str, used: Used) -> str:
         )
         if value > most
     ]
-    return text + (f"  over what is asked on the clock: {', '.join(over)}" if over else "  within what is asked")
+    return text + (f"  above the target of time or memory: {', '.join(over)}" if over else "  within the targets")
 
 
 def exponent(used: list[Used], what: str) -> float:
@@ -144,7 +144,7 @@ def main() -> None:
                 f"{title} as rows^{exponent(used, what):.2f}"
                 for title, what in (("ranking", "ranking"), ("diagnosis", "diagnosis"), ("memory", "megabytes"))
             )
-            print(f"{rig:16s} grows: {grows} (asked: at most 1)", flush=True)
+            print(f"{rig:16s} grows: {grows} (target: at most 1)", flush=True)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ the processor time of each stage.
     python -m benchmarks.make
 
 Times are of fresh processes with a cache of their own. Beside the time of day stands the processor time of all
-processes together, which says more on a busy machine. The stages are run one after the other in one process, with an
+processes together, which depends less on other work. The stages are run one after the other in one process, with an
 empty cache and after the first change; what the stages load and compile is in their times.
 """
 

@@ -25,7 +25,7 @@ SAMPLES = 1_000_000
 CANVAS = "--disable-accelerated-2d-canvas"
 """The browser without a display has no graphics processor: an emulated one is slower than none."""
 LIMITS = {"opening": 1500.0, "margins": 100.0, "whole record": 200.0, "zoom": 200.0}
-"""What is wanted, ms."""
+"""Targets, ms."""
 
 OPENED = """() => new Promise((done) => {
   const look = () => document.querySelectorAll('.check .margin:not(:empty)').length > 100
@@ -115,8 +115,8 @@ def measured() -> dict[str, list[float]]:
 
 
 def main() -> None:
-    """Print median and largest time of each, and what is wanted."""
-    print(f"{'':14s} {'median':>9s} {'largest':>9s} {'wanted':>9s}")
+    """Print median and largest time of each, and the targets."""
+    print(f"{'':14s} {'median':>9s} {'largest':>9s} {'target':>9s}")
     for name, times in measured().items():
         print(f"{name:14s} {statistics.median(times):6.0f} ms {max(times):6.0f} ms {LIMITS[name]:6.0f} ms")
 

@@ -1,6 +1,6 @@
-"""The result of the hidden-effect benchmark as text: what is asked, what the loop and its peers reach, and what fails.
+"""The result of the hidden-effect benchmark as text: targets, results of the loop and its peers, and failures.
 
-Every share stands with its counts and its 95 % interval. What is asked holds for the loop; peers stand beside it.
+Every share has its counts and its 95 % interval. The targets apply to the loop; the peers are listed beside it.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def _line(title: str, hits: Iterable[bool], asked: float | None = None, at_most:
         return text.rstrip()
     reached = 100.0 * sum(found) / len(found)
     good = reached <= asked if at_most else reached >= asked
-    return f"{text} asked: {'at most' if at_most else 'at least'} {asked:g} %{'' if good else ', MISSED'}"
+    return f"{text} target: {'at most' if at_most else 'at least'} {asked:g} %{'' if good else ', MISSED'}"
 
 
 def _right(title: str, outcomes: Sequence[Outcome]) -> str:
@@ -93,7 +93,7 @@ def _after_adding(single: Sequence[Outcome]) -> list[str]:
             high = values[min(int(0.9 * len(values)), len(values) - 1)]
             text = f"median {median(values):.2f}, 90 % below {high:.2f}"
             missed = ", MISSED" if median(values) > 1.1 else ""
-            lines += [f"  {f'error over noise, {title}':44s} {text:36s} asked: median at most 1.1{missed}"]
+            lines += [f"  {f'error over noise, {title}':44s} {text:36s} target: median at most 1.1{missed}"]
     return [
         *lines,
         _line("the loop stops after the one effect", (bool(o.stopped) for o in single if o.stopped is not None)),
@@ -117,7 +117,7 @@ CLASSES: tuple[tuple[str, Callable[[Outcome], bool]], ...] = (
     ("1 to 3 noise deviations", lambda o: o.kind == "single" and o.size == "weak"),
     ("all single effects", lambda o: o.kind == "single"),
     ("nothing hidden: nothing named", lambda o: o.kind == "none"),
-    ("effect of no library: said so", lambda o: o.kind == "unexplained"),
+    ("effect of no library: unexplained", lambda o: o.kind == "unexplained"),
     ("two effects: first name", lambda o: o.kind == "pair"),
 )
 
