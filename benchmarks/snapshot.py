@@ -33,7 +33,7 @@ import ezdxf
 
 from benchmarks.scoring import both_found, first_right, said
 
-# Largest relative difference that is no difference, of each section; and one in SI units that is rounding about zero.
+# Largest relative difference that is none, of each section; and one in SI units that is rounding about zero.
 TOLERANCE = {"checks": 1e-9, "dimensions": 1e-9, "thesis": 1e-6, "practice": 1e-6}
 FLOOR = 1e-18
 # Of a document: what two runs of the same code do not share, words that count, what names the rows of a table.

@@ -135,7 +135,7 @@ def _stays_on_branch(t, h, branch, problem, work):
 def part_on_branch(t, h, branch, margins, problem, work):
     """Part of the step up to which the motion neither reverses nor changes sides of the backlash; 1 for all of it.
 
-    margins: speed below which a motion in the other direction is no reversal, m/s, and the same of the force, N.
+    margins: speed below which a motion in the other direction is not a reversal, m/s, and the same of the force, N.
     """
     if _stays_on_branch(t, h, branch, problem, work):
         return 1.0

@@ -227,7 +227,7 @@ def parse_formula(written: str) -> Formula:
     """
     text = " ".join(written.strip().removeprefix(SIGN).split())
     if not text or len(text) > _LONGEST or not text.isprintable():
-        raise FormulaError("is no formula; write one like '=holder.diameter + 0.05 mm'")
+        raise FormulaError("is not a formula; write one like '=holder.diameter + 0.05 mm'")
     keys: list[str] = []
     constants: dict[str, Value] = {}
     source, position = "", 0
@@ -256,7 +256,7 @@ def parse_formula(written: str) -> Formula:
     try:
         tree = ast.parse(source.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise FormulaError("is no formula; write numbers with units, keys, + - * / ^ and brackets") from None
+        raise FormulaError("is not a formula; write numbers with units, keys, + - * / ^ and brackets") from None
     try:
         _accept(tree)
     except RecursionError:
@@ -290,7 +290,7 @@ def _constant(number: str, unit: str) -> Value:
 
 
 def _accept(node: ast.expr) -> None:
-    """Refuse every element of Python that is no element of a formula."""
+    """Refuse every element of Python that is not an element of a formula."""
     if isinstance(node, ast.Name):
         if node.id in FUNCTIONS:
             raise FormulaError(f"the function '{node.id}' needs its arguments in brackets")
@@ -308,4 +308,4 @@ def _accept(node: ast.expr) -> None:
         for item in node.args:
             _accept(item)
         return None
-    raise FormulaError("is no formula; write numbers with units, keys, + - * / ^ and brackets")
+    raise FormulaError("is not a formula; write numbers with units, keys, + - * / ^ and brackets")

@@ -180,7 +180,7 @@ def diff(design_a: Design, design_b: Design) -> tuple[Difference, ...]:
     """Keys whose value, tolerance or origin differ, in the order of the first design."""
 
     def without_text(entry: Entry | None) -> Entry | None:
-        # The same length written as 1 in, as 25.4 mm or as a formula is no difference.
+        # The same length written as 1 in, as 25.4 mm or as a formula is not a difference.
         return replace(entry, text="", formula="", free="") if entry else None
 
     a_by_key, b_by_key = ({entry.key: entry for entry in design.entries} for design in (design_a, design_b))

@@ -104,7 +104,7 @@ class Resolver:
 
     def _from_formula(self, key: str, given: FileEntry, declaration: Declaration) -> Entry:
         if declaration.kind not in ("number", "count"):
-            raise InputError(f"{given.place} = '{given.value}': is no number, so it cannot be a formula")
+            raise InputError(f"{given.place} = '{given.value}': is not a number, so it cannot be a formula")
         try:
             formula = parse_formula(given.value)
         except FormulaError as error:

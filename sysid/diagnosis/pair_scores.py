@@ -109,7 +109,7 @@ def _pairs(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> list[
         scaled = np.linalg.solve(gram[np.ix_(index, index)] + RIDGE * np.eye(index.size), right[index])
         count = one.score.columns.shape[1]
         weights = scaled[:count] / one.norms, scaled[count:] / other.norms
-        # A pair whose best weights are not physical, such as a negative drag, is no explanation.
+        # A pair whose best weights are not physical, such as a negative drag, is not an explanation.
         if not any(
             out_of_bounds(part.known.effect, part.score.directions, w)
             for part, w in zip((one, other), weights, strict=True)

@@ -52,7 +52,7 @@ def find_replacements(search: ModelSearch, added: Sequence[str], others_too: boo
 
 
 def _removable(search: ModelSearch, family: str) -> bool:
-    """Whether an effect acts in the fitted model, is no friction state, and was estimated from these residuals."""
+    """Whether an effect acts in the fitted model, is not a friction state, and was estimated from these residuals."""
     model = search.base.fitted.model
     present = any(public_name(e.name) == family and e.friction_state is None for e in model.effects)
     own = [u for u in model.unknowns if public_name(u.key.rpartition(".")[0]) == family]

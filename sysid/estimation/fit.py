@@ -49,7 +49,7 @@ def fit_model(
         final_jacobian: compute the Jacobian by differences at the end; otherwise it is the last Broyden update.
     """
     if weights is not None:
-        # On a driven stage the times of slip depend on the values: a Jacobian at other values is no approximation.
+        # On a driven stage the times of slip depend on the values: a Jacobian at other values is not an approximation.
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
         residual = residual_function(model, records, weights)

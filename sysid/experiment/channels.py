@@ -161,7 +161,8 @@ def choose_columns(
     names = {column.name for column in columns}
     for channel in units:
         if channel not in rig.channels and channel not in names:
-            raise InputError(f"{where}.units: '{channel}' is no channel of {rig.name}{nearest(channel, rig.channels)}")
+            known = nearest(channel, rig.channels)
+            raise InputError(f"{where}.units: '{channel}' is not a channel of {rig.name}{known}")
     chosen: dict[str, list[tuple[Column, ColumnSetting]]] = {}
     sources: dict[str, Source] = {}
     rotary: dict[str, bool] = {}

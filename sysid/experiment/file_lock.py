@@ -85,7 +85,7 @@ def _open(path: Path) -> int:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
-        raise InputError(f"{path}: is no plain file; a lock file is required, so remove it")
+        raise InputError(f"{path}: is not a regular file; a lock file is required, so remove it")
     return handle
 
 

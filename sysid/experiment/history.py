@@ -231,7 +231,7 @@ def _read_rung(path: Path) -> Revision:
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is no JSON: {error}") from None
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        raise InputError(f"{path}: is no rung of this program; 'schema': {SCHEMA} is required")
+        raise InputError(f"{path}: is not a rung of this program; 'schema': {SCHEMA} is required")
     if not isinstance(document.get("model"), dict):
         raise InputError(f"{path}: 'model' is missing, or no table")
     return Revision(int(path.stem), path, document["model"], document)

@@ -198,7 +198,7 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
         found = replace(noise, value=max(scatter, rounded), source="repeats", filtered=filtered, factor=1.0)
         if filtered:
             note += f"; the log was filtered, so the difference of neighbouring samples ({noise.value:.2g} "
-            note += f"{noise.unit}) is no estimate of the noise"
+            note += f"{noise.unit}) is not an estimate of the noise"
             memory = float(np.median([item.correlation for item in repeats]))
             time = _correlation_time(memory, holding)
             found = replace(found, spectrum=NoiseSpectrum(memory, 0.0), correlation_time=time)

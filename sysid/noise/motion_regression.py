@@ -3,7 +3,7 @@
 A measured force is regressed on hat functions of every other recorded channel, of its rate and of the rate's rate,
 separately for each direction of motion and at rest: the forces of a machine without memory, with any law, and its
 inertia. Effects with memory, on a scale finer than the hats, or that change in time remain; so does the noise, less the
-part along the hat functions, which is small for all but the slowest noise. It is no model of the machine, and its
+part along the hat functions, which is small for all but the slowest noise. It is not a model of the machine, and its
 coefficients are used for nothing else.
 """
 
@@ -53,7 +53,7 @@ class MotionResidual:
 
 
 def motion_residual(record: Record, values: np.ndarray, channel: str) -> MotionResidual | None:
-    """Residual of `values` (n,) of a channel; None if the channel is no output or nothing else was recorded."""
+    """Residual of `values` (n,) of a channel; None if the channel is not an output or nothing else was recorded."""
     if channel not in OUTPUTS:
         return None
     known = {

@@ -142,7 +142,7 @@ def test_calc_rides_a_measured_profile(capsys, tmp_path):
         ("place [mm],height [nm]\n", "no column 'place' is known"),
         ("position [mm]\n", "column 'height [m]' is missing"),
         ("position [mm],height [N]\n", "wrong dimension"),
-        ("position [mm],height [nm]\n0,0\n1,x\n", "row 3: height 'x' is no number"),
+        ("position [mm],height [nm]\n0,0\n1,x\n", "row 3: height 'x' is not a number"),
         ("position [mm],height [nm]\n0,0\n1,0\n", "at least three heights"),
         ("position [mm],height [nm]\n0,0\n1,0\n2,0\n4,0\n", "even steps"),
     ],

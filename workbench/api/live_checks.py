@@ -109,7 +109,7 @@ class LiveChecks:
             return True
         if known.masses == mark:
             return False
-        # What is measured on the solids is no parameter; without solids, parameters stand in for it.
+        # What is measured on the solids is not a parameter; without solids, parameters stand in for it.
         return not known.masses or not mark or len(known.values) < len(known.check.inputs)
 
     def _cost(self, position: int) -> float:

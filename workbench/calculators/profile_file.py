@@ -18,7 +18,7 @@ def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
     """Heights, m, and their spacing, m, from columns `position [UNIT]` and `height [UNIT]`, evenly spaced.
 
     Raises:
-        InputError: no such file, another header, a cell that is no number, or uneven spacing (by more than 0.1 %).
+        InputError: no such file, another header, a cell that is not a number, or uneven spacing (by more than 0.1 %).
     """
     try:
         with path.open(newline="", encoding="utf-8") as file:
@@ -27,7 +27,7 @@ def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
         raise InputError(f"{path}: no such file") from None
     except UnicodeDecodeError:
         raise InputError(
-            f"{path}: is no text; a CSV file with columns `position [m]`, `height [m]` is needed"
+            f"{path}: is not a text file; a CSV file with columns `position [m]`, `height [m]` is needed"
         ) from None
     if not rows:
         raise InputError(f"{path}: is empty; columns `position [m]`, `height [m]` are needed")
@@ -48,7 +48,7 @@ def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
                 values[name][number - 2] = float(row[index]) * size
             except (ValueError, IndexError):
                 cell = row[index] if index < len(row) else ""
-                raise InputError(f"{path}: row {number}: {name} '{cell}' is no number") from None
+                raise InputError(f"{path}: row {number}: {name} '{cell}' is not a number") from None
     place, heights = values["position"], values["height"]
     if len(place) < 3 or not np.isfinite(heights).all():
         raise InputError(f"{path}: at least three heights are needed, and all of them finite")

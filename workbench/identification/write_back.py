@@ -160,7 +160,7 @@ def _value(run: Run, item: str, measured: _Measured, known: Mapping[str, list[Te
     key, given, name = (part.strip() for part in item.partition("="))
     entry = run.design.entry(key)
     if isinstance(entry.value, bool | str):
-        raise InputError(f"--write-back {item}: {key} is no number")
+        raise InputError(f"--write-back {item}: {key} is not a number")
     if given:
         if name not in measured.values:
             raise InputError(f"--write-back {item}: the fit has no '{name}'{nearest(name, measured.values)}")

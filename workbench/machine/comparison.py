@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stagecad.solids.assembly.machine import Machine
 
 ROUNDING = 1e-9
-"""Relative difference of two numbers that is no difference."""
+"""Relative difference of two numbers that is not a difference."""
 CLOSURE = 1e-6
 """Relative error of volumes beyond which the kernel's difference of two solids is not believed."""
 

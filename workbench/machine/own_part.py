@@ -111,7 +111,7 @@ def own_design(design: Design, name: str, parameters: Mapping[str, str], path: P
     """The design with one more table, in millimetres: the parameters of the part.
 
     Raises:
-        InputError: a parameter that is no length.
+        InputError: a parameter that is not a length.
     """
     entries: list[Entry] = []
     for key, text in parameters.items():
@@ -130,7 +130,7 @@ def draw_part(part: OwnPart, folder: Path) -> dict[str, Any]:
     """Write sheet, STEP AP242, STEP and mass properties of a part; returns their document.
 
     Raises:
-        InputError: the file's functions fail, the result is no valid solid, or a dimension is not on the solid.
+        InputError: the file's functions fail, the result is not a valid solid, or a dimension is not on the solid.
     """
     try:
         return _drawn(part, folder)
@@ -197,7 +197,7 @@ def built_solid(part: OwnPart) -> tuple[Any, str]:
     """The solid of a part, mm, and the name of its material.
 
     Raises:
-        InputError: the file's functions fail, the result is no valid solid, or the material is unknown.
+        InputError: the file's functions fail, the result is not a valid solid, or the material is unknown.
     """
     found, material = called(part, "build"), called(part, "material")
     if material not in part.design.materials:

@@ -48,7 +48,7 @@ def read_range(text: str, design: Design) -> Range:
     """Read `KEY=LOW:HIGH[:N]`, N at least 2 (11 when left out).
 
     Raises:
-        InputError: another form, an unknown key, a wrong quantity, or a key that is no number.
+        InputError: another form, an unknown key, a wrong quantity, or a key that is not a number.
     """
     key, equals, rest = (part.strip() for part in text.partition("="))
     # Quotation marks left by a script that bypasses the shell are ignored.
@@ -60,7 +60,7 @@ def read_range(text: str, design: Design) -> Range:
     except InputError as error:
         raise InputError(f"--sweep '{text}': {error}") from None
     if isinstance(entry.value, str | bool):
-        raise InputError(f"--sweep '{text}': {key} = '{entry.text}' is no number")
+        raise InputError(f"--sweep '{text}': {key} = '{entry.text}' is not a number")
     low, high = (from_si(parse_quantity(part, entry.unit, f"--sweep {key}"), entry.unit) for part in parts[:2])
     try:
         count = int(parts[2]) if len(parts) == 3 else DEFAULT_POINTS

@@ -19,7 +19,7 @@ from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
 
 DURATION = 1.0
 STILL = 5e-9
-"""m: less than this peak to peak is no limit cycle, but the count of the interferometer."""
+"""m: less than this peak to peak is not a limit cycle, but the count of the interferometer."""
 
 
 @dataclass(frozen=True)

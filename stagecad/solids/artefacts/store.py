@@ -265,7 +265,7 @@ def _repair(damaged: Path, made: Path) -> None:
 def _size_limit() -> int:
     text = os.environ.get("STAGECAD_CACHE_MAX") or str(LARGEST)
     if not text.isdecimal() or len(text) > 18:
-        raise InputError(f"STAGECAD_CACHE_MAX = '{text}' is no number of bytes; write it like {LARGEST}")
+        raise InputError(f"STAGECAD_CACHE_MAX = '{text}' is not a number of bytes; write it like {LARGEST}")
     return int(text)
 
 

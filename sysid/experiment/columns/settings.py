@@ -229,4 +229,4 @@ def _scale(table: TomlTable) -> Scale:
 
 def _check_channel(where: str, channel: str, kind: RigKind) -> None:
     if channel not in kind.channels:
-        raise InputError(f"{where}: '{channel}' is no channel of {kind.name}{nearest(channel, kind.channels)}")
+        raise InputError(f"{where}: '{channel}' is not a channel of {kind.name}{nearest(channel, kind.channels)}")

@@ -25,7 +25,7 @@ _WHOLE = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM"), 
 
 @cache
 def column_unit(text: str) -> str | None:
-    """The unit meant by the text of a header, in the symbols of `stagecad.parameters.units`; None if it is no unit."""
+    """The unit meant by the text of a header, in the symbols of `stagecad.parameters.units`; None if there is none."""
     written = text.strip()
     if not written:
         return None

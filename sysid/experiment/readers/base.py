@@ -68,7 +68,7 @@ class Reader(Protocol):
     def read_columns(
         self, path: Path, name: str, header: Header, indices: Sequence[int], settings: Format
     ) -> list[Column]:
-        """The columns at `indices`. InputError: a cell that is no number, with its row and column."""
+        """The columns at `indices`. InputError: a cell that is not a number, with its row and column."""
         ...
 
     def row_number(self, path: Path, name: str, header: Header, row: int, settings: Format) -> int:
@@ -83,7 +83,7 @@ def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
     try:
         found = path.stat()
         if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{shown_path(name)}: is no plain file; a CSV, Parquet or MAT file is required")
+            raise InputError(f"{shown_path(name)}: is not a regular file; a CSV, Parquet or MAT file is required")
         if found.st_size > MOST_BYTES:
             raise InputError(
                 f"{shown_path(name)}: is larger than {MOST_BYTES / 1024**3:g} GB; split it, or keep every n-th row"

@@ -183,7 +183,7 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
 
 def _wrong_width(cells: Sequence[str], dialect: Dialect) -> str:
     whole = sum(re.fullmatch(r"-?\d+", cell) is not None for cell in cells)
-    # A comma too many at the end of a row is no decimal comma.
+    # A comma too many at the end of a row is not a decimal comma.
     decimal = dialect.delimiter == "," and len(cells) > dialect.width and whole > 1 and cells[-1] != ""
     hint = "; is the decimal sign a comma? a point is required where commas separate the columns" if decimal else ""
     other = f"the header has {dialect.width}" if dialect.header_row else f"the others have {dialect.width}"
@@ -194,7 +194,7 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
     value = math.nan if cell in dialect.gaps else number(cell, dialect.decimal)
     if value is not None and not math.isinf(value):
         return value
-    problem = "is no number" if value is None else "is not finite"
+    problem = "is not a number" if value is None else "is not finite"
     hint = "; a number is required, or nothing for a gap"
     if re.fullmatch(r"-?\d+,\d+", cell) and dialect.decimal == ".":
         hint = '; a point is required as decimal sign, or [format] decimal = ","'

@@ -73,7 +73,7 @@ def read_format(table: TomlTable) -> Format:
             codecs.lookup(encoding)
         except LookupError:
             raise InputError(
-                f"{table.where('encoding')}: {shown(encoding)} is no encoding; such as utf-8, utf-16, cp1252"
+                f"{table.where('encoding')}: {shown(encoding)} is not an encoding; such as utf-8, utf-16, cp1252"
             ) from None
     if "repeated_time" in table.data:
         repeated = table.choice("repeated_time", REPEATED_TIME)

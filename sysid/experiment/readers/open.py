@@ -90,7 +90,7 @@ def record_suffix(name: str) -> str | None:
 def unknown_format(name: str) -> str:
     """Error of a file whose suffix is not known, with the suffixes that are allowed."""
     return (
-        f"'{Path(name).suffix.lower()}' is no record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
+        f"'{Path(name).suffix.lower()}' is not a record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
         ".parquet, .mat, .h5, .npz, .tdms, .json"
     )
 

@@ -127,7 +127,7 @@ def _guess_stiffness(records: Sequence[Record]) -> float:
 
 
 def _is_driven(record: Record) -> bool:
-    """Whether the record is no coast-down or free oscillation, in which the drive force never changes."""
+    """Whether the record is not a coast-down or free oscillation, in which the drive force never changes."""
     force = record.channels.get("drive_force")
     return force is None or np.nanmax(force) > np.nanmin(force)
 

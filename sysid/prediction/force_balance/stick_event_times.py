@@ -152,7 +152,7 @@ def sticking_onsets(
     phases: SlipPhases, velocity: np.ndarray, forces: Forces, rate: float, width: float, search: float
 ) -> np.ndarray:
     """Times (k,) at which the slip phases end, in samples; as given where a phase is too short to integrate, and at the
-    end of a record in motion, which is no event.
+    end of a record in motion, which is not an event.
 
     Args:
         phases: of sliding motion.

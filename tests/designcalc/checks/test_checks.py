@@ -200,7 +200,7 @@ def test_budget_at_the_payload_is_the_sum_of_its_rows_and_turns_about_the_stage(
         ("stage.thickness=8 mm:9 mm:1", "number of points"),
         ("stage.thickness=8 mm:9 mm:few", "number of points"),
         ("stage.thickness=8 mm:8 mm", "must be finite and differ"),
-        ("stage.material=8 mm:9 mm", "is no number"),
+        ("stage.material=8 mm:9 mm", "is not a number"),
     ],
 )
 def test_a_bad_sweep_is_said(text, words):

@@ -67,7 +67,7 @@ def test_a_hole_in_an_outline_belongs_to_its_view() -> None:
 
 
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
-    """A line through the upright box about a slanting text, but past the text itself, is no hit; one through it is."""
+    """A line through the upright box about a slanting text, but past the text itself, is not a hit."""
     slanting = LinearDimension(
         "front", (40.0, 20.0), (120.0, 100.0), 45.0, (140.0, 160.0), "113.1", 113.137085, ("slope",)
     )

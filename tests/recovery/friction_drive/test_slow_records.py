@@ -41,7 +41,7 @@ def test_a_stage_that_no_inertia_holds_back_lags_by_its_pads_alone(step):
 
 @pytest.mark.parametrize("step", [0.05, 50.0])
 def test_so_does_one_that_moves_in_the_plane(step):
-    """Along a line that is no axis: the radial pull of pads at rest is that of one axis."""
+    """Along a line that is not an axis: the radial pull of pads at rest is that of one axis."""
     pads = 1.2
     tip, line = _followed(step, pads)
     n = tip.size

@@ -149,7 +149,7 @@ def test_override_of_a_key_with_a_formula() -> None:
 
 
 def test_differences_write_back_and_origins(tmp_path: Path) -> None:
-    """A formula with the same value is no difference; a value written over a formula replaces it."""
+    """A formula with the same value is not a difference; a value written over a formula replaces it."""
     text = START + '[pads]\nwidth = {value = "=pads.length/2", tolerance = "X.X", origin = "assumed: 2:1"}\n'
     design = design_from_text(text, "s.toml")
     assert [item.key for item in diff(load_design(), design)] == ["pads.width"]  # its origin

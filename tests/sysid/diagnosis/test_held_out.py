@@ -105,7 +105,7 @@ def test_amplitude_is_estimated_again_with_the_information_of_the_fit(tmp_path: 
     plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
     assert np.mean(plain * sign) == pytest.approx(shift / NOISE, abs=0.25)
     found = held_out(base.fitted, problem.validate_records, base.weights)
-    # The residual that the shift enlarges is no measure of the noise: the record counts by its own scale.
+    # The residual that the shift enlarges is not a measure of the noise: the record counts by its own scale.
     scale = 1.4826 * float(np.median(np.abs(plain)))
     of_fit, of_held_out = rows - 1.0, sign.size / scale**2
     left = np.mean(plain * sign) * of_fit / (of_fit + of_held_out)

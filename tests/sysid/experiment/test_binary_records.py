@@ -114,7 +114,7 @@ def test_the_reader_imports_nothing_from_the_working_folder(tmp_path: Path) -> N
 
 def test_what_is_no_plain_or_too_large_a_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "fit.csv").symlink_to("/dev/zero")
-    with pytest.raises(InputError, match=r"fit\.csv: is no plain file"):
+    with pytest.raises(InputError, match=r"fit\.csv: is not a regular file"):
         open_record_file(tmp_path / "fit.csv", "fit.csv")
     (tmp_path / "wide.csv").write_text(",".join(f"c{n} [m]" for n in range(base.MOST_COLUMNS + 1)) + "\n")
     with pytest.raises(InputError, match=r"wide\.csv: has 10001 columns; at most 10000 are read"):

@@ -44,7 +44,7 @@ def test_a_file_with_content_or_another_name_is_not_written_to(tmp_path: Path) -
 
 def test_what_is_no_plain_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / ".lock")
-    with pytest.raises(InputError, match="is no plain file"), file_lock(tmp_path / ".lock", 0.1, "it"):
+    with pytest.raises(InputError, match="is not a regular file"), file_lock(tmp_path / ".lock", 0.1, "it"):
         pass
 
 

@@ -119,7 +119,7 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, caps
         ("stage.length", "no fitted value corresponds to it"),
         ("friction.viscous=coulomb.force", "coulomb.force is in N, friction.viscous in N*s/m"),
         ("friction.viscous=coulomb.forse", "did you mean 'coulomb.force'?"),
-        ("stage.material", "stage.material is no number"),
+        ("stage.material", "stage.material is not a number"),
     ],
 )
 def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(

@@ -21,7 +21,7 @@ def double(value, folder, report):
     return {"value": 2 * value, "nothing": float("nan"), "process": os.getpid()}
 
 def refuse(folder, report):
-    raise InputError("rig.csv: row 3: is no number")
+    raise InputError("rig.csv: row 3: is not a number")
 
 def fail(folder, report):
     raise ZeroDivisionError("by zero")
@@ -90,7 +90,7 @@ def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, t
     assert result["value"] == 42 and result["nothing"] is None and result["process"] != os.getpid()
 
     refused = _ended(_submit(runner, "refuse"))
-    assert (refused.state, refused.error, refused.details) == ("failed", "rig.csv: row 3: is no number", "")
+    assert (refused.state, refused.error, refused.details) == ("failed", "rig.csv: row 3: is not a number", "")
     failed = _ended(_submit(runner, "fail"))
     assert failed.state == "failed" and failed.error == "ZeroDivisionError: by zero" and "Traceback" in failed.details
     again = runner.result(_ended(_submit(runner, "double", value=1)).number)

@@ -154,7 +154,7 @@ def test_measures_on_the_parts_are_the_designs(machine: Machine, design: Design)
     assert measures.tip_height == pytest.approx(design.si("actuator.tip_height"))
     assert measures.bolt_spacing == pytest.approx(design.si("bearing_way.bolt_spacing"))
     assert (measures.way_length, measures.way_width, measures.way_height) == pytest.approx((0.28, 0.08, 0.0254))
-    # The crown's rim is no sharp corner, so the measured face is a little smaller than the rectangle.
+    # The crown's rim is not a sharp corner, so the measured face is a little smaller than the rectangle.
     assert measures.pad_area == pytest.approx(design.derived.pad_area_si, rel=0.02)
 
 

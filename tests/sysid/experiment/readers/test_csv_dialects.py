@@ -221,7 +221,7 @@ def test_a_fault_is_named_by_its_row_in_the_file(tmp_path):
     content = "made by me\n\n" + _table(";").replace(f"{FORCE[7]:.6f}", "off", 1)
     row = content.splitlines().index(next(line for line in content.splitlines() if "off" in line)) + 1
     with pytest.raises(
-        InputError, match=rf"fit\.csv\.gz: row {row}, column 'friction_force \[N\]': 'off' is no number"
+        InputError, match=rf"fit\.csv\.gz: row {row}, column 'friction_force \[N\]': 'off' is not a number"
     ):
         _load(tmp_path, "fit.csv.gz", content.encode())
 
