@@ -13,7 +13,8 @@ from collections.abc import Callable
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from stagecad.parallel import end_with_parent, inside_worker, interrupts_blocked, processors
+from stagecad.parallel import end_with_parent, inside_worker, processors
+from stagecad.process_start import interrupts_blocked
 
 
 def forked(function: Callable[[], Any]) -> BaseProcess | None:

@@ -11,12 +11,10 @@ itself, they end too. A call inside a worker, of one item, or with one processor
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import gc
 import io
 import multiprocessing
 import os
-import pickle
 import reprlib
 import signal
 import sys
@@ -24,10 +22,10 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -35,6 +33,7 @@ from stagecad import blas_threads
 from stagecad.cluster import map_on_cluster
 from stagecad.index_pickle import IndexPickler, IndexUnpickler
 from stagecad.parameters.errors import LostProcessError
+from stagecad.process_start import end_with_parent, interrupts_blocked, refers_to_script, script_left_out
 from stagecad.schedule import Order, Schedule
 
 Item = TypeVar("Item")
@@ -46,8 +45,6 @@ MAX_FORKED = 4
 """Largest number of processes of `fork_map`: each has its own copy of the memory that it changes."""
 POLL = 0.5
 """Interval at which the processor time of the workers is read, s."""
-PR_SET_PDEATHSIG = 1
-"""Option of prctl(2): the signal that the kernel sends to a process when its parent dies."""
 
 _inside_worker = False
 
@@ -193,7 +190,7 @@ class _Pool:
         waiting = [_Task(index) for index in range(len(items))]
         done: set[int] = set()
         workers: list[_Worker] = []
-        script = self.method == "spawn" and _refers_to_script((self.function, self.limit, list(items)))
+        script = self.method == "spawn" and refers_to_script((self.function, self.limit, list(items)))
         try:
             while len(done) < len(items):
                 idle = [worker for worker in workers if worker.task is None]
@@ -202,10 +199,12 @@ class _Pool:
                     indices = [task.index for task in waiting]
                     place = schedule.choice(indices, done, worker.kinds if worker else (), others)
                     if place is not None:
-                        if worker is None:
-                            workers.append(worker := _Worker(self, script))
                         task = waiting.pop(place)
-                        worker.kinds.add(schedule.kinds[task.index])
+                        kind = schedule.kinds[task.index]
+                        if worker is None:
+                            started = next((one for one in schedule.ahead if one.kind == kind and one.waits), None)
+                            workers.append(worker := _Worker(self, script, started))
+                        worker.kinds.add(kind)
                         worker.begin(task, items[task.index])
                 busy = [(worker, worker.task) for worker in workers if worker.task is not None]
                 answering = wait([worker.pipe for worker, _ in busy], timeout=POLL if self.limit else None)
@@ -269,19 +268,14 @@ class _Worker:
         kinds: of the items that it has begun.
     """
 
-    def __init__(self, pool: _Pool, script: bool) -> None:
-        context: Any = multiprocessing.get_context(pool.method)
+    def __init__(self, pool: _Pool, script: bool, ahead: Ahead | None = None) -> None:
         self.task: _Task | None = None
         self.kinds: set[str] = set()
-        self.pipe, other_end = context.Pipe()
         self._limit = pool.limit
-        self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)
-        with interrupts_blocked(pool.method), warnings.catch_warnings():
-            # Python 3.12 warns of forks with threads; threads alive during `fork_map` hold no lock that a worker needs.
-            warnings.simplefilter("ignore", DeprecationWarning)
-            with contextlib.nullcontext() if script else _script_left_out():
-                self._process.start()
-        other_end.close()
+        if ahead is not None:
+            self.pipe, self._process = ahead.given(pool)
+        else:
+            self.pipe, self._process = _started(pool.method, _serve, pool, script)
 
     def begin(self, task: _Task, item: Any) -> None:
         self.task, self.began = task, self._clock()
@@ -313,42 +307,69 @@ class _Worker:
         self.pipe.close()
 
 
-def _refers_to_script(sent: object) -> bool:
-    """Whether what is sent to workers has a function or class of the script that runs."""
-    try:
-        return b"__main__" in pickle.dumps(sent)
-    except Exception:  # of any class that the parts of an item raise in pickling
-        return True
+class Ahead:
+    """A process that is started before it is known what it will compute, and loads libraries meanwhile. At the end of
+    the context it is ended, unless a pool has it.
+
+    Args:
+        load: function of a module, without arguments.
+        kind: of the items that it is for (`Order.ahead`).
+
+    Attributes:
+        waits: whether no pool has it, and it has not been ended.
+    """
+
+    def __init__(self, load: Callable[[], Any], kind: str) -> None:
+        self.kind = kind
+        self.waits = True
+        self._pipe, self._process = _started("spawn", _serve_later, load)
+
+    def given(self, pool: _Pool) -> tuple[Connection, BaseProcess]:
+        """The process and the pipe to it, for a pool."""
+        self.waits = False
+        # One that has ended is noticed where its answer is awaited.
+        with contextlib.suppress(OSError):
+            self._pipe.send(pool)
+        return self._pipe, self._process
+
+    def end(self) -> None:
+        if self.waits:
+            self.waits = False
+            self._process.kill()
+            self._process.join()
+            self._pipe.close()
+
+    def __enter__(self) -> Ahead:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
 
 
-@contextlib.contextmanager
-def _script_left_out() -> Iterator[None]:
-    """New processes started in the block do not import the script that runs: a script that calls this package without
-    `if __name__ == "__main__"` would run again in each of them."""
-    script = sys.modules["__main__"].__dict__
-    kept = {name: script[name] for name in ("__file__", "__spec__") if name in script}
-    script["__spec__"] = None
-    script.pop("__file__", None)
-    try:
-        yield
-    finally:
-        script.update(kept)
+def _started(method: str, serve: Any, sent: object, script: bool = False) -> tuple[Connection, BaseProcess]:
+    """A process that runs `serve(pipe, sent, parent)`, and the pipe to it; `script`: whether it imports the script."""
+    context: Any = multiprocessing.get_context(method)
+    pipe, other_end = context.Pipe()
+    process = context.Process(target=serve, args=(other_end, sent, os.getpid()), daemon=True)
+    with interrupts_blocked(method), warnings.catch_warnings():
+        # Python 3.12 warns of forks with threads; threads alive during `fork_map` hold no lock that a worker needs.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        with contextlib.nullcontext() if script else script_left_out():
+            process.start()
+    other_end.close()
+    return pipe, process
 
 
-@contextlib.contextmanager
-def interrupts_blocked(method: str) -> Iterator[None]:
-    """SIGINT is blocked until the end of the block, and permanently in processes started in it (inherited mask)."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    if method == "spawn":
-        # Start this process of `multiprocessing` now: started with the first worker, it would unblock the signal.
-        resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+def _serve_later(pipe: Connection, load: Callable[[], Any], parent: int) -> None:
+    """Loop of a process that was started ahead."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent(parent)
+    # What cannot be loaded is an error of the items that need it.
+    with contextlib.suppress(Exception):
+        load()
+    with contextlib.suppress(EOFError, OSError):
+        _serve(pipe, pipe.recv(), parent)
+    os._exit(0)
 
 
 def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
@@ -371,19 +392,3 @@ def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
         while True:
             pipe.send_bytes(pool.apply(*pipe.recv()))
     os._exit(0)
-
-
-def end_with_parent(parent: int) -> None:
-    """End this process when the parent dies, also while compiled code runs (on Linux) or with SIGKILL.
-
-    Elsewhere than on Linux, only a process of `multiprocessing`.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:
-            os._exit(1)
-        return
-    process = multiprocessing.parent_process()
-    if process is None:
-        return
-    threading.Thread(target=lambda: (wait([process.sentinel]), os._exit(1)), daemon=True).start()

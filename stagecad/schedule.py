@@ -18,10 +18,12 @@ class Order:
     Args:
         requires: items that must be completed before an item is begun, without cycles.
         kind: of an item. A process loads the libraries of a kind with its first item, and goes on with that kind.
+        ahead: processes that have been started already, each for items of a kind (`stagecad.parallel.Ahead`).
     """
 
     requires: Mapping[Any, Collection[Any]] = field(default_factory=dict)
     kind: Callable[[Any], str] = lambda item: ""
+    ahead: Sequence[Any] = ()
 
 
 class Schedule:
@@ -29,10 +31,12 @@ class Schedule:
 
     Attributes:
         kinds: of the items.
+        ahead: processes that have been started already.
     """
 
     def __init__(self, items: Sequence[Any], order: Order) -> None:
         self.kinds = [order.kind(item) for item in items]
+        self.ahead = order.ahead
         places = {items.index(item): others for item, others in order.requires.items()}
         self._required = {place: {items.index(other) for other in others} for place, others in places.items()}
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parallel import TimeLimit, fork_map, inside_worker, parallel_map, processors
+from stagecad.parallel import Ahead, TimeLimit, fork_map, inside_worker, parallel_map, processors
 from stagecad.parameters.errors import InputError
 from stagecad.schedule import Order
 
@@ -334,3 +334,49 @@ def test_a_plain_script_runs_once(tmp_path: Path, text: str, printed: str) -> No
         [sys.executable, str(script)], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(root)}
     )
     assert (done.stdout.strip(), done.stderr) == (printed, "")
+
+
+LOADED: list[int] = []
+
+
+def load() -> None:
+    LOADED.append(os.getpid())
+
+
+def load_and_die() -> None:
+    os._exit(3)
+
+
+def cannot_load() -> None:
+    raise ImportError("no such library")
+
+
+def process_and_loaded(n: int) -> tuple[int, list[int]]:
+    return os.getpid(), LOADED
+
+
+def letter(n: int) -> str:
+    return "b" if n == 2 else "a"
+
+
+def test_a_process_started_ahead_takes_the_items_of_its_kind() -> None:
+    with Ahead(load, "a") as ahead:
+        order = Order(kind=letter, ahead=[ahead])
+        (first, loaded), (other, nothing), (again, _) = parallel_map(
+            process_and_loaded, [0, 2, 1], workers=2, order=order
+        )
+    assert loaded == [first] == [again] and other != first and nothing == []
+    assert not ahead.waits
+
+
+@pytest.mark.parametrize("loading", [load_and_die, cannot_load])
+def test_items_are_computed_whatever_becomes_of_the_process_started_ahead(loading) -> None:
+    with Ahead(loading, "a") as ahead:
+        assert parallel_map(square, [2, 3], workers=2, order=Order(kind=lambda _: "a", ahead=[ahead])) == [4, 9]
+
+
+def test_a_process_started_ahead_that_nothing_needs_is_ended() -> None:
+    with Ahead(load, "a") as ahead:
+        assert parallel_map(square, [2, 3], workers=2, order=Order(kind=lambda _: "b", ahead=[ahead])) == [4, 9]
+        assert ahead.waits
+    assert not ahead.waits and not ahead._process.is_alive()

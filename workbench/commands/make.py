@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -13,6 +13,7 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
+    from stagecad.parallel import Ahead
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
     from stagecad.solids.assembly.machine import Machine
@@ -27,18 +28,22 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.commands.check import trust_own_checks
-    from workbench.commands.design.declared import WHAT, run_declared
-    from workbench.machine.declared_machine import declared_machine
+    from workbench.making.start import kernel_process
 
-    declaration = declared_machine(run)
+    with kernel_process() as ahead:
+        from stagecad.solids.artefacts.store import ArtefactStore
+        from workbench.commands.check import trust_own_checks
+        from workbench.commands.design.declared import WHAT, run_declared
+        from workbench.machine.declared_machine import declared_machine
+
+        declaration = declared_machine(run)
+        store = ArtefactStore()
+        if declaration is None:
+            if trust:
+                trust_own_checks(run)
+            _fill(run, store, simulations, ahead)
     if declaration is not None:
         return run_declared(run, declaration, WHAT, trust)
-    if trust:
-        trust_own_checks(run)
-    store = ArtefactStore()
-    _fill(run, store, simulations)
     _write_results(run, store, simulations)
     return 0
 
@@ -147,18 +152,24 @@ def _write(folder: Path, entries: Iterable[Artefact]) -> tuple[list[Path], int]:
     return [folder / name for name in files], len(write_stored(folder, files))
 
 
-def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
+def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahead]) -> None:
     """Make what the store lacks, side by side.
 
     The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
+
+    Args:
+        ahead: processes that load the kernel meanwhile.
     """
     from workbench.commands.drawings import with_sheet_overrides
     from workbench.machine.design_source import source_of
     from workbench.making.pool import absent, is_long, make_absent
-    from workbench.making.tasks import Making
+    from workbench.making.tasks import Making, needs_kernel
 
     making = Making(store.folder, run.design, with_sheet_overrides(run), source_of(run), simulations)
     tasks = absent(making)
+    if not any(needs_kernel(task) for task in tasks):
+        for process in ahead:
+            process.end()
     if not any(is_long(task) for task in tasks):
         return
     with run.progress() as progress:
@@ -168,7 +179,7 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
         # Meanwhile this process waits.
         loading = Thread(target=_load_writers, daemon=True)
         loading.start()
-        make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name))
+        make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name), ahead)
         loading.join()
 
 

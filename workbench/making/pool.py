@@ -6,16 +6,17 @@ again. One pool and not one for each kind of result, since a process needs secon
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
 from drawings.artefacts.tasks import TIME_LIMIT
-from stagecad.parallel import TimeLimit, parallel_map
+from stagecad.parallel import Ahead, TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.schedule import Order
 from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.modelling.registry import ASSEMBLY
+from workbench.making.start import WITH_KERNEL
 from workbench.making.tasks import (
     CONTACTS,
     LOADING,
@@ -49,23 +50,29 @@ def absent(making: Making) -> list[str]:
 
 def _kind(task: str) -> str:
     """Kind of a task by the libraries that it loads; loading them takes a second each."""
-    return "with the CAD kernel" if needs_kernel(task) else "without it"
+    return WITH_KERNEL if needs_kernel(task) else "without it"
 
 
-def make_absent(making: Making, tasks: Collection[str], advance: Callable[[str], None] = lambda task: None) -> None:
+def make_absent(
+    making: Making,
+    tasks: Collection[str],
+    advance: Callable[[str], None] = lambda task: None,
+    ahead: Sequence[Ahead] = (),
+) -> None:
     """Make the results of tasks in several processes.
 
     Args:
         making: what is made.
         tasks: of `absent`.
         advance: called with each task that is completed.
+        ahead: processes that have been started already (`workbench.making.start`).
 
     Raises:
         PartError: the CAD kernel makes no valid solid of a part, or ends its process.
     """
     making = replace(making)  # without the solids that it has loaded, which do not pickle
     requires = {task: [other for other in making.tasks[task] if other in tasks] for task in tasks}
-    order = Order(requires, _kind)
+    order = Order(requires, _kind, ahead)
     names = list(tasks)
     if len({_kind(task) for task in tasks}) > 1:
         names.insert(1, LOADING)

@@ -1,0 +1,41 @@
+"""The process that loads the CAD kernel while `stagecad make` reads the design."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workbench.making import start
+from workbench.making.start import kernel_process
+
+
+def test_no_process_with_one_processor_or_within_a_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(start, "processors", lambda: 1)
+    with kernel_process() as ahead:
+        assert ahead == []
+    monkeypatch.setattr(start, "processors", lambda: 2)
+    monkeypatch.setattr(start, "inside_worker", lambda: True)
+    with kernel_process() as ahead:
+        assert ahead == []
+
+
+def test_the_process_makes_the_tasks_with_the_kernel(tmp_path: Path) -> None:
+    program = """
+import sys
+from pathlib import Path
+from workbench.making import start
+start.processors = lambda: 2
+with start.kernel_process() as ahead:
+    from stagecad.parameters.load import load_design
+    from workbench.machine.design_source import DesignSource
+    from workbench.making.pool import make_absent
+    from workbench.making.tasks import Making
+    design = load_design()
+    making = Making(Path(sys.argv[1]), design, design, DesignSource(None, "", ()), simulations=True)
+    make_absent(making, ["part buffer"], ahead=ahead)
+    assert making.has("part buffer") and not ahead[0].waits and "cadquery" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True)
