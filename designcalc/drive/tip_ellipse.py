@@ -38,9 +38,9 @@ def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike
 
     Source: thesis, section 4.1 (rigid tip, first order in the strokes).
     """
-    _positive("piezo spacing", piezo_spacing, "m")
-    _positive("tip height", tip_height, "m")
     A, phi, D, h = (np.asarray(v, float) for v in (amplitude, phase, piezo_spacing, tip_height))
+    if not (np.all(D > 0) and np.all(h > 0)):
+        raise InputError("tip ellipse: piezo spacing and tip height must be above 0 m")
     return TipEllipse(
         along=4 * A * h / D * np.abs(np.sin(phi / 2)),
         normal=2 * A * np.abs(np.cos(phi / 2)),
@@ -71,8 +71,3 @@ def frequency_for(speed: ArrayLike, travel: ArrayLike) -> dict[str, Array]:
         raise InputError("tip ellipse: travel of the tip must be above 0, the speed 0 or more")
     base = v / X
     return {"stopping": base, "coasting": base / 2, "apex": base / np.pi}
-
-
-def _positive(name: str, value: ArrayLike, unit: str) -> None:
-    if not np.all(np.asarray(value) > 0):
-        raise InputError(f"tip ellipse: {name}: must be above 0 {unit}")

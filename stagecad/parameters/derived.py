@@ -256,12 +256,6 @@ class Derived:
         return ((-along, across), (along, across), *far)
 
     @property
-    def pad_area_si(self) -> float:
-        """Nominal area of all pads, m^2: the rectangles, less their rounded corners."""
-        pads = self.design.pads
-        return pads.count * (pads.length * pads.width - (4 - math.pi) * pads.corner_radius**2) * MM**2
-
-    @property
     def seat_edge(self) -> float:
         """Inner edge of the seats of the ways, from the middle of the base."""
         return self.design.base.seat_gap / 2

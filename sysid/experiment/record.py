@@ -47,7 +47,6 @@ class Record:
         uniform: whether every step equals the median within 1 %.
         continues: name of the record that this one continues; None if there is none.
         noise: standard deviation by channel as given for this record or the experiment, SI.
-        held_out_split: part of a record of the fit, held out since no record has the role `validate`.
     """
 
     name: str
@@ -63,7 +62,6 @@ class Record:
     uniform: bool
     continues: str | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
-    held_out_split: bool = False
 
     @property
     def size(self) -> int:
@@ -309,5 +307,4 @@ def _part(record: Record, rows: slice, note: str) -> Record:
         time=record.time[rows],
         channels={channel: array[rows] for channel, array in record.channels.items()},
         notes=(*record.notes, note),
-        held_out_split=True,
     )

@@ -52,7 +52,7 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     cut = time[0] + 0.7 * (time[-1] - time[0])
     assert (fit.role, held.role) == ("fit", "validate")
     assert fit.time[-1] <= cut < held.time[0] and fit.size + held.size == 100
-    assert held.continues == fit.name and held.held_out_split
+    assert held.continues == fit.name
     assert any("last 30% in time" in note for note in held.notes)
     assert not fit.uniform
 
@@ -80,7 +80,7 @@ def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
     )
     assert record.time[0] == pytest.approx(12.1) and record.time[-1] == pytest.approx(12.3) and record.size == 41
     assert np.allclose(record.channels["friction_force"], F[20:61])
-    assert other.size == 100 and not other.held_out_split
+    assert other.size == 100 and not other.continues
 
 
 def test_gaps_stay_gaps_whatever_they_are_written_as(tmp_path):
