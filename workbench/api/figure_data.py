@@ -132,12 +132,13 @@ def free_values(problem: Problem, model: Model) -> list[dict[str, Any]]:
 
 
 def stated(problem: Problem) -> dict[str, Any]:
-    """Stated model, rig, noise and records of an experiment."""
+    """Stated model, text of the file, rig, noise and records of an experiment."""
     from workbench.identification.statements import noise_text
 
     rig = problem.experiment.rig
     return {
         "stated": list(problem.experiment.effects),
+        "text": problem.experiment.text,
         "rig": {"kind": rig.kind, "rotary": rig.rotary},
         "noise": noise_text(problem),
         "records": [

@@ -53,5 +53,5 @@ def test_a_fault_names_the_key_and_no_option_of_the_command() -> None:
             need_free(design, free)
     with pytest.raises(InputError, match=r"^'bendin of the stage': no such check"):
         optimize(design, keep=["bendin of the stage"], solids=False)
-    with pytest.raises(InputError, match=r"^'velocity-drivr' is no kind of rig"):
+    with pytest.raises(InputError, match=r"^'velocity-drivr' .*; did you mean 'velocity-drive'"):
         propose(["any.csv"], "velocity-drivr")

@@ -182,6 +182,7 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
 def test_requirements_that_contradict_each_other_are_drawn_over_each_other(browser: Browser) -> None:
     """A light stage against a stiff one, over its thickness: no design, the Pareto front, and what to relax."""
     page = browser.page
+    page.set_default_timeout(180_000)
     page.wait_for_selector(".check >> nth=100")
     # A design that violates a rule has no solids, whose masses would take longer than the search.
     _drag(browser, "stage.thickness", 6.1)
@@ -313,6 +314,17 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     page.locator(".search").get_by_role("button", name="Cancel").dispatch_event("click")
     page.locator("#message", has_text="cancelled").wait_for()
     assert page.locator(".candidate").count() == 0
+    # What was found is shown after a reload, but not once the file of the experiment is another.
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url) if request.url.endswith("/compare") else None)
+    page.reload()
+    page.locator(".map canvas").first.wait_for()
+    assert asked == []
+    with (folder / "slide" / "experiment.toml").open("a", encoding="utf-8") as file:
+        file.write("\n[noise]\nfriction_force = '0.01 N'\n")
+    page.reload()
+    page.locator(".map canvas").first.wait_for()
+    until(page, lambda: len(asked) == 1)
     _expected(browser)
 
 

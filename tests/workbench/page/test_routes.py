@@ -146,7 +146,7 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
 @pytest.mark.parametrize(
     "name, content, words",
     [
-        ("run.exe", b"x", "no record format"),
+        ("run.exe", b"x", "record format"),
         ("run.csv", b"", "empty"),
         ("run.csv", b"time [s];velocity [m/s]\n", "no rows"),
         ("run.h5", b"no HDF5", "run.h5"),

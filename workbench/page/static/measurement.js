@@ -123,11 +123,11 @@ class Measurement {
     const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
     const active = mine.filter((job) => job.state === 'running' || job.state === 'waiting').at(-1);
     const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest').at(-1);
-    // What was found before a reload is shown again, as long as the model is the same.
+    // What was found before a reload is shown again, as long as the file of the experiment is the same.
     if (done) {
       const found = await result(done).catch(() => null);
       if (!current()) return;
-      if (found && same((found.comparison ?? found).stated, this.effects)) this.show(done, found);
+      if (found && (found.comparison ?? found).text === this.text) this.show(done, found);
     }
     this.showProgress(null);
     if (active) this.follow(active); else if (!this.found) this.start('compare');
@@ -159,14 +159,14 @@ class Measurement {
     try {
       const found = await get(`/api/experiment/${path(this.name)}/ladder`);
       if (!current()) return;
-      this.effects = found.effects;
+      this.text = found.text;
       this.rungs = found.rungs;
       this.undo.disabled = found.rungs.length < 2;
       drawLadder(this.ladder, found.rungs, found.effects, found.edited);
       fill(this.about, h('details', { class: 'card' }, h('summary', {}, 'experiment.toml'), h('pre', {}, found.text)));
     } catch (error) {
       if (!current()) throw error;
-      this.effects = [];
+      this.text = null;
       fill(this.ladder, h('p', { class: 'bad' }, error.message));
       fill(this.about, '');
       throw error;
@@ -345,7 +345,6 @@ class Measurement {
 }
 
 const path = (name) => name.split('/').map(encodeURIComponent).join('/');
-const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 function errorTable(errors, title = 'Error of the model') {
   const rows = [['fit', 'fit'], ['validate', 'held out']].flatMap(([role, name]) => Object.entries(errors[role] ?? {}).map(([channel, m]) => [name, channel, m]));

@@ -31,7 +31,7 @@ export class ModelSliders {
     return h('div', { class: 'card fitted-card' },
       h('h3', {}, title),
       h('div', { class: 'fitted' }, Object.entries(document.parameters).filter(([, q]) => !q.nuisance).map(([key, q]) => this.row(key, q, movable.get(key)))),
-      sliders.length ? this.note : null,
+      this.note,
       (document.not_identifiable ?? []).map((text) => h('p', { class: 'dim' }, text)));
   }
 
