@@ -84,6 +84,7 @@ class RigKind:
         measured: groups of measured channels; of each group at least one must be recorded.
         optional_measured: further measured channels that may be recorded.
         known: permitted keys of `[rig.known]`.
+        sensed_inputs: inputs that are logged by a sensor whose noise enters the residual.
         own: channels that only this kind has.
         base: name of the kind whose channels are made of its own by `balance`; empty for a kind that is its own base.
         balance: formulas of the base's channels.
@@ -98,6 +99,7 @@ class RigKind:
     measured: tuple[tuple[str, ...], ...]
     optional_measured: tuple[str, ...]
     known: dict[str, KnownQuantity]
+    sensed_inputs: tuple[str, ...] = ()
     own: Mapping[str, Channel] = field(default_factory=dict)
     base: str = ""
     balance: Mapping[str, Formula] = field(default_factory=dict)
@@ -133,7 +135,15 @@ class RigKind:
 RIGS: dict[str, RigKind] = {
     rig.name: rig
     for rig in (
-        RigKind("velocity-drive", (("position", "velocity"),), (), (("friction_force",),), (), _AXIS_KNOWN),
+        RigKind(
+            "velocity-drive",
+            (("position", "velocity"),),
+            (),
+            (("friction_force",),),
+            (),
+            _AXIS_KNOWN,
+            sensed_inputs=("position",),
+        ),
         RigKind(
             "spring-pull",
             (("pull_position",),),
@@ -142,7 +152,15 @@ RIGS: dict[str, RigKind] = {
             (),
             {**_AXIS_KNOWN, "pull_stiffness": KnownQuantity("N/m", "N*m/rad")},
         ),
-        RigKind("force-drive", (("drive_force",),), (), (("position", "velocity"),), (), _AXIS_KNOWN),
+        RigKind(
+            "force-drive",
+            (("drive_force",),),
+            (),
+            (("position", "velocity"),),
+            (),
+            _AXIS_KNOWN,
+            sensed_inputs=("drive_force",),
+        ),
         RigKind(
             "actuator-tip",
             (("voltage_1",), ("voltage_2",)),

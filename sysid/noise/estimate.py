@@ -249,11 +249,7 @@ def noise_warnings(noise: Mapping[str, Noise], errors: Mapping[str, tuple[float,
 def measured_channels(experiment: Experiment, records: Sequence[Record]) -> list[str]:
     """Channels of the records that contain sensor noise on this kind of rig."""
     rig = experiment.rig
-    names = list(rig.declaration.measured_channels)
-    if rig.kind == "force-drive":
-        names.append("drive_force")
-    if rig.kind == "velocity-drive":
-        names.append("position")
+    names = [*rig.declaration.measured_channels, *RIGS[rig.kind].sensed_inputs]
     present = set().union(*(r.channels for r in records))
     return [n for n in dict.fromkeys(names) if n in present]
 
@@ -261,16 +257,17 @@ def measured_channels(experiment: Experiment, records: Sequence[Record]) -> list
 def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple[dict[str, Noise], list[str]]:
     """Noise of each measured channel, given or estimated, and notes for the user."""
     noise, notes = {}, []
+    inputs = RIGS[experiment.rig.kind].input_channels
     for channel in measured_channels(experiment, records):
         given = experiment.noise.get(channel)
         per_record = [r.noise[channel] for r in records if channel in r.noise]
         if given is None and per_record:
             given = float(np.sqrt(np.mean(np.square(per_record))))
-        # A known input: its noise matters only where it is differentiated to obtain the velocity.
-        imposed = channel == "position" and experiment.rig.kind == "velocity-drive" and given is None
+        # The noise of an imposed position matters only where it is differentiated to obtain the velocity.
+        imposed = channel == "position" and channel in inputs and given is None
         if imposed and any("velocity" in r.channels for r in records):
             continue
-        sensor = given is not None and channel not in RIGS[experiment.rig.kind].input_channels
+        sensor = given is not None and channel not in inputs
         found = estimate_noise(records, channel, given, LEAST_NOISY_LEVELS if sensor else LEAST_LEVELS)
         noise[channel] = found
         if found.note:

@@ -45,8 +45,8 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRe
     """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered.
 
     Friction jumps at a reversal. Where the samples of the uniform grid lie between the rows, those beside a reversal
-    have the force and the given velocity of the nearest row: interpolated, they would be mixtures of both directions,
-    which resemble presliding.
+    have the force and the motion of the nearest row: interpolated, forces would be mixtures of both directions, which
+    resemble presliding, and a motion that begins at a row would begin at the row before.
     """
     grid = uniform(record)
     prepared = _on_grid(record, grid, noise)
@@ -55,11 +55,15 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRe
     if np.median(distance) <= ON_ROW * step:
         return prepared
     beside = _beside_reversals(prepared)
-    jumping = {name: y for name, y in record.channels.items() if name in ("friction_force", "velocity")}
+    jumping = {name: y for name, y in record.channels.items() if name in ("friction_force", "position", "velocity")}
     taken = {name: np.where(beside, nearest_row(record, y, time), channels[name]) for name, y in jumping.items()}
     prepared = _on_grid(record, (time, step, {**channels, **taken}, hole), noise)
     timing = float(np.hypot(prepared.timing_uncertainty, np.sqrt(np.mean(distance[~hole] ** 2))))
-    return replace(prepared, timing_uncertainty=timing)
+    sign = prepared.velocity_sign
+    if sign is not None and "velocity" not in channels and prepared.half_width_variant is None:
+        of_rows = _sign_at_rows(filled(record.channels["position"])[0], prepared.stretch, record.time)
+        sign = np.where(beside, nearest_row(record, of_rows, time), sign)
+    return replace(prepared, timing_uncertainty=timing, velocity_sign=sign)
 
 
 def _beside_reversals(record: ForceBalanceRecord) -> np.ndarray:
@@ -121,8 +125,8 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
     """The record with the motion from its position, which is filtered by the width that the noise of its sensor
     requires.
 
-    Where no filter is needed, the differences of the position determine the direction (`stretch`). Otherwise the
-    filtered velocity does, and reversals are uncertain by its noise in addition to half a step.
+    Where no filter is needed, the differences of the position determine the direction. Otherwise the filtered velocity
+    does, and reversals are uncertain by its noise in addition to half a step.
     """
     step, std = record.step, position_noise(sensor)
     spectrum = sensor.spectrum if sensor is not None else WHITE
@@ -137,7 +141,7 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
         stretch=max(record.stretch, 12.0 * remaining),
     )
     if width == 0.0:
-        return filtered
+        return replace(filtered, velocity_sign=_sign_at_rows(axis.position, filtered.stretch, axis.time))
     reach = max(SLOPE_WIDTHS[-1], width / step)
     direction = direction_from_velocity(axis.position, axis.velocity * step, velocity_noise * step, reach)
     unchanged = GaussianFilter(0.0, step, record.size)
@@ -169,6 +173,18 @@ def _filtered_axis(axis: Axis, width: float, std: float, spectrum: NoiseSpectrum
     position, acceleration = smooth(axis.position), slope(axis.position, 2)
     rest = REST_SIGMAS * noise + 1e-6 * float(np.max(np.abs(velocity)))
     return make_axis(axis.time, position, velocity, acceleration, axis.load, axis.temperature, rest), noise
+
+
+def _sign_at_rows(position: np.ndarray, stretch: float, time: np.ndarray) -> np.ndarray:
+    """Sign (n,) of the velocity at the times (n,) of a position (n,) without notable noise; zero at rest.
+
+    It is that of the parabola through the row and its neighbours, the velocity under a constant acceleration. The
+    difference to the row before is a mean over the step: after a turning point between the two rows its sign is late
+    half of the time. A row that differs from the one before by `stretch` at most is at rest, also if the next one
+    moves.
+    """
+    moved = np.abs(np.diff(position, prepend=position[0])) > stretch
+    return np.where(moved, np.sign(np.gradient(position, time)), 0.0)
 
 
 def _certain_sign(velocity: np.ndarray) -> np.ndarray:
