@@ -154,7 +154,8 @@ class Machine {
         const found = await post('/api/machine/preview', { changes, limit, since: this.version ?? 0 });
         this.version = found.version;
         this.checks.update(found);
-        this.parameters.show(found.changed, changes, this.dragged ? this.draggedKey : null);
+        // An answer for values that were replaced since says nothing of the present texts; the next one does.
+        if (this.dragged || changes === this.changes) this.parameters.show(found.changed, changes, this.dragged ? this.draggedKey : null);
         this.showViolations(found.violations);
         if (this.wasBad) { this.wasBad = false; say(''); }
         // What took too long for one answer comes with the next, unless the value has moved on.

@@ -88,13 +88,15 @@ export class Optimize {
 
   async run() {
     const free = Object.fromEntries([...this.free].filter(([, one]) => one.on).map(([key, one]) => [key, one.text]));
+    const budget = Number(this.budget.value);
     const keep = this.keep.value.split(',').map((text) => text.trim()).filter(Boolean);
     this.start.disabled = true;
     const { opened } = this;
     try {
       if (!Object.keys(free).length) throw new Error('let at least one parameter change');
+      if (!(Number.isInteger(budget) && budget >= 20)) throw new Error(`designs: '${this.budget.value}': a whole number from 20 is wanted`);
       say('');
-      const job = await post('/api/machine/optimize', { free, keep, budget: Number(this.budget.value) });
+      const job = await post('/api/machine/optimize', { free, keep, budget });
       // Another file may be open by now.
       if (opened === this.opened) this.follow(job);
     } catch (error) {
@@ -181,8 +183,8 @@ export class Optimize {
       const [x, y] = points.map((values) => values.map(squeezed));
       // As much of the names as the axes have room for.
       const em = parseFloat(getComputedStyle(places[k]).fontSize);
-      const short = (name, length) => { const most = Math.max(Math.floor(length / (0.58 * em)) - 10, 8); return name.length > most ? `${name.slice(0, most - 2)} …` : name; };
-      const plot = new XyPlot(places[k], { x: `margin of ${short(names[0], places[k].clientWidth - 7 * em)}`, y: `margin of ${short(names[1], places[k].clientHeight - 4 * em)}`, tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
+      const short = (name, length) => { const most = Math.max(Math.floor(length / (0.55 * em)), 8); return name.length > most ? `${name.slice(0, most - 2)} …` : name; };
+      const plot = new XyPlot(places[k], { x: short(names[0], places[k].clientWidth - 7 * em), y: short(names[1], places[k].clientHeight - 4 * em), tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
       const ends = (values) => [Math.min(...values, -0.1), Math.max(...values, 0.1)];
       plot.marks = [['before', inks[0]], ['after', inks[2]]].flatMap(([when, ink]) => {
         const [a, b] = names.map((name) => margins.find((row) => row.check === name)?.[when]?.margin ?? null);
