@@ -24,14 +24,7 @@ EFFECT = Effect(
         Parameter("second_order", "1", 0.0, -1.5, 1.5, "quadratic part, of full scale", "either sign"),
         Parameter("third_order", "1", 0.0, -1.5, 1.5, "cubic part, of full scale", "either sign"),
         Parameter(
-            "full_scale",
-            "channel",
-            1.0,
-            1e-15,
-            1e15,
-            "range of the sensor",
-            "largest value of the record",
-            role="reference",
+            "full_scale", "channel", 1.0, 1e-15, 1e15, "range of the sensor", "largest value of the record", "reference"
         ),
     ),
     signal=_signal,
