@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import multiprocessing
 import os
@@ -41,6 +42,9 @@ def _call(function: Callable[[], Any], parent: int) -> None:
     end_with_parent(parent)
     # A thread of the parent process may have held the lock of a stream at the fork.
     sys.stdout = sys.stderr = io.StringIO()
+    # As in the workers of a pool.
+    gc.freeze()
+    gc.set_threshold(100_000)
     try:
         function()
     finally:

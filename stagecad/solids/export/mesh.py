@@ -102,12 +102,12 @@ def _is_wire(shape: cq.Shape) -> bool:
 
 
 def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
-    """Mesh of a shape within `linear` mm and `angular` rad.
+    """Mesh of a shape within `linear` mm and `angular` rad, without sharp edges.
 
     Raises:
         ValueError: a face could not be meshed.
     """
-    return _mesh(_meshed_copy(shape, linear, angular))
+    return _mesh(_meshed_copy(shape, linear, angular), edges=False)
 
 
 def _meshed_copy(shape: cq.Shape, linear: float, angular: float) -> Any:
@@ -130,8 +130,8 @@ def _mesh_volume(meshed: Any) -> float:
     return properties.Mass()
 
 
-def _mesh(meshed: Any) -> Mesh:
-    """Triangles and sharp edges of a meshed shape of the kernel."""
+def _mesh(meshed: Any, *, edges: bool = True) -> Mesh:
+    """Triangles and sharp edges, unless without these, of a meshed shape of the kernel."""
     from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
     from OCP.TopExp import TopExp_Explorer
@@ -164,7 +164,7 @@ def _mesh(meshed: Any) -> Mesh:
         normals.append(outward)
         triangles.append(corners[~degenerate] + count)
         count += len(points)
-    edge_points, edge_ends = _edges(faces)
+    edge_points, edge_ends = _edges(faces if edges else ())
     return Mesh(
         np.concatenate(vertices),
         _unit(np.concatenate(normals)),
