@@ -28,9 +28,9 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
-    from workbench.making.start import kernel_process
+    from workbench.making.start import kernel_process, note_made
 
-    with kernel_process() as ahead:
+    with kernel_process(run) as ahead:
         from stagecad.solids.artefacts.store import ArtefactStore
         from workbench.commands.check import trust_own_checks
         from workbench.commands.design.declared import WHAT, run_declared
@@ -42,6 +42,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
             if trust:
                 trust_own_checks(run)
             _fill(run, store, simulations, ahead)
+            note_made(run)
     if declaration is not None:
         return run_declared(run, declaration, WHAT, trust)
     _write_results(run, store, simulations)

@@ -1,30 +1,60 @@
 """The process with the CAD kernel, started before it is known what `stagecad make` has to make.
 
-The kernel takes longer to load than the design takes to read. Where nothing turns out to need it, the process is ended.
-This module imports little, so that the process begins at once.
+The kernel takes longer to load than the design takes to read. Where nothing turns out to need it, the process is ended;
+for the design that was made last it is not started. This module imports little, so that the process begins at once.
 """
 
 from __future__ import annotations
 
+import hashlib
 import multiprocessing
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from stagecad.parallel import Ahead, inside_worker, processors
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.private import cache_root
+
+if TYPE_CHECKING:
+    from workbench.options import Run
 
 WITH_KERNEL = "with the CAD kernel"
 """Kind of the tasks that the process is for."""
 
 
+LAST = "last_make"
+"""File of the cache with the key of the design that was made last."""
+
+
 @contextmanager
-def kernel_process() -> Iterator[list[Ahead]]:
-    """The process as a list of one; of none where a second process saves no time or cannot be started."""
-    if inside_worker() or multiprocessing.current_process().daemon or processors() < 2:
+def kernel_process(run: Run) -> Iterator[list[Ahead]]:
+    """The process as a list of one; of none where it is not needed, saves no time or cannot be started."""
+    if inside_worker() or multiprocessing.current_process().daemon or processors() < 2 or _was_last(run):
         yield []
         return
     with Ahead(_load, WITH_KERNEL) as ahead:
         yield [ahead]
+
+
+def note_made(run: Run) -> None:
+    """Note that all results of a design are in the store."""
+    with suppress(OSError):
+        atomic_write_text(cache_root() / LAST, _key(run))
+
+
+def _was_last(run: Run) -> bool:
+    """Whether a design is the one that was made last; its results may have been removed since."""
+    with suppress(OSError):
+        return (cache_root() / LAST).read_text("utf-8") == _key(run)
+    return False
+
+
+def _key(run: Run) -> str:
+    file = run.parameter_file
+    text = run.text if run.text is not None or file is None else file.read_bytes()
+    return hashlib.sha256(repr((text, run.overrides)).encode()).hexdigest()
 
 
 def _load() -> None:

@@ -4,22 +4,54 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from workbench.making import start
-from workbench.making.start import kernel_process
+from workbench.making.start import kernel_process, note_made
+from workbench.options import Run
+
+RUN = Run(None, ("stage.thickness=12.5 mm",), Path("build"), None)
 
 
 def test_no_process_with_one_processor_or_within_a_worker(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(start, "processors", lambda: 1)
-    with kernel_process() as ahead:
+    with kernel_process(RUN) as ahead:
         assert ahead == []
     monkeypatch.setattr(start, "processors", lambda: 2)
     monkeypatch.setattr(start, "inside_worker", lambda: True)
-    with kernel_process() as ahead:
+    with kernel_process(RUN) as ahead:
         assert ahead == []
+
+
+def test_no_process_for_the_design_that_was_made_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[str] = []
+
+    @contextmanager
+    def ahead(load: object, kind: str) -> Iterator[str]:
+        started.append(kind)
+        yield kind
+
+    monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path))
+    monkeypatch.setattr(start, "processors", lambda: 2)
+    monkeypatch.setattr(start, "inside_worker", lambda: False)
+    monkeypatch.setattr(start, "Ahead", ahead)
+    file = tmp_path / "stage.toml"
+    file.write_text("one")
+    own = Run(file, (), Path("build"), None)
+    for run in (RUN, own):
+        with kernel_process(run):
+            assert started.pop()
+        note_made(run)
+        with kernel_process(run) as found:
+            assert found == [] == started
+    file.write_text("other")
+    for run in (RUN, own):
+        with kernel_process(run):
+            assert started.pop()
 
 
 def test_the_process_makes_the_tasks_with_the_kernel(tmp_path: Path) -> None:
@@ -27,8 +59,9 @@ def test_the_process_makes_the_tasks_with_the_kernel(tmp_path: Path) -> None:
 import sys
 from pathlib import Path
 from workbench.making import start
+from workbench.options import Run
 start.processors = lambda: 2
-with start.kernel_process() as ahead:
+with start.kernel_process(Run(None, (), Path("."), None)) as ahead:
     from stagecad.parameters.load import load_design
     from workbench.machine.design_source import DesignSource
     from workbench.making.pool import make_absent
