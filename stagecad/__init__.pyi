@@ -2,39 +2,47 @@ from sim.library.effect import Effect as Effect
 from sim.library.effect import Parameter as Parameter
 from sim.library.effect import Scan as Scan
 from stagecad.parameters.errors import InputError as InputError
-from workbench.api.comparison import Comparison as Comparison
-from workbench.api.comparison import compare as compare
-from workbench.api.design import Design as Design
-from workbench.api.design import load_design as load_design
-from workbench.api.diagnosis import Diagnosis as Diagnosis
-from workbench.api.diagnosis import diagnose as diagnose
-from workbench.api.differences import Differences as Differences
-from workbench.api.differences import diff as diff
-from workbench.api.experiment import Experiment as Experiment
-from workbench.api.growth import Addition as Addition
-from workbench.api.growth import Ladder as Ladder
-from workbench.api.growth import Undone as Undone
-from workbench.api.growth import add as add
-from workbench.api.growth import ladder as ladder
-from workbench.api.growth import undo as undo
-from workbench.api.machine import (
+from workbench.api.machine.design import Design as Design
+from workbench.api.machine.design import load_design as load_design
+from workbench.api.machine.design_results import (
     Checks as Checks,
 )
-from workbench.api.machine import (
+from workbench.api.machine.design_results import (
     Drawings as Drawings,
 )
-from workbench.api.machine import (
+from workbench.api.machine.design_results import (
     Parts as Parts,
 )
-from workbench.api.machine import (
+from workbench.api.machine.design_results import (
     checks as checks,
 )
-from workbench.api.machine import (
+from workbench.api.machine.design_results import (
     drawings as drawings,
 )
-from workbench.api.machine import (
+from workbench.api.machine.design_results import (
     parts as parts,
 )
+from workbench.api.machine.differences import Differences as Differences
+from workbench.api.machine.differences import diff as diff
+from workbench.api.machine.optimisation import Optimisation as Optimisation
+from workbench.api.machine.optimisation import optimize as optimize
+from workbench.api.measurement.comparison import Comparison as Comparison
+from workbench.api.measurement.comparison import compare as compare
+from workbench.api.measurement.diagnosis import Diagnosis as Diagnosis
+from workbench.api.measurement.diagnosis import diagnose as diagnose
+from workbench.api.measurement.experiment import Experiment as Experiment
+from workbench.api.measurement.growth import Addition as Addition
+from workbench.api.measurement.growth import Ladder as Ladder
+from workbench.api.measurement.growth import Undone as Undone
+from workbench.api.measurement.growth import add as add
+from workbench.api.measurement.growth import ladder as ladder
+from workbench.api.measurement.growth import undo as undo
+from workbench.api.measurement.statement import Model as Model
+from workbench.api.measurement.statement import Record as Record
+from workbench.api.measurement.statement import Rig as Rig
+from workbench.api.measurement.statement import RigKind as RigKind
+from workbench.api.measurement.suggestion import Suggestion as Suggestion
+from workbench.api.measurement.suggestion import suggest as suggest
 from workbench.api.simulation import (
     SimulatedRecords as SimulatedRecords,
 )
@@ -44,12 +52,6 @@ from workbench.api.simulation import (
 from workbench.api.simulation import (
     simulate as simulate,
 )
-from workbench.api.statement import Model as Model
-from workbench.api.statement import Record as Record
-from workbench.api.statement import Rig as Rig
-from workbench.api.statement import RigKind as RigKind
-from workbench.api.suggestion import Suggestion as Suggestion
-from workbench.api.suggestion import suggest as suggest
 
 __version__: str
 __all__ = [
@@ -65,6 +67,7 @@ __all__ = [
     "InputError",
     "Ladder",
     "Model",
+    "Optimisation",
     "Parameter",
     "Parts",
     "Record",
@@ -83,6 +86,7 @@ __all__ = [
     "drawings",
     "ladder",
     "load_design",
+    "optimize",
     "parts",
     "simulate",
     "suggest",

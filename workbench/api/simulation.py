@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.api.design import Design, load_design
-from workbench.api.experiment import Experiment, as_experiment
+from workbench.api.machine.design import Design, load_design
+from workbench.api.measurement.experiment import Experiment, as_experiment
 from workbench.api.result import Result, finite_json
 from workbench.options import ProgressCallback
 
@@ -252,7 +252,7 @@ def _stage(design: Design, studies: Sequence[str], report: ProgressCallback) -> 
 def _records(experiment: Experiment, motion: Any, seed: int | None) -> SimulatedRecords:
     from sysid.experiment.readers.memory import MemoryTable
     from sysid.simulate_experiment import simulate_experiment
-    from workbench.api.statement import columns_of
+    from workbench.api.measurement.statement import columns_of
 
     in_memory = motion is not None and not isinstance(motion, str | Path)
     inputs = MemoryTable("motion", columns_of(motion, "motion")) if in_memory else motion

@@ -14,6 +14,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "Checks",
         "diff",
         "Differences",
+        "optimize",
+        "Optimisation",
         "parts",
         "Parts",
         "drawings",

@@ -16,9 +16,9 @@ from stagecad.parameters.file import Entry, packaged_text
 from stagecad.parameters.load import changed_text
 from stagecad.parameters.rules.registry import violations
 from stagecad.parameters.tables.machine import schema
-from workbench.api.design import Design, load_design
-from workbench.api.differences import diff
-from workbench.api.live_checks import LiveChecks, LiveResult, check_row
+from workbench.api.machine.design import Design, load_design
+from workbench.api.machine.differences import diff
+from workbench.api.machine.live_checks import LiveChecks, LiveResult, check_row
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"

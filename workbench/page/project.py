@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.api.design import Design
+from workbench.api.machine.design import Design
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3

@@ -16,7 +16,7 @@ from sysid.prediction.problem import Problem
 from sysid.report import channel_unit
 from sysid.validation.residual_correlation import ResidualCorrelation
 from workbench.api.figures.plot import COLUMN, WIDTH, Plot, new_plot, style
-from workbench.api.series import channel_named, record_named
+from workbench.api.measurement.series import channel_named, record_named
 from workbench.report.figures import (
     AFTER,
     BEFORE,
@@ -36,8 +36,8 @@ from workbench.report.map_figures import coordinate_unit, map_panel
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.api.diagnosis import Diagnosis
-    from workbench.api.experiment import Experiment
+    from workbench.api.measurement.diagnosis import Diagnosis
+    from workbench.api.measurement.experiment import Experiment
 
 LEAST_SHARE = 0.005
 """Share of the residual's variance from which a map is drawn."""

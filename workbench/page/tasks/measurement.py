@@ -7,17 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from workbench.api.comparison import Comparison
-from workbench.api.comparison import compare as compare_model
-from workbench.api.design import Design
-from workbench.api.diagnosis import diagnose as diagnose_model
-from workbench.api.experiment import Experiment
 from workbench.api.figure_data import curves, free_values, residual_maps, stated
-from workbench.api.fitted import FittedResult
-from workbench.api.growth import add as add_effects
-from workbench.api.growth import ladder
-from workbench.api.growth import undo as undo_last
-from workbench.api.suggestion import suggest as suggest_motions
+from workbench.api.machine.design import Design
+from workbench.api.measurement.comparison import Comparison
+from workbench.api.measurement.comparison import compare as compare_model
+from workbench.api.measurement.diagnosis import diagnose as diagnose_model
+from workbench.api.measurement.experiment import Experiment
+from workbench.api.measurement.fitted import FittedResult
+from workbench.api.measurement.growth import add as add_effects
+from workbench.api.measurement.growth import ladder
+from workbench.api.measurement.growth import undo as undo_last
+from workbench.api.measurement.suggestion import suggest as suggest_motions
 from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.errors import InputError
 from sysid.ladder import Addition as Found
 from sysid.ladder import add_effects, addition_json, current_ladder
-from workbench.api.experiment import Experiment, as_experiment, design_source
-from workbench.api.fitted import FittedResult, document, error_frame, parameter_frame
+from workbench.api.measurement.experiment import Experiment, as_experiment, design_source
+from workbench.api.measurement.fitted import FittedResult, document, error_frame, parameter_frame
 from workbench.api.result import Result, results_in
 from workbench.identification.undo import Undoing, undo_last
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from workbench.api.design import Design
+    from workbench.api.machine.design import Design
 
 
 class Addition(FittedResult):

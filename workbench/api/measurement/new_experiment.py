@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from sysid.experiment.columns.proposal import ExperimentProposal
     from sysid.experiment.readers.open import RecordFile
-    from workbench.api.design import Design
-    from workbench.api.experiment import Experiment
+    from workbench.api.machine.design import Design
+    from workbench.api.measurement.experiment import Experiment
 
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""
@@ -171,7 +171,7 @@ def write_experiment(folder: str | Path, document: Mapping[str, Any], design: De
     Raises:
         InputError: the file exists, or one line with key, value, and what is allowed.
     """
-    from workbench.api.experiment import Experiment
+    from workbench.api.measurement.experiment import Experiment
 
     path = Path(folder) / "experiment.toml"
     if path.exists():

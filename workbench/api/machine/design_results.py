@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.api.design import Design, load_design
+from workbench.api.machine.design import Design, load_design
 from workbench.api.result import Result, finite_json
 
 if TYPE_CHECKING:

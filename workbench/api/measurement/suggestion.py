@@ -10,9 +10,9 @@ from sysid.experiment_design.t_optimal_design import Suggestion as Found
 from sysid.experiment_design.t_optimal_design import columns_of
 from sysid.experiment_design.t_optimal_design import suggest as suggest_motions
 from sysid.report import suggestion_json
-from workbench.api.diagnosis import Diagnosis
-from workbench.api.experiment import Experiment, as_experiment
-from workbench.api.fitted import document
+from workbench.api.measurement.diagnosis import Diagnosis
+from workbench.api.measurement.experiment import Experiment, as_experiment
+from workbench.api.measurement.fitted import document
 from workbench.api.result import Result, results_in
 from workbench.options import ProgressCallback
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from workbench.api.design import Design
+    from workbench.api.machine.design import Design
 
 
 class Suggestion(Result):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from workbench.api.design import Design, load_design
+from workbench.api.machine.design import Design, load_design
 from workbench.api.result import Result, finite_json
 from workbench.options import ProgressCallback
 

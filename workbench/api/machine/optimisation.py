@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
-from workbench.api.design import Design, load_design
+from workbench.api.machine.design import Design, load_design
 from workbench.api.result import Result, finite_json, without_options
 from workbench.options import ProgressCallback
 

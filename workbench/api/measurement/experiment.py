@@ -15,15 +15,15 @@ from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.known import DesignValues
 from sysid.experiment.model_table import model_of
+from workbench.api.measurement.statement import Model, Record, Rig, RigKind
 from workbench.api.result import Result
-from workbench.api.statement import Model, Record, Rig, RigKind
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
     from sysid.prediction.problem import Problem
-    from workbench.api.design import Design
+    from workbench.api.machine.design import Design
 
 
 class Experiment(Result):
@@ -179,7 +179,7 @@ class Experiment(Result):
         Raises:
             InputError: the folder has an experiment already, or an effect of the model is declared in memory.
         """
-        from workbench.api.saving import save
+        from workbench.api.measurement.saving import save
 
         return Experiment.load(save(self, Path(folder)), self.design)
 
@@ -232,7 +232,7 @@ def as_experiment(source: Experiment | str | Path, design: Design | None = None)
 
 def design_source(design: Design | None) -> DesignValues:
     """Values of settings stated as `"design"`; those of the packaged machine where no design is given."""
-    from workbench.api.design import load_design
+    from workbench.api.machine.design import load_design
     from workbench.identification.design_values import design_values
 
     # Read when a value is needed.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.api.design import Design, as_design
+from workbench.api.machine.design import Design, as_design
 from workbench.api.result import Result, finite_json
 from workbench.machine.comparison import DesignComparison, compare_designs
 from workbench.options import ProgressCallback

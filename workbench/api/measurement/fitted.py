@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-from workbench.api.experiment import Experiment
-from workbench.api.result import Result, finite_json
-from workbench.api.series import (
+from workbench.api.measurement.experiment import Experiment
+from workbench.api.measurement.series import (
     PARTS,
     channel_named,
     free_run_table,
@@ -18,6 +17,7 @@ from workbench.api.series import (
     part_of,
     prediction_error_table,
 )
+from workbench.api.result import Result, finite_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from sysid.prediction.model import Model
     from sysid.prediction.problem import Problem
     from sysid.validation.information_criteria import InformationCriteria
-    from workbench.api.correlation import Correlation
+    from workbench.api.measurement.correlation import Correlation
 
 Part = Literal["fit", "validate"]
 
@@ -128,7 +128,7 @@ class FittedResult(Result):
             InputError: no such channel.
         """
         from sysid.validation.residual_correlation import residual_correlation
-        from workbench.api.correlation import Correlation
+        from workbench.api.measurement.correlation import Correlation
 
         name = channel_named(self.problem, channel)
         return Correlation(residual_correlation(self.problem, self.fitted.model, name, part, lags))

@@ -11,7 +11,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.memory import MemoryTable
 
 if TYPE_CHECKING:
-    from workbench.api.experiment import Experiment
+    from workbench.api.measurement.experiment import Experiment
 
 
 def save(experiment: Experiment, folder: Path) -> Path:

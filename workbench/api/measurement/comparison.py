@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any, Literal
 from sysid.compare import Comparison as Found
 from sysid.compare import compare as compare_problem
 from sysid.report import comparison_json
-from workbench.api.experiment import Experiment, as_experiment
-from workbench.api.fitted import FittedResult, document, error_frame
+from workbench.api.measurement.experiment import Experiment, as_experiment
+from workbench.api.measurement.fitted import FittedResult, document, error_frame
 from workbench.api.result import results_in
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from workbench.api.design import Design
+    from workbench.api.machine.design import Design
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
 

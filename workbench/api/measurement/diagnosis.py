@@ -10,9 +10,9 @@ from sysid.diagnose import Diagnosis as Found
 from sysid.diagnose import diagnose as diagnose_problem
 from sysid.estimation.fit import FittedModel
 from sysid.report import diagnosis_json
-from workbench.api.comparison import where_frame
-from workbench.api.experiment import Experiment, as_experiment
-from workbench.api.fitted import FittedResult, document, error_frame
+from workbench.api.measurement.comparison import where_frame
+from workbench.api.measurement.experiment import Experiment, as_experiment
+from workbench.api.measurement.fitted import FittedResult, document, error_frame
 from workbench.api.result import results_in
 from workbench.options import ProgressCallback
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sysid.prediction.model import Model
-    from workbench.api.design import Design
+    from workbench.api.machine.design import Design
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
 
