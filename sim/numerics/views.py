@@ -209,6 +209,11 @@ class _Ready(NamedTuple):
     owners: Any
 
 
+LONGEST_COMPILATION = 60.0
+"""Time after which the process that compiles parts is ended, s, and they are compiled here: a fork may have inherited a
+lock that no thread of its own releases."""
+
+
 class OverViews:
     """A function that is compiled to receive its arguments in memory, the arrays among them as views, cached on disk.
 
@@ -277,7 +282,9 @@ class OverViews:
         memory = self._memory(arguments)
         main = compile_callback(self._function, types.void(memory), self._files, **self._options)
         if self._other_process is not None:
-            self._other_process.join()
+            self._other_process.join(LONGEST_COMPILATION)
+            self._other_process.kill()
+            self._other_process = None
         made = [self._compiled_part(part, memory) for part in self._parts]
         call = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(main.address)
         return _Ready(call, [one.address for one in made], (main, made))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -143,3 +145,17 @@ def test_parts_compiled_by_another_process_are_found_on_the_disk(monkeypatch):
     vector = np.array([0.0, 1.0, 2.0])
     begun(vector)
     assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0] and begun.is_compiled
+
+
+def test_a_process_that_does_not_end_is_ended_and_its_parts_are_compiled_here(monkeypatch):
+    process = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(300.0,), daemon=True)
+    process.start()
+    monkeypatch.setattr(views, "forked", lambda function: process)
+    monkeypatch.setattr(views, "is_cached", lambda *_: False)
+    monkeypatch.setattr(views, "LONGEST_COMPILATION", 0.1)
+    begun, vector = OverViews(_by_parts, parts=[WEIGHTED]), np.array([0.0, 1.0, 2.0])
+    begun.begin_parts(np.zeros(3))
+    begun(vector)
+    assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0]
+    process.join(20.0)
+    assert process.exitcode is not None
