@@ -57,7 +57,7 @@ class Project:
         """
         parts = Path(path).parts
         if os.path.isabs(path) or "\\" in path or "\0" in path or any(part.startswith(".") for part in parts):
-            raise InputError(f"{path!r}: a path inside the project is wanted, like rig/fit.csv")
+            raise InputError(f"{path!r}: a path inside the project is required, like rig/fit.csv")
         target, folder = (self.folder / path).resolve(), self.folder.resolve()
         if target != folder and folder not in target.parents:
             raise InputError(f"{path!r}: lies outside the project's folder")
@@ -146,7 +146,7 @@ def plain_name(name: str) -> str:
         InputError: anything else.
     """
     if not _NAME.fullmatch(name) or ".." in name:
-        raise InputError(f"{name!r}: a name of letters, digits, '_', '-' and '.' is wanted, at most 64 long")
+        raise InputError(f"{name!r}: a name of letters, digits, '_', '-' and '.' is required, at most 64 long")
     return name
 
 

@@ -85,7 +85,7 @@ class Guard:
         if self.token is not None and not self._cookie(headers):
             given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
             if not hmac.compare_digest(given.encode(), self.token.encode()):
-                await _answer(send, 401, "the address that 'stagecad workbench' printed, with its token, is wanted")
+                await _answer(send, 401, "the address that 'stagecad workbench' printed, with its token, is required")
                 return
             await _set_cookie(send, scope, self.token)
             return
@@ -110,7 +110,7 @@ class Guard:
             wanted = "application/octet-stream" if scope["path"].startswith(UPLOAD_PATH) else "application/json"
             if kind != wanted:
                 # A form of another site can send neither kind.
-                return 415, f"Content-Type {wanted} is wanted"
+                return 415, f"Content-Type {wanted} is required"
         return None
 
     def _cookie(self, headers: dict[str, str]) -> bool:

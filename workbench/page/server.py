@@ -141,7 +141,7 @@ def _add_common_routes(app: FastAPI) -> None:
         array = read_curves(folder, curves)
         words = series.split(",")
         if not all(word.isdigit() and int(word) < len(array) for word in words) or len(words) > 20:
-            raise InputError(f"series {series!r}: positions below {len(array)} are wanted")
+            raise InputError(f"series {series!r}: positions below {len(array)} are required")
         rows = [int(word) for word in words]
         if pairs:
             found = sampled(array, rows, start, stop, columns)

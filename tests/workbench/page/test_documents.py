@@ -109,7 +109,7 @@ def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> 
 
 
 def test_optimisation(client: TestClient, folder: Path) -> None:
-    """Only the thickness is free, and a rule is violated, so that no solids are wanted."""
+    """Only the thickness is free, and a rule is violated, so that no solids are required."""
     text = re.sub(r',\s*free = "[^"]*"', "", packaged_text())
     (folder / "one_free.toml").write_text(text, "utf-8")
     free, keep = {"stage.thickness": "6 mm:30 mm"}, ["sag of the drive surface over the travel"]

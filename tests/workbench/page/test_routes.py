@@ -62,7 +62,7 @@ def test_a_drag_moves_margins_and_shows_every_violated_rule(client: TestClient) 
         ({"stage.thickness": "-1 mm"}, "stage.thickness"),
         ({"stage.thickness": "13"}, "stage.thickness"),
         ({"stage.thicknes": "13 mm"}, "did you mean 'stage.thickness'"),
-        ({"stage.thickness": ""}, "a value is wanted"),
+        ({"stage.thickness": ""}, "a value is required"),
     ],
 )
 def test_a_wrong_value_is_one_clear_line(client: TestClient, changes: dict[str, str], words: str) -> None:

@@ -65,7 +65,7 @@ def test_an_optimisation_gives_changes_that_the_page_can_make(tmp_path: Path) ->
     found = optimize(
         None,
         "",
-        # Violates a rule, so that no solids are wanted.
+        # Violates a rule, so that no solids are required.
         {"stage.thickness": "6.1 mm"},
         {"stage.thickness": "6 mm:30 mm"},
         ["sag of the drive surface over the travel"],

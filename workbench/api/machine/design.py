@@ -151,4 +151,4 @@ def as_design(source: Design | str | Path | None) -> Design:
         return source
     if source is None or isinstance(source, str | Path):
         return load_design(source)
-    raise InputError(f"a Design or its parameter file is wanted, not {type(source).__name__}")
+    raise InputError(f"a Design or its parameter file is required, not {type(source).__name__}")

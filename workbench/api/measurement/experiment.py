@@ -227,7 +227,7 @@ def as_experiment(source: Experiment | str | Path, design: Design | None = None)
         return source
     if isinstance(source, str | Path):
         return Experiment.load(source, design)
-    raise InputError(f"an Experiment or its folder is wanted, not {type(source).__name__}")
+    raise InputError(f"an Experiment or its folder is required, not {type(source).__name__}")
 
 
 def design_source(design: Design | None) -> DesignValues:

@@ -217,7 +217,7 @@ def undo(experiment: Experiment | str | Path, design: Design | None = None) -> U
     elif isinstance(experiment, str | Path):
         place = Path(experiment)
     else:
-        raise InputError(f"an Experiment or its folder is wanted, not {type(experiment).__name__}")
+        raise InputError(f"an Experiment or its folder is required, not {type(experiment).__name__}")
     return Undone(place, design, undo_last(place))
 
 

@@ -117,7 +117,7 @@ class Proposal(Result):
     def to_json(self) -> dict[str, Any]:
         """Kind of rig, columns, the channels and known quantities of the kind with their units, what is missing.
 
-        Of each group under `needed` one channel is wanted.
+        Of each group under `needed` one channel is required.
         """
         from sysid.experiment.rig_kinds.declaration import find_rig
         from workbench.identification.new_experiment import missing_channels, usual_effects

@@ -74,7 +74,7 @@ def prediction_error_table(problem: Problem, model: Model, horizons: Sequence[fl
     from sysid.prediction.simulation_error import simulation_errors
 
     if any(not length > 0.0 for length in horizons):
-        raise InputError(f"prediction_errors: horizons {list(horizons)}: lengths above zero are wanted, in s")
+        raise InputError(f"prediction_errors: horizons {list(horizons)}: lengths above zero are required, in s")
     found = simulation_errors(problem, model, {f"{length:g} s": length for length in horizons})
     if found.note:
         raise InputError(found.note)

@@ -117,7 +117,7 @@ class Model:
 
     def __post_init__(self) -> None:
         if isinstance(self.effects, str | Effect):
-            raise InputError(f"Model({self.effects!r}): a list of effects is wanted: Model([...])")
+            raise InputError(f"Model({self.effects!r}): a list of effects is required: Model([...])")
 
     def __repr__(self) -> str:
         settings = f", parameters={dict(self.parameters)!r}" if self.parameters else ""
@@ -206,7 +206,7 @@ def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
     if isinstance(data, Mapping):
         return {str(label): np.asarray(values) for label, values in data.items()}
     if not hasattr(data, "columns") or not hasattr(data, "index"):
-        raise InputError(f"{name}: is {type(data).__name__}; a DataFrame or a mapping of arrays is wanted")
+        raise InputError(f"{name}: is {type(data).__name__}; a DataFrame or a mapping of arrays is required")
     columns = {}
     kind = data.index.dtype.kind
     if kind in "mM":

@@ -182,5 +182,5 @@ def artefact(key: str, name: str) -> FileResponse:
 def _changes(body: ChangesBody) -> Changes:
     for key, text in body.changes.items():
         if "=" in key or not key or not text.strip():
-            raise InputError(f"{key!r}: a value is wanted")
+            raise InputError(f"{key!r}: a value is required")
     return dict(body.changes)

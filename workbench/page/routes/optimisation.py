@@ -34,7 +34,7 @@ def optimize(request: Request, body: OptimizeBody) -> dict[str, Any]:
     session, jobs = session_of(request), request.app.state.jobs
     for key, text in body.free.items():
         if "=" in key or not text.strip():
-            raise InputError(f"{key}: a range LOW:HIGH is wanted, or choices A|B")
+            raise InputError(f"{key}: a range LOW:HIGH is required, or choices A|B")
     need_free(session.design(), body.free)
     arguments = {**session.source(), "free": body.free, "keep": body.keep, "budget": body.budget}
     return jobs.submit("optimisation", "optimize", arguments, title="Optimize", replaces=True).as_json()

@@ -94,7 +94,7 @@ export class Optimize {
     const { opened } = this;
     try {
       if (!Object.keys(free).length) throw new Error('let at least one parameter change');
-      if (!(Number.isInteger(budget) && budget >= 20)) throw new Error(`designs: '${this.budget.value}': a whole number from 20 is wanted`);
+      if (!(Number.isInteger(budget) && budget >= 20)) throw new Error(`designs: '${this.budget.value}': a whole number from 20 is required`);
       say('');
       const job = await post('/api/machine/optimize', { free, keep, budget });
       // Another file may be open by now.

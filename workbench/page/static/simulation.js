@@ -82,7 +82,7 @@ class Simulation {
       const [, digits, unit] = field.value.trim().match(/^([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)$/i) ?? [];
       // The tip is drawn from numbers in this unit; an experiment takes a text with any.
       if (digits === undefined || (live && unit && unit !== p.unit)) {
-        say(`${p.key}: '${field.value}': a number${p.unit ? ` in ${p.unit}` : ''} is wanted`, 'bad');
+        say(`${p.key}: '${field.value}': a number${p.unit ? ` in ${p.unit}` : ''} is required`, 'bad');
         [field.value, slider.value] = last;
         return;
       }

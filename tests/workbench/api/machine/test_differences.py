@@ -61,5 +61,5 @@ def test_parameters_alone() -> None:
     assert {"stage.thickness", "stage.payload_thread_depth"} <= set(found.parameters.index)
     with pytest.raises(InputError, match="no margin differs"):
         found.plot()
-    with pytest.raises(InputError, match="a Design or its parameter file is wanted, not int"):
+    with pytest.raises(InputError, match="a Design or its parameter file is required, not int"):
         stagecad.diff(3, design)  # pyright: ignore[reportArgumentType]

@@ -114,7 +114,7 @@ def test_nothing_to_add_is_refused(slide: Experiment) -> None:
         stagecad.add(slide)
     with pytest.raises(InputError, match=r"no effect 'stribek'.*did you mean 'stribeck'"):
         stagecad.add(slide, "stribek")
-    with pytest.raises(InputError, match="an Experiment or its folder is wanted, not int"):
+    with pytest.raises(InputError, match="an Experiment or its folder is required, not int"):
         stagecad.compare(3)  # pyright: ignore[reportArgumentType]
 
 
