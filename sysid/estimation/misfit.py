@@ -83,7 +83,9 @@ def channel_noise(model: Model, record: PreparedRecord, channel: str) -> float:
     noise = residual_noise(record, model.effects, model.values)
     if record.velocity_sign is None or record.prefiltered_noise == 0.0:
         return noise
-    axis = record.axis._replace(velocity=record.axis.velocity + record.velocity_noise)
+    velocity = record.axis.velocity
+    # In the direction of motion, so that a mirrored record has the same noise.
+    axis = record.axis._replace(velocity=velocity + np.sign(velocity) * record.velocity_noise)
     change = predict(replace(record, axis=axis), model.effects, model.values)[channel]
     change = change - predict(record, model.effects, model.values)[channel]
     return float(np.hypot(noise, np.sqrt(np.mean(change[record.valid[channel]] ** 2))))

@@ -362,10 +362,8 @@ def letter(n: int) -> str:
 def test_a_process_started_ahead_takes_the_items_of_its_kind() -> None:
     with Ahead(load, "a") as ahead:
         order = Order(kind=letter, ahead=[ahead])
-        (first, loaded), (other, nothing), (again, _) = parallel_map(
-            process_and_loaded, [0, 2, 1], workers=2, order=order
-        )
-    assert loaded == [first] == [again] and other != first and nothing == []
+        (first, loaded), (other, nothing) = parallel_map(process_and_loaded, [0, 2], workers=2, order=order)
+    assert loaded == [first] and other != first and nothing == []
     assert not ahead.waits
 
 

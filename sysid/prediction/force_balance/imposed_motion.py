@@ -181,10 +181,12 @@ def _sign_at_rows(position: np.ndarray, stretch: float, time: np.ndarray) -> np.
     It is that of the parabola through the row and its neighbours, the velocity under a constant acceleration. The
     difference to the row before is a mean over the step: after a turning point between the two rows its sign is late
     half of the time. A row that differs from the one before by `stretch` at most is at rest, also if the next one
-    moves.
+    moves; so is a turning point at a row, where the slope is rounding.
     """
     moved = np.abs(np.diff(position, prepend=position[0])) > stretch
-    return np.where(moved, np.sign(np.gradient(position, time)), 0.0)
+    slope = np.gradient(position, time)
+    certain = np.abs(slope) * np.gradient(time) > stretch
+    return np.where(moved & certain, np.sign(slope), 0.0)
 
 
 def _certain_sign(velocity: np.ndarray) -> np.ndarray:

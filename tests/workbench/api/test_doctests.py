@@ -10,7 +10,7 @@ import pytest
 
 import workbench.api
 
-MODULES = [f"workbench.api.{info.name}" for info in pkgutil.iter_modules(workbench.api.__path__)]
+MODULES = [info.name for info in pkgutil.walk_packages(workbench.api.__path__, "workbench.api.")]
 
 
 @pytest.mark.parametrize("name", ["stagecad", *MODULES])

@@ -16,7 +16,7 @@ from workbench.identification.tables import correlation_table
 from workbench.options import Run
 from workbench.report.page import write_comparison
 
-from .conftest import NOISE, slide_log
+from ..conftest import NOISE, slide_log
 
 
 def _without_time(document):
