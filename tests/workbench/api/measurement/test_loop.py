@@ -11,12 +11,11 @@ import pytest
 
 import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
+from tests.workbench.api.slide_log import NOISE, slide_log
 from workbench.dispatch import run_line
 from workbench.identification.tables import correlation_table
 from workbench.options import Run
 from workbench.report.page import write_comparison
-
-from ..conftest import NOISE, slide_log
 
 
 def _without_time(document):
