@@ -47,11 +47,14 @@ class Held:
 
     def __init__(self, page: Any, pattern: str, count: int = 1) -> None:
         self.page, self.pattern, self.count = page, pattern, count
+        self.taken = 0
         self.answers: list[tuple[Any, Any]] = []
         page.route(pattern, self._take)
 
     def _take(self, route: Any) -> None:
-        if len(self.answers) < self.count:
+        # The next request may come while the answer to this one is fetched.
+        if self.taken < self.count:
+            self.taken += 1
             self.answers.append((route, route.fetch()))
         else:
             route.continue_()

@@ -81,6 +81,7 @@ class Machine {
   take(state) {
     this.state = state;
     this.changes = state.changes;
+    this.parameters.take(state.changes);
     const files = [...new Set([null, ...state.files, state.file])];
     fill(this.file, files.map((name) => h('option', { value: name ?? '' }, name ?? 'packaged design')));
     this.file.value = state.file ?? '';

@@ -146,6 +146,18 @@ export class ParameterList {
     if (this.onlyChanged.getAttribute('aria-pressed') === 'true') this.filter();
   }
 
+  /** The keys that are set are others: their texts are known before the server answers with all texts and margins. */
+  take(changes) {
+    const before = this.changes ?? {};
+    this.texts = { ...this.texts };
+    this.changes = changes;
+    for (const key of new Set([...Object.keys(before), ...Object.keys(changes)])) {
+      if (before[key] === changes[key]) continue;
+      if (key in changes) this.texts[key] = changes[key]; else delete this.texts[key];
+      this.write(key, this.texts[key] ?? this.parameters.get(key)?.text ?? '');
+    }
+  }
+
   /** Write the text of a value that was committed, also into the field that has the focus. */
   write(key, text) {
     const row = this.rows.get(key);
