@@ -13,7 +13,7 @@ HEAD = """\
 # The library of physical effects
 
 Made from the declarations in the folders of `sim/effects/` by `python docs/make_effects.py`; `stagecad effects NAME`
-prints the same for one effect, `stagecad effects NAME --json` for a script. A name picks a law with `:`
+prints the same for one effect, `stagecad effects NAME --json` for a script. A name selects a variant with `:`
 (`stribeck:rational`), a measured channel with `@` (`sensor_lag@position`). An effect of your own is declared the same
 way: see [the tutorial](tutorial.md#7-an-effect-of-your-own). The figures are drawn by `python
 docs/make_effect_figures.py` for one synthetic record, with values at which the effect is clearly visible.
@@ -22,11 +22,11 @@ Friction effects act on one friction level: `level = (sum of levels) * (product 
 model turns the level into a force. Forces have the sign of friction: positive where they oppose
 positive motion. Units are those of a linear axis; a rotary axis has rad for m, N*m for N, and so on.
 
-| effect | acts on | what it is |
+| effect | acts on | meaning |
 | --- | --- | --- |
 """
 TABLE_HEAD = (
-    "| parameter | unit | default | bounds | role | meaning | where default and bounds come from |",
+    "| parameter | unit | default | bounds | role | meaning | source of default and bounds |",
     "| --- | --- | --- | --- | --- | --- | --- |",
 )
 
@@ -70,7 +70,7 @@ def _section(effect: Effect) -> str:
 
 
 def _variant(variant: Effect, effect: Effect) -> list[str]:
-    """A variant: its law, and those of its parameters that the first law does not have."""
+    """A variant: its law, and those of its parameters that differ from the first law's."""
     own = [p for p in variant.parameters if p not in effect.parameters]
     lines = [f"**Variant `{variant.name}`**: {_sentence(variant.meaning)}", ""]
     lines += [*[f"    {line.strip()}" for line in variant.equation.splitlines()], "", f"- Source: {variant.source}"]

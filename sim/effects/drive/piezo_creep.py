@@ -13,10 +13,10 @@ from sim.library.effect import Effect, Parameter, Scan
 def _logarithmic(signal: Any, step: float, p: Any) -> Any:
     from sim.numerics.record_operators import first_order_lag
 
-    # The lags start at rest on the first row: a piezo that has stood at that voltage for long.
+    # The lags start at rest on the first row: the piezo has been at that voltage for a long time.
     signal = np.ascontiguousarray(signal)
     out = np.array(signal)
-    # A ladder of equal lags, even on the logarithm, climbs like it from its first to its last time constant.
+    # The sum of equal lags with logarithmically spaced time constants rises with log t between the first and the last.
     for k in range(13):
         out += p.decades / 12.0 * p.strength * first_order_lag(signal, step, p.start * 10.0 ** (k * p.decades / 12.0))
     return out
@@ -44,8 +44,8 @@ def _three_exponentials(signal: Any, step: float, p: Any) -> Any:
 _LOGARITHMIC = Effect(
     name="piezo_creep",
     meaning="after a step of voltage a piezo continues to extend with the logarithm of time",
-    equation="d(t) = d0 (1 + strength * log10(t / start)), made of lags from start to start * 10^decades",
-    shows="after each step the residual continues to drift for seconds, ever more slowly",
+    equation="d(t) = d0 (1 + strength * log10(t / start)), approximated by lags from start to start * 10^decades",
+    shows="after each step the residual continues to drift for seconds, at a decreasing rate",
     source="Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896; catalogues: 1-2 % per decade",
     acts_on="piezo",
     coordinates=("time", "contact_age"),
@@ -70,10 +70,10 @@ _EXPONENTIAL = replace(
     parameters=(
         Parameter("strength", "1", 0.01, 0.0, 0.5, "part that creeps quickly", "1-2 % per decade"),
         Parameter("slow_strength", "1", 0.01, 0.0, 0.5, "part that creeps slowly", "1-2 % per decade"),
-        Parameter("time_constant", "s", 0.5, 1e-6, 1e4, "of the quick part", "0.1-10 s").shape(
+        Parameter("time_constant", "s", 0.5, 1e-6, 1e4, "time constant of the quick part", "0.1-10 s").shape(
             Scan("time", 2e-3, 0.3, 6), natural="high"
         ),
-        Parameter("ratio", "1", 10.0, 2.0, 100.0, "of the slow time constant to the quick one", "a decade").shape(
+        Parameter("ratio", "1", 10.0, 2.0, 100.0, "slow time constant over the quick one", "a decade").shape(
             natural="both"
         ),
     ),
@@ -87,14 +87,14 @@ _THREE = replace(
     equation="d = u + quick * lag(u; T) + middle * lag(u; ratio T) + slow * lag(u; ratio^2 T),  T = time_constant",
     source="Croft, Shed, Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35: three springs and dampers in series",
     parameters=(
-        Parameter("quick", "1", 0.01, 0.0, 1.0, "part that creeps first", "1-2 % per decade"),
-        Parameter("middle", "1", 0.01, 0.0, 1.0, "part that creeps then", "1-2 % per decade"),
-        Parameter("slow", "1", 0.01, 0.0, 1.0, "part that creeps last", "1-2 % per decade"),
-        Parameter("time_constant", "s", 0.1, 1e-6, 1e4, "of the first part", "0.1-10 s").shape(
+        Parameter("quick", "1", 0.01, 0.0, 1.0, "part with the shortest time constant", "1-2 % per decade"),
+        Parameter("middle", "1", 0.01, 0.0, 1.0, "part with the middle time constant", "1-2 % per decade"),
+        Parameter("slow", "1", 0.01, 0.0, 1.0, "part with the longest time constant", "1-2 % per decade"),
+        Parameter("time_constant", "s", 0.1, 1e-6, 1e4, "shortest time constant", "0.1-10 s").shape(
             Scan("time", 2e-3, 0.1, 5), natural="high"
         ),
         Parameter(
-            "ratio", "1", 5.0, 2.0, 30.0, "of each time constant to the one before", "half a decade or more"
+            "ratio", "1", 5.0, 2.0, 30.0, "each time constant over the next shorter one", "half a decade or more"
         ).shape(natural="both"),
     ),
     signal=_three_exponentials,

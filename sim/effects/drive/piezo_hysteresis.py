@@ -54,7 +54,7 @@ _SETTLED = Parameter(
     1.0,
     0.0,
     1.0,
-    "part of the first voltage, from bias, at which the piezo rested before: 1 at the first voltage itself, 0 at bias",
+    "voltage at which the piezo rested before the first row, over that of the first row, both from bias",
     "the history before the first row is not recorded",
 ).shape(Scan("one", 0.0, 1.0, 2, "linear"), natural="both")
 

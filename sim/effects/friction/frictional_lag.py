@@ -1,4 +1,4 @@
-"""Friction that follows a change of velocity only after a while."""
+"""Friction that follows a change of velocity with a delay or a first-order lag."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ _STRAIGHT = Effect(
             "Amontons: 1; adhesion lowers it; friction does not fall with load",
         ),
         Parameter(
-            "reference", "N", 1.0, 1e-12, 1e12, "load at which the level holds", "mean of the record", role="reference"
+            "reference", "N", 1.0, 1e-12, 1e12, "load at which the factor is 1", "mean of the record", role="reference"
         ),
     ),
     factor=_factor,

@@ -63,7 +63,7 @@ EFFECT = replace(
                 _EXCESS,
                 replace(_DISTANCE, scan=Scan("travelled", 0.02, 0.5, 5)),
                 Parameter(
-                    "late_excess", "1", 0.1, -0.9, 10.0, "relative excess that settles late", "level stays positive"
+                    "late_excess", "1", 0.1, -0.9, 10.0, "relative excess of the second stage", "level stays positive"
                 ),
                 Parameter(
                     "later",

@@ -51,7 +51,7 @@ _GAUSSIAN = Effect(
             2.0,
             0.5,
             4.0,
-            "sharpness: 1 Tustin, 2 Gaussian",
+            "exponent of the curve: 1 Tustin, 2 Gaussian",
             "thesis (4.5): 2; Bo and Pavelescu 1982: 0.5 to 1",
         ).shape(Scan("one", 0.5, 4.0, 5, "linear"), fixed=True, natural="both"),
     ),
@@ -67,7 +67,7 @@ EFFECT = replace(
         replace(
             _GAUSSIAN,
             name="stribeck:free_exponent",
-            meaning="the Stribeck effect with the sharpness of its curve free",
+            meaning="the Stribeck effect with a free exponent of its curve",
             parameters=(*_GAUSSIAN.parameters[:2], replace(_GAUSSIAN.parameters[2], fixed=False)),
         ),
         replace(

@@ -44,7 +44,7 @@ _LINEAR = Effect(
             20.0,
             -273.0,
             3000.0,
-            "temperature at which the level holds",
+            "temperature at which the factor is 1",
             "mean of the record",
             role="reference",
         ),

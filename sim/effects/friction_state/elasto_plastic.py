@@ -109,7 +109,7 @@ EFFECT = Effect(
     meaning="bristles that are purely elastic up to a break-away stretch, then slip along a smooth curve",
     equation="z' = v (1 - alpha a0 |z|/g),  friction = a0 z + a1 z';  alpha = 0 up to |z| = breakaway g/a0 and where "
     "the motion unloads, 1 from g/a0 on, (1 + sin)/2 between",
-    shows="As lugre after a reversal, but small vibrations leave no drift, as below break-away it is a spring.",
+    shows="As lugre after a reversal, but small vibrations cause no drift: below break-away the bristles are elastic.",
     dissipation="Passive at any speed while the level is constant or rises; while it falls, below the speed 4 g/a1.",
     source="Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787, eq. 12-17",
     parameters=(

@@ -179,7 +179,7 @@ LUGRE = Effect(
     meaning="bristles that deflect before they slip, with damping of their own",
     equation="z' = v - a0 |v| z/g,  friction = a0 z + a1 z'  (a0 stiffness, a1 damping, g the friction level)",
     shows="Presliding: a spring-like force over the first micrometres after a reversal, and loops that widen with "
-    "frequency. Not passive above 4 g/a1: with a constant a1, fast starts give negative heat.",
+    "frequency. Not passive above 4 g/a1: with a constant a1, the dissipated heat is negative in fast starts.",
     dissipation="Passive below the speed 4 g/a1 only; a falling level at a higher speed returns energy.",
     source=f"{CANUDAS}, eq. 1-3; thesis (4.4)-(4.5)",
     parameters=(FORCE, STIFFNESS, DAMPING),

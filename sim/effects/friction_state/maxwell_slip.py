@@ -85,7 +85,7 @@ MAXWELL_SLIP = Effect(
             2.0,
             1.0,
             12.0,
-            "1: one spring; 2: stretches spread evenly; more: a long tail",
+            "1: one spring; 2: uniformly distributed stretches; more: a long tail",
             "Hertz-Mindlin contacts: about 1.5",
         ).shape(Scan("one", 2.0, 8.0, 3), natural="both"),
     ),

@@ -49,7 +49,7 @@ _OF_CURVES = replace(
     name="sensor_delay:of_curves",
     between_rows=True,
     meaning="a sensor reports, after a delay, a quantity that is smooth between rows",
-    equation="y(t) = u(t - delay), u a cubic between rows that stays between them (Fritsch and Carlson 1980)",
+    equation="y(t) = u(t - delay), u a monotone cubic between rows (Fritsch and Carlson 1980)",
     signal=_signal_of_curves,
 )
 

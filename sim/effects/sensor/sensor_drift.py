@@ -35,7 +35,7 @@ _WARM_UP = Effect(
             10.0,
             1e-6,
             1e9,
-            "warm-up time; far beyond the record it is a steady drift",
+            "time constant of the warm-up; if much longer than the record, the drift is linear in time",
             "warm-up of electronics and mounts",
         ).shape(Scan("time", 0.05, 5.0, 7), natural="high"),
     ),
@@ -45,12 +45,12 @@ _WARM_UP = Effect(
 _POWER = replace(
     _WARM_UP,
     name="sensor_drift:power",
-    meaning="the zero of a sensor drifts as a power of time: creep below 1, a steady drift at 1, a growing one above",
+    meaning="the zero of a sensor drifts as a power of time: at a decreasing rate below 1, an increasing one above",
     equation="y = u + amplitude * (t / reference_time)^exponent, t since the first row",
     source="power law of ageing and creep, e.g. Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 2",
     parameters=(
         Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "shift of the zero at reference_time", "either sign"),
-        Parameter("exponent", "1", 1.0, 0.2, 3.0, "power of time", "steady drift").shape(
+        Parameter("exponent", "1", 1.0, 0.2, 3.0, "power of time", "1: linear drift").shape(
             Scan("one", 0.4, 2.0, 5), natural="both"
         ),
         Parameter(

@@ -53,7 +53,7 @@ _OF_STEPS = replace(
     _SMOOTH,
     name="sensor_lag:of_steps",
     between_rows=True,
-    meaning="a digital filter follows the measured quantity, which it takes as held from row to row",
+    meaning="a digital first-order filter of the measured quantity, which is held from row to row",
     equation="as sensor_lag; u is held, and changes to a row's value the part `early` of a step before that row",
     source="Astrom and Wittenmark, Computer-Controlled Systems (1997), sec. 2.3 (delay of a part of a step)",
     parameters=(
@@ -64,7 +64,7 @@ _OF_STEPS = replace(
             0.5,
             0.0,
             1.0,
-            "part of a step from the change of the input to the row that shows its value; a digital filter has 1",
+            "time from the change of the input to the row with its value, over the step; 1 for a digital filter",
             "0 to 1",
         ).shape(Scan("one", 0.1, 0.9, 2, "linear"), natural="both"),
     ),
