@@ -19,11 +19,14 @@ INCH = 25.4
 
 def pdf_bytes(drawing: DrawingModel) -> bytes:
     """The page, written by reportlab; the same bytes for the same sheet."""
+    from reportlab import rl_config
     from reportlab.pdfbase import pdfmetrics
     from reportlab.pdfbase.ttfonts import TTFont
     from reportlab.pdfgen.canvas import Canvas
 
     pdfmetrics.registerFont(TTFont(FONT, str(font_path())))
+    # Compressed streams as bytes; as text of base 85 they are a quarter longer.
+    rl_config.useA85 = 0
     data = io.BytesIO()
     width, height = (side * POINTS / INCH for side in drawing.size)
     # An invariant file has no time and no random identifier.

@@ -17,7 +17,7 @@ from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
-from drawings.views.segment_index import SegmentIndex, enlarged, line_meets_box
+from drawings.views.segment_index import Line, enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View
 from stagecad.solids.assembly.machine import CARRIED
 
@@ -230,8 +230,7 @@ def uncrossed(ends: Sequence[Point2], centres: Sequence[Point2]) -> list[int]:
     def conflicts(i: int, j: int) -> int:
         one, other = ((*centres[k], *ends[order[k]]) for k in (i, j))
         boxes = [enlarged((*centres[k], *centres[k]), BALLOON) for k in (i, j)]
-        crossing = SegmentIndex([one]).count_crossing(other)
-        return crossing + line_meets_box(one, boxes[1]) + line_meets_box(other, boxes[0])
+        return lines_cross(one, other) + line_meets_box(one, boxes[1]) + line_meets_box(other, boxes[0])
 
     def cost(i: int, j: int) -> tuple[int, float]:
         found = sum(conflicts(k, m) for k in (i, j) for m in range(len(order)) if m not in (i, j)) + conflicts(i, j)

@@ -1,4 +1,4 @@
-"""Straight lines on the paper, and queries for those that a box or a line meets; curves as chords of such lines.
+"""Straight lines on the paper, and queries for those that meet a box or a line; curves are approximated by chords.
 
 The placement of annotations and the check of the finished sheet use the same queries, some 100 000 of them for a large
 sheet: those that only count are compiled. Coordinates in mm on the paper.
@@ -63,7 +63,7 @@ class SegmentIndex:
         return _count_crossing(self._rows, *line)
 
     def collinear_run(self, point: Point2, direction: Point2, near: float = 0.05) -> tuple[float, float]:
-        """The stretch without gaps that lines cover on the line through a point, as distances from the point.
+        """The range without gaps that lines cover on the line through a point, as distances from the point.
 
         Both are 0 where there is no line.
         """
@@ -130,6 +130,14 @@ def _count_parallel(rows, x0, y0, x1, y1, distance):  # pragma: no cover - compi
             shared = min(max(begin, end), length) - max(min(begin, end), 0.0)
             count += max(abs(first), abs(second)) < distance and shared > 1.0
     return count
+
+
+def lines_cross(one: Line, other: Line) -> bool:
+    """Whether two straight lines cross; not where one only touches the other with an end."""
+    (ax, ay, bx, by), (x0, y0, x1, y1) = one, other
+    dx, dy, ex, ey = x1 - x0, y1 - y0, bx - ax, by - ay
+    sides = (dx * (ay - y0) - dy * (ax - x0)) * (dx * (by - y0) - dy * (bx - x0))
+    return sides < -1e-6 and (ex * (y0 - ay) - ey * (x0 - ax)) * (ex * (y1 - ay) - ey * (x1 - ax)) < -1e-6
 
 
 def boxes_overlap(one: Box2, other: Box2) -> bool:

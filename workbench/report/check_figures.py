@@ -65,6 +65,11 @@ def _space(figure: Any, panels: np.ndarray, left: float, top: float, between: tu
     )
 
 
+def _left_title(axes: Any, text: str) -> None:
+    """Title of a panel at its upper left corner; a place that is stated need not be found from the ticks."""
+    axes.set_title(text, fontsize=9, loc="left", y=1.0)
+
+
 def _width_of_labels(figure: Any) -> float:
     """Width of the longest label of the vertical axes, inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -229,7 +234,7 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
         axes.set_xscale("log")
         axes.set_xlim(max(min(sizes) / 3, 1e-3))
         axes.tick_params(labelsize=8)
-        axes.set_title(f"{one.name}, {one.direction}", fontsize=9, loc="left")
+        _left_title(axes, f"{one.name}, {one.direction}")
     panels[-1].set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: limit)", fontsize=9)
     _space(figure, panels[:, None], left=_width_of_labels(figure) + 0.15, top=0.25, between=(0.0, 0.5))
     _save(figure, path)
@@ -267,14 +272,17 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
         left.set_ylim(1e-7 * peak, 3 * peak)
         left.set_ylabel("density, nm/√Hz", fontsize=9)
         right.set_ylabel("cumulative rms, nm", fontsize=9)
-        left.set_title(one.name, fontsize=9, loc="left")
+        _left_title(left, one.name)
         left.legend(frameon=False, fontsize=7, loc="upper right")
         for axes in (left, right):
             axes.tick_params(labelsize=8)
             axes.set_xlim(1e-2, 1e5)
+            # Over seven decades, lines at the decades are read more easily than ticks between them.
+            axes.minorticks_off()
+            axes.grid(color="0.92", lw=0.6)
     for axes in panels[-1]:
         axes.set_xlabel("frequency, Hz", fontsize=9)
-    panels[0, 1].set_title(f"from {lowest:.3g} Hz upwards; dashed: limit", fontsize=9, loc="left")
+    _left_title(panels[0, 1], f"from {lowest:.3g} Hz upwards; dashed: limit")
     _space(figure, panels, left=0.65, top=0.25, between=(0.75, 0.35))
     _save(figure, path)
     return True

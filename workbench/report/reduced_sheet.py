@@ -28,6 +28,6 @@ def reduced_sheet(store: ArtefactStore, design: Any, path: Path, content: str) -
         with Image.open(path) as picture:
             height = round(picture.height * WIDTH / picture.width)
             small = picture.resize((WIDTH, height), Image.Resampling.BOX)
-        small.quantize(16).save(folder / SMALL, optimize=True)
+        small.quantize(16).save(folder / SMALL)
 
     return store.make("reduced sheet", design, (__name__,), make, (content,))
