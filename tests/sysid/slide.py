@@ -35,14 +35,14 @@ def slide(
         parameters: `[model.parameters]` as text.
         held_out: write the same motion with other noise as a held-out record; else the end of the record is held out.
         noise: standard deviation of the noise put on the force, N, (n,) or one number; `NOISE` is what the file says.
-        extra: further columns by header.
+        extra: further columns by header, or others in place of `TIME`, `POSITION` and `VELOCITY`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     rng = np.random.default_rng(3)
     records = ["fit", "validate"] if held_out else ["fit"]
     columns = {"time [s]": TIME, "position [m]": POSITION, "velocity [m/s]": VELOCITY, **(extra or {})}
     for name in records:
-        table = np.column_stack([*columns.values(), force + noise * rng.standard_normal(TIME.size)])
+        table = np.column_stack([*columns.values(), force + noise * rng.standard_normal(force.size)])
         np.savetxt(
             folder / f"{name}.csv", table, "%.9g", ",", header=",".join([*columns, "friction_force [N]"]), comments=""
         )

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
@@ -13,7 +14,7 @@ from sysid.estimation.fit import fit_model
 from sysid.estimation.periodogram import pitches
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
-from tests.sysid.slide import POSITION, SIGN, VELOCITY, slide
+from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
 
 RANGE = float(np.ptp(POSITION))
 COGGING = Path(__file__).resolve().parents[4] / "shared" / "data" / "laas_cogging_static_quarter"
@@ -36,6 +37,26 @@ def test_a_pitch_is_found_whatever_its_number_in_the_range(tmp_path: Path, effec
         assert RANGE / peaks[0] == pytest.approx(waves, abs=0.25)
     assert found is not None and found.predicted_reduction > 0.8
     assert found.fitted.model.values[f"{effect}.pitch"] == pytest.approx(RANGE / waves, rel=1e-3)
+
+
+@pytest.mark.parametrize("effect", ["magnetic_cogging", "position_dependent_friction"])
+def test_the_shortest_pitch_of_the_search_is_found(tmp_path: Path, effect: str) -> None:
+    """487 periods in the range, at five rows a period and more."""
+    time = np.linspace(0.0, TIME[-1], 10 * TIME.size)
+    position = CubicSpline(TIME, POSITION)(time)
+    velocity = np.gradient(position, time)
+    pitch = np.ptp(position) / 487.0
+    wave = 0.1 * np.sin(2.0 * np.pi * position / pitch + 0.7)
+    force = (1.5 + (effect != "magnetic_cogging") * wave) * np.sign(velocity) + 20.0 * velocity
+    force += (effect == "magnetic_cogging") * wave
+    motion = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
+    problem = slide(tmp_path, force, '"coulomb", "viscous"', extra=motion)
+    base = fit_model(problem.start, problem.fit_records)
+
+    found = screen_and_refit(base, find(effect), problem.fit_records, problem.scales, profiled_residual(base))
+
+    assert found is not None and found.predicted_reduction > 0.8
+    assert found.fitted.model.values[f"{effect}.pitch"] == pytest.approx(pitch, rel=1e-4)
 
 
 @pytest.mark.skipif(not COGGING.is_dir(), reason="the measured record is not at hand")
