@@ -38,7 +38,7 @@ class LinearDimension:
     Args:
         view: name of the view it belongs to.
         first, second: measured points, view coordinates.
-        angle: direction measured along, degrees from u.
+        angle: direction of measurement, degrees from u.
         line_at: a point on the dimension line, paper.
         text: as printed, with its decimals, count and tolerance (`2x 40.00`).
         measured: value on the solid, mm.
@@ -58,7 +58,7 @@ class LinearDimension:
 
 @dataclass(frozen=True)
 class RadialDimension:
-    """A diameter or radius on a leader to a circle seen as such.
+    """A diameter or radius on a leader to a circle in true shape.
 
     Args:
         centre, radius: view coordinates.
@@ -187,7 +187,7 @@ class SurfaceTextureSymbol:
 
     Args:
         at: its point, view coordinates.
-        angle: by which it is turned, degrees.
+        angle: of rotation, degrees.
     """
 
     view: str
@@ -218,7 +218,7 @@ class SectionMark:
     Args:
         view: that shows the cutting line.
         start, end: of the cutting line, paper; a little outside the part.
-        sight: unit vector, the direction in which one looks at the cut.
+        sight: unit vector in the direction of sight.
         letter: of the section.
     """
 
@@ -236,8 +236,8 @@ class ReferenceArrow:
     Args:
         view: that shows the arrow.
         tip: paper; a little outside the part.
-        sight: unit vector, the direction in which one looks.
-        letter: label of the view seen so.
+        sight: unit vector in the direction of sight.
+        letter: label of that view.
     """
 
     view: str

@@ -1,6 +1,6 @@
-"""The primitives of each annotation: lines, arrow heads and texts, in proportions after ISO 129-1.
+"""The primitives of each annotation: lines, arrow heads and texts, with proportions according to ISO 129-1.
 
-The writers draw them, and the layout takes the boxes of their texts and lines from them.
+The writers draw them, and the placement uses the boxes of their texts and lines.
 """
 
 from __future__ import annotations

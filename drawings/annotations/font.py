@@ -57,7 +57,7 @@ def cap_height() -> float:
 
 @cache
 def em_over_cap_height() -> float:
-    """Size of the font, as programs count it, over the height of its capitals."""
+    """Em size of the font over the height of its capitals."""
     return _font()["head"].unitsPerEm / cap_height()
 
 
@@ -79,7 +79,7 @@ def glyph_outline(character: str) -> str:
 
 
 def printed(text: str) -> str:
-    """A text with Ø for the diameter sign, which this font has only at the height of an x."""
+    """A text with Ø for the diameter sign, which this font has only at x-height."""
     return text.replace("⌀", "Ø")
 
 

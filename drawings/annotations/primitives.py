@@ -19,7 +19,7 @@ Alignment = Literal["left", "middle", "right"]
 
 
 class LineStyle(NamedTuple):
-    """How a line is drawn.
+    """Weight and type of a line.
 
     Attributes:
         weight: mm.
@@ -62,7 +62,7 @@ class Stroke:
     """A line through points.
 
     Args:
-        style: that of the layer when left out.
+        style: that of the layer if None.
     """
 
     points: tuple[Point2, ...]

@@ -1,6 +1,6 @@
 """Symbols drawn as geometry, since no font has them all: of holes, of geometrical tolerances, of surface texture.
 
-Proportions after ISO 7083 (form and position), ISO 129-1 (depth, counterbore) and ISO 21920-1 (surface texture).
+Proportions according to ISO 7083 (form and position), ISO 129-1 (depth, counterbore) and ISO 21920-1 (surface texture).
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def symbol_primitives(symbol: Symbol, at: Point2, height: float = TEXT_HEIGHT) -
 
 
 def _pieces(text: str) -> Iterator[tuple[str, str | None]]:
-    """The stretches of a text: plain text, or a symbol or control frame."""
+    """The parts of a text: plain text, or a symbol or control frame."""
     for number, piece in enumerate(_NAMED.split(text)):
         if piece:
             yield (piece, None) if number % 2 == 0 else ("", piece)

@@ -1,7 +1,8 @@
 """Candidate positions of annotations, and the cost of each position by itself.
 
-View at the origin of the paper. Costs are in mm of leader or of distance from the part; the other costs are the
-length by which a leader may be longer instead. With `extended`, candidates are finer and reach farther.
+The view is at the origin of the paper. All costs are in mm: lengths of leaders and distances from the part, and for
+other properties the additional length of a leader that is as unfavourable. With `extended`, candidates are finer and
+extend farther.
 """
 
 from __future__ import annotations
@@ -58,9 +59,9 @@ OBLIQUE_COST = 0.05
 INSIDE_OUTLINE_COST = 9.0
 """Cost of a text within the outline of the part, mm."""
 AXIS_PARALLEL_COST, AXIS_PARALLEL_ANGLE = 2.5, 12.0
-"""Cost of a leader that resembles a line of the part, mm: less than so many degrees off horizontal or vertical."""
+"""Cost of a leader that resembles a line of the part, mm, and its largest angle to an axis of the paper, degrees."""
 INWARD_COST = 15.0
-"""Cost of a leader that reaches a face through the material, mm."""
+"""Cost of a leader that passes through the material to its face, mm."""
 COLUMN_BONUS = 2.0
 """Reduction of the cost of a callout in the column at either side of the view, mm."""
 ARC_TEXT_COST = 4.0
@@ -164,7 +165,7 @@ def _text_positions(text: str, low: float, high: float, extended: bool) -> Itera
 
 
 def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bool = False) -> Iterator[Candidate]:
-    """Leaders about normal to the arc, from outside, or from the side of the centre for a radius."""
+    """Leaders approximately normal to the arc, from outside, or from the side of the centre for a radius."""
     obliques = (0.0, 20.0, -20.0, 40.0, -40.0, *((10.0, -10.0, 30.0, -30.0, 60.0, -60.0) if extended else ()))
     width = symbol_text_width(spec.text)
     centre, radius = view.to_paper(spec.centre), spec.radius * view.scale
@@ -201,7 +202,7 @@ def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bo
 def callout_candidates(
     spec: CalloutSpec, view: View, outline: Box2, columns: tuple[float, float], *, extended: bool = False
 ) -> Iterator[Candidate]:
-    """Callouts in all directions around the feature, and in a column at either side of the view.
+    """Positions of a callout in all directions around the feature, and in a column at either side of the view.
 
     Args:
         columns: x of the left and the right column.
@@ -248,7 +249,7 @@ def angle_candidates(spec: AngleSpec, view: View, *, extended: bool = False) -> 
 
 
 def tag_candidates(spec: TagSpec, view: View, *, extended: bool = False) -> Iterator[Candidate]:
-    """Names of a hole next to it in all directions, the nearest first."""
+    """Positions of the name of a hole next to the hole in all directions, the nearest first."""
     at, radius = view.to_paper(spec.at), spec.radius * view.scale
     half = symbol_text_width(spec.text) / 2
     steps = [TAG_STEP * k for k in range(40 if extended else 14)]
@@ -261,7 +262,7 @@ def tag_candidates(spec: TagSpec, view: View, *, extended: bool = False) -> Iter
 
 
 def target_candidates(spec: TargetSpec, view: View, outline: Box2) -> Iterator[Candidate]:
-    """Circles of a datum target in all directions, preferably outside the outline of the part."""
+    """Positions of the circle of a datum target in all directions, preferably outside the outline of the part."""
     at = view.to_paper(spec.at)
     for turn in range(-175, 180, 5):
         out = direction(turn)
@@ -272,7 +273,7 @@ def target_candidates(spec: TargetSpec, view: View, outline: Box2) -> Iterator[C
 
 
 def detail_mark_candidates(mark: DetailMark, view: View) -> Iterator[Candidate]:
-    """The circle of a detail with its letter in all directions, the nearest first."""
+    """Positions of the letter at the circle of a detail in all directions, the nearest first."""
     centre, radius = view.to_paper(mark.centre), mark.radius * view.scale
     for turn in (45, 135, -45, -135, 90, -90, 0, 180, 65, 25, 115, 155, -65, -25, -115, -155):
         for away in (4.0, 6.0, 9.0, 12.0, 16.0, 20.0, 26.0):
@@ -280,7 +281,7 @@ def detail_mark_candidates(mark: DetailMark, view: View) -> Iterator[Candidate]:
 
 
 def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
-    """A reference arrow at several distances from the part, shifted along its side."""
+    """Positions of a reference arrow at several distances from the part, shifted along its side."""
     along = (-arrow.sight[1], arrow.sight[0])
     for away in range(10):
         for shift in (0.0, 8.0, -8.0, 16.0, -16.0, 28.0, -28.0, 40.0, -40.0):
@@ -289,7 +290,7 @@ def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
 
 
 def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:
-    """A cutting line with each end at several distances from the part."""
+    """Positions of a cutting line with each end at several distances from the part."""
     length = math.dist(mark.start, mark.end)
     u = ((mark.end[0] - mark.start[0]) / length, (mark.end[1] - mark.start[1]) / length)
     for i in range(16):

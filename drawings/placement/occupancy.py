@@ -52,7 +52,7 @@ CALLOUT_TIP = 0.5
 SELF_CLEARANCE, TEXT_CLEARANCE, LINE_CLEARANCE = 0.2, 1.2, 0.4
 """Clearance of a text from the lines of its own annotation, from everything else, and of a line from a text, mm."""
 FRAME_REACH = 1.0
-"""How far a control frame within a callout reaches beyond its line of text, mm."""
+"""Distance by which a control frame within a callout exceeds its line of text, mm."""
 ONE_POINT, ALONG = 0.8, 1.0
 """Distance below which two leaders end at one point or one ends on a dimension line, and below which the line under a
 text runs along another line, mm."""
@@ -145,9 +145,10 @@ class Occupancy:
         return all(self.is_on_outline(point) for point in points_beside(tip, centre))
 
     def leader_conflicts(self, annotation: Annotation, view: View, footprint: Footprint) -> int:
-        """Number of leaders, dimension lines and cutting lines that the leader of an annotation crosses, or that its
-        dimension line crosses; of those on which it ends, of leaders that end at the same point, and of edges and
-        lines along which it runs."""
+        """Number of conflicts of the leader of an annotation: leaders, dimension lines and cutting lines that it
+        crosses or on which it ends, leaders with the same end, edges and lines along which it runs. For a linear
+        dimension also leaders that its dimension line crosses or meets.
+        """
         conflicts = sum(
             self.dimension_index.count_crossing(line) + self.leader_index.count_crossing(line)
             for line in footprint.leaders
@@ -172,10 +173,10 @@ class Occupancy:
         return conflicts
 
     def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
-        """Number of texts that the lines of an annotation pass, and of its dimension lines too near to another.
+        """Number of crossings of an annotation's lines with texts, and of its dimension lines too near to another one.
 
         Args:
-            most: number at which counting may end.
+            most: number at which the count may end.
         """
         conflicts = sum(
             any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines

@@ -4,7 +4,7 @@ Each annotation has a finite set of candidate positions with a cost (`drawings.p
 are placed one after another, each at the candidate of least total cost: the cost of the position itself and that of
 its conflicts with what is already placed. Short dimensions come before long ones, so that they are nearer to the part.
 Annotations without a position free of conflicts come first in the next run; the best of at most `RUNS` runs is kept.
-The result is deterministic. Surveys: Christensen, Marks, Shieber, ACM Transactions on Graphics 14 (1995) 203.
+The result is deterministic. Survey: Christensen, Marks, Shieber, ACM Transactions on Graphics 14 (1995) 203.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequenc
 
 
 def _priority(spec: DimensionSpec) -> tuple[int, float]:
-    """Order of placement: distances, short before long; then what has few candidate positions; callouts last."""
+    """Order of placement: distances, short before long; annotations with few candidate positions; callouts last."""
     match spec:
         case DistanceSpec():
             turn = math.radians(spec.angle)
@@ -301,7 +301,7 @@ class _Run:
         return ()
 
     def _diameter_dimension(self, spec: FrameSpec) -> LinearDimension | None:
-        """The placed dimension of the diameter, or of the distance of two faces, whose middle is the datum."""
+        """The placed dimension of the diameter, or of the distance of the two faces, whose centre is the datum."""
         for one in self.placed:
             if isinstance(one, LinearDimension) and abs(one.measured - spec.diameter) < 1e-6:
                 across = abs(math.cos(math.radians(one.angle - spec.outward)))
@@ -310,7 +310,7 @@ class _Run:
         return None
 
     def _conflict_cost(self, annotation: Annotation, limit: float) -> tuple[float, int]:
-        """Cost of a position for what is drawn already, mm, and its number of conflicts; incomplete above a limit."""
+        """Cost of a position due to the elements drawn so far, mm, and its conflicts; incomplete above a limit."""
         occupancy, footprint = self.occupancy, footprint_of(annotation, self.view)
         conflicts = occupancy.line_conflicts(footprint, limit / CONFLICT)
         if CONFLICT * conflicts < limit:

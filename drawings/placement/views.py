@@ -1,7 +1,7 @@
-"""Arrangement of views with their annotations on a sheet: third-angle projection, no view over another.
+"""Arrangement of views with their annotations on a sheet in third-angle projection, without overlap.
 
 `annotated_views` places annotations around each view; `arrange` places these views on a sheet. Whether they fit is part
-of the result: the caller then takes a larger paper, another place for the notes, or detaches a view from its row.
+of the result: otherwise the caller takes a larger paper, another place for the notes, or detaches a view from its row.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Arrangement:
     """Views and annotations in place.
 
     Args:
-        fits: whether all is within the area and no view over another.
+        fits: whether all views are within the area and do not overlap.
         conflicts: sum of the conflicts around each view; 0 on a good sheet.
     """
 
@@ -80,7 +80,7 @@ def _labelled(view: View, views: Sequence[View]) -> View:
 
 
 def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, ...]:
-    """The views, the named one out of line: labelled with a letter, and shown by a reference arrow in another."""
+    """The views, the named one not aligned: labelled with a letter, and indicated by a reference arrow in another."""
     letters = {one.view.label[:1] for one in every}
     letter = next(letter for letter in REFERENCE_LETTERS if letter not in letters)
     loose = next(one.view for one in every if one.view.name == name)
@@ -104,7 +104,7 @@ def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, 
 
 
 def _reference_arrow(parent: View, eye: Point, letter: str, marks: Sequence[Annotation]) -> ReferenceArrow:
-    """The arrow of a view from a direction, outside the middle of the side of another view that it looks at, and beside
+    """The arrow of a view from a direction, outside the middle of the side of another view that it faces, and beside
     a cutting line that ends there."""
     x0, y0, x1, y1 = view_outline(parent)
     u, v = parent.projection.to_view(eye)

@@ -4,7 +4,7 @@ A circle, or more than half of one, gets a centre mark. A feature seen from the 
 about its axis, gets a centre line.
 """
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# The compiled Python bindings of the kernel have no declarations for type checkers.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def _ends(curve: Curve) -> tuple[Point2, ...]:
 
 
 def _mirrored(ends: list[Point2], at: Point2, along: Point2, axis: Axis) -> bool:
-    """Whether lines end on both sides of the axis at its radius, as the outlines of a round feature do."""
+    """Whether lines end at the radius on both sides of the axis, as the outlines of a round feature do."""
     low, high = axis.low - NEAR, axis.high + NEAR
     sides: list[list[float]] = [[], []]
     for x, y in ends:

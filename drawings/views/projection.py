@@ -5,7 +5,7 @@ ones are merged (`drawings.views.line_cleaning`). Smooth edges, as at the ends o
 are kept.
 """
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# The compiled Python bindings of the kernel have no declarations for type checkers.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def project(
         shape: solid or compound, part coordinates.
         projection: direction of view.
         hidden: whether to return hidden lines.
-        exact: by the exact algorithm; else by the one on a mesh, which always ends, and gives polylines only.
+        exact: whether to use the exact algorithm; else that on a mesh, which always terminates and gives polylines.
         simple: whether the shape comes from `with_simple_curves`.
 
     Returns:

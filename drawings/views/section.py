@@ -1,6 +1,6 @@
 """Sections: a solid behind a cutting plane, and the hatch on the cut faces (ISO 128-3, ISO 128-50)."""
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# The compiled Python bindings of the kernel have no declarations for type checkers.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def thread_lines(
         curves: of the view.
         holes: of the part.
         cut: plane of a section.
-        scale: of the view; where the depth of the thread is less than 0.7 mm on the paper, the thin line is moved out.
+        scale: of the view; if the thread is less than 0.7 mm deep on the paper, the thin line is moved outwards.
     """
     holes = [replace(hole, major=max(hole.major, hole.drill + 2 * LEAST / scale)) for hole in holes]
     circles = [curve for curve in curves.get("VISIBLE", ()) if isinstance(curve, Arc)]

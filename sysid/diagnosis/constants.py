@@ -25,19 +25,19 @@ CURVE_STEADINESS = 2.0
 """Steadiness of that margin for a free curve, since it is the best of several."""
 
 NOTABLE_SHARE = 0.2
-"""Part of the loss that a free curve must not explain where a model is judged adequate."""
+"""Part of the loss; a model is not adequate if a free curve explains more."""
 
 FORM_ERROR = 0.04
 """Relative error of the form of a law: each further effect must gain more than its square, and where a model is judged
-adequate, it is part of the variance of the residual. The published laws of one effect leave about as much of each other
-(median and quartiles: benchmarks/form_errors.py)."""
+adequate, it is part of the variance of the residual. Published laws of one effect, fitted to each other, have errors of
+about this size (median and quartiles: benchmarks/form_errors.py)."""
 
 NOISE_FACTOR = 2.0
-"""Factor by which the level of the noise may be wrong, either way, where no model gains."""
+"""Factor by which the level of the noise may be too low or too high, where no model gains."""
 
 EQUIVALENT_GAIN = 0.03
 EQUIVALENT_SIGNIFICANCE = 2.5
-"""Largest difference of two gains, over the gain and over its standard error, of indistinguishable effects."""
+"""Largest difference of the gains of indistinguishable effects, over the gain, and over its standard error."""
 
 NEAR_NOISE_LOSS = 1.1
 """Loss of the stated model up to which a gain has to be twice as significant and twice as steady."""
