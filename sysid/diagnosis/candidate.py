@@ -35,7 +35,7 @@ class Candidate:
         fit_gain: reduction of the mean Huber loss on the records of the fit.
         predicted_reduction: share of the squared residual, by the score test.
         blocked_reduction: share that only amplitudes beyond their bounds would remove.
-        implausible: why the fitted values are no explanation, in words; none where they are plausible.
+        implausible: why the fitted values are implausible, as text; None if they are plausible.
         law: name where it is not that of the added effect (quantisation of one channel).
     """
 
@@ -121,8 +121,8 @@ class Reference:
     ) -> Candidate | None:
         """The candidate of a fitted model; none where its prediction is not finite.
 
-        A value of the rig that the fit drives to its bound is held at that of the base model: what the effect explains
-        must not depend on it.
+        A value of the rig that the fit drives to its bound is held at that of the base model, so that the gain of the
+        effect does not depend on it.
         """
         found = held_out(fitted, self.problem.validate_records, self.base.weights, self.base.fitted.model)
         fitted, found = self._with_held_rig(fitted, found)
@@ -143,8 +143,8 @@ class Reference:
         )
 
     def _with_held_rig(self, fitted: FittedModel, found: HeldOut) -> tuple[FittedModel, HeldOut]:
-        """The fit and its residual, refitted with the driven values held while there are any; unchanged without a gain,
-        which holding a value does not bring."""
+        """The fit and its residual, refitted with the values of the rig at a bound held fixed; unchanged without a
+        gain, since holding a value cannot increase it."""
         problem, base = self.problem, self.base.fitted
         while found.loss < self.held_out.loss and (driven := rig_values_at_bound(fitted, base)):
             held = replace(

@@ -1,4 +1,4 @@
-"""Contradictions in the records of an experiment, which make every verdict doubtful, as one-line warnings.
+"""Contradictions in the records of an experiment, which make every verdict unreliable, as one-line warnings.
 
 A warning never changes a verdict: it states what is wrong in the records, the noise or the columns, and what to do.
 """
@@ -54,7 +54,7 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
 
 
 def _identical_records(records: Sequence[Record]) -> list[str]:
-    """Records of the fit that are held out as well: the same bytes, in windows that overlap."""
+    """Records of the fit that are held out as well: the same file, in windows that overlap."""
     fit, held_out = ([r for r in records if r.role == role] for role in ("fit", "validate"))
     return [
         f"the held-out record '{other.name}' contains the same rows as '{one.name}', to which the model is fitted: its "
@@ -157,8 +157,8 @@ def _exchanged_force(record: Record) -> list[str]:
 
 
 def _without_cubic(values: np.ndarray, position: np.ndarray) -> np.ndarray:
-    """`values` (n,) without their least-squares cubic in the position (n,): forces of position have no sign of motion.
-    What remains of rounding alone is zero."""
+    """`values` (n,) without their least-squares cubic in the position (n,): forces that depend on position alone are
+    removed. A remainder of the size of rounding errors is set to zero."""
     centred = _centred(position)
     powers = np.vander(centred / max(float(np.max(np.abs(centred))), 1e-300), 4)
     values = filled(values)[0]

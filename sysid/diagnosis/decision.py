@@ -42,7 +42,7 @@ from sysid.diagnosis.model_search import ModelSearch
 
 @dataclass(frozen=True)
 class NoiseLevel:
-    """What is known of the noise level, and of the form error of the laws that were added.
+    """Noise level as far as it is known, and form error of the laws that were added.
 
     Args:
         loss: of a complete model: 1, or less where the estimated level was too high, and the form error.
@@ -57,8 +57,8 @@ class NoiseLevel:
 
 @dataclass(frozen=True)
 class FreeCurve:
-    """The free curve that explains most: its coordinate, its share of the excess, and the quantity that is a function
-    of the coordinate, in words."""
+    """The best free curve: its coordinate, its share of the excess, and the quantity that is a function of the
+    coordinate, as text."""
 
     coordinate: Coordinate
     share: float
@@ -74,10 +74,10 @@ class Decision:
         best: the candidate named, for `missing-effect`.
         ties: effects that these records cannot distinguish from it.
         unexplained_share: of the excess, that remains with the effect.
-        reason: in words.
+        reason: as text.
         free_curve: best free curve; none where there is no excess.
         best_named: best named candidate, and its share of the excess.
-        detected_by: how the effect was detected, in words, where it was not by a reduction of the error.
+        detected_by: method of detection as text, if not a reduction of the error.
     """
 
     verdict: str
@@ -128,8 +128,8 @@ class _Comparison:
         )
 
     def clearly_better(self, other: Candidate, candidate: Candidate, steadiness: float) -> bool:
-        """Whether another candidate removes a clearly larger part of the excess: larger also than what the form of the
-        laws added before may leave."""
+        """Whether another candidate removes a clearly larger part of the excess, by more than the form error of the
+        laws added before."""
         gain = candidate.held_out.gain_of(other.held_out)
         return gain.loss > max(CLEAR_MARGIN * self.excess, self.noise.form_error) and gain.steadiness >= steadiness
 
@@ -150,7 +150,7 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
     Args:
         models: candidate models.
         reference: held-out residual of the stated model.
-        noise: what is known of the noise level.
+        noise: noise level as far as it is known.
     """
     compared = _Comparison(reference, noise)
     best, curve = _plausible(models.ranked), next(iter(models.curves), None)
@@ -170,7 +170,7 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
             if pair is not None:
                 first, partner, ties = pair
                 ties = _with_form_error(compared, models.ranked, first, ties, partner)
-                return _missing(compared, first, ties, f"explains its share; {partner} explains the rest", shares)
+                return _missing(compared, first, ties, f"explains a part; {partner} explains the rest", shares)
         elif named is not None:
             chosen, ties = equivalent(reference, models.ranked, named)
             ties = _with_form_error(compared, models.ranked, chosen, ties)
@@ -195,7 +195,7 @@ def _clear_pair(compared: _Comparison, pair: Candidate, single: Candidate) -> bo
 
 
 def _of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> tuple[Candidate, str, tuple[str, ...]] | None:
-    """The member of a pair to name, its partner, and the effects that may take its place beside the partner.
+    """The effect of a pair that is named, its partner, and the effects that may replace it beside the partner.
 
     Of the pairs whose gains do not differ significantly from the best one's the simplest is taken; of its members the
     one that is in most of these pairs, then the one that gains more alone.
@@ -219,7 +219,7 @@ def _equivalent(other: Candidate, best: Candidate, gained: float) -> bool:
         return True
     behind = other.held_out.loss - best.held_out.loss
     if behind <= FORM_ERROR**2 * gained:
-        # The relative error of the form of a law leaves its square of the gain.
+        # A relative form error e of a law leaves e^2 of the gain.
         return True
     return (
         behind <= EQUIVALENT_GAIN * gained
@@ -239,8 +239,8 @@ def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate)
 def _with_form_error(
     compared: _Comparison, ranked: Sequence[Candidate], chosen: Candidate, ties: tuple[str, ...], partner: str = ""
 ) -> tuple[str, ...]:
-    """The ties of an effect, at most two: also the effects, no less simple, that are behind it by less than what the
-    form of the laws added before may leave."""
+    """The ties of an effect, at most two: also the effects with no more parameters whose losses exceed its own by less
+    than the form error of the laws added before."""
     behind = [
         c.public_name
         for c in ranked

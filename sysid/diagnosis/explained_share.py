@@ -1,8 +1,9 @@
 """Share of a residual explained by a coordinate: binned predictor, estimated on some samples, tested on others.
 
 The predictor is the mean residual in bins of the coordinate, separately for the two directions of motion, shrunk
-towards zero in bins of few samples, and common to all records; per record for time and distance travelled, which do not
-recur. With p its prediction of test samples r, the explained share is the squared correlation
+towards zero in bins of few samples, and common to all records; for time and distance travelled, which do not recur, one
+for the records of the fit and one for the held-out ones. With p its prediction of test samples r, the explained share
+is the squared correlation
 
     share = max(0, r'p)^2 / (r'r p'p)
 
@@ -93,6 +94,8 @@ CROSS_VALIDATION_RATIO = 1.5
 """Largest ratio of the share to the cross-validated one: a single event is not a dependence on the coordinate."""
 
 DRAWN_BINS = 24
+"""Bins of a map, except one of the position in `FINE_BINS`."""
+
 KEPT_BELOW = 0.995
 """Quantile of the absolute residual at which it is clipped."""
 
@@ -171,7 +174,8 @@ class Predictor:
         residual: of the samples, in standard deviations.
         block, record: numbers of the block of time and of the set of records.
         cells: of the samples.
-        prediction: cross-validated prediction of the residual, in `drawn` bins.
+        prediction: cross-validated prediction of the residual.
+        drawn: number of bins of the map.
         share: explained share, limited by the cross-validated one.
     """
 

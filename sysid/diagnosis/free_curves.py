@@ -1,13 +1,13 @@
-"""Free curves: nonparametric effects of one coordinate, the rivals of the named effects.
+"""Free curves: nonparametric effects of one coordinate, compared with the named effects.
 
 A free curve is a piecewise linear function of one recorded coordinate s with free values a_k at its knots,
 
     value(s) = sum_k a_k N_k(s),
 
 taken as a force on the axis, as a friction level, or, for a piezo, as a change of its voltage. It is an ordinary effect
-in the model and is fitted with all other values; each a_k has the prior N(0, `PRIOR_SCALE` x force scale). Where a free
-curve explains clearly more than every named effect, the missing law depends on its coordinate, and the library lacks
-it.
+in the model and is fitted with all other values; each a_k has the prior N(0, (`PRIOR_SCALE` x force scale)^2). Where a
+free curve explains clearly more than every named effect, the missing law depends on its coordinate and is not in the
+library.
 """
 
 from __future__ import annotations

@@ -3,9 +3,10 @@
 The loss is the mean Huber square of the residual in standard deviations. The values of linear parameters are uncertain,
 and a held-out record of another kind may require others: for every model alike the amplitudes are estimated again on
 the held-out records, with the information of the records of the fit as the prior. With r the residual (n,), J its
-sensitivities to the amplitudes (n, p), w robust weights, and A the information of the fit (p, p),
+sensitivities to the amplitudes (n, p), w robust weights, s^2 the variance of r (at least 1), and A the information of
+the fit (p, p),
 
-    r' = r - J (J^T w J + A)^-1 J^T w r.
+    r' = r - J (J^T w J / s^2 + A)^-1 J^T w r / s^2.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Gain:
 
     Args:
         loss: reduction of the mean loss.
-        significance: over its standard error, if the residual of the better model is only noise.
+        significance: that over its standard error, if the residual of the better model is only noise.
         steadiness: t statistic of the reduction per block of time.
         p_value: from a sign-flip test over the blocks.
     """

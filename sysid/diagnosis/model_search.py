@@ -5,7 +5,7 @@ Candidates are screened by the score test; the most promising are refitted in fu
 
 - one effect added, in its best variant and channel;
 - two effects added, chosen by their joint score, or the second one on top of the fit of the first;
-- one effect added together with a new search of the shape of an effect of the model, which may sit in a local minimum;
+- one effect added together with a new search of the shape of an effect of the model, which may be in a local minimum;
 - a free curve of one coordinate added;
 - an effect of the model removed, or replaced by another.
 """
@@ -71,7 +71,7 @@ NOISE_LOSS = 1.1
 
 
 class ModelSearch:
-    """Candidate models of one problem, computed when they are first asked for.
+    """Candidate models of one problem, computed on first access.
 
     Args:
         problem: records and scales.
@@ -160,7 +160,7 @@ class ModelSearch:
 
     def on_stated_variants(self) -> list[Candidate]:
         """One effect added to the model with the variants as stated, best first: a variant that the program selected
-        while an effect was missing may stand for it, so that the effect explains nothing beside it."""
+        while an effect was missing may substitute for it, so that the effect explains nothing further."""
         if not self.base.laws:
             return []
         problem = self.problem

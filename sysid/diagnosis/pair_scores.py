@@ -76,7 +76,7 @@ def scored_pairs(base: ReferenceFit, screening: ScreeningResult, most: int, want
     parts, blocks = [], []
     start = 0
     alone = root_mean_huber(base.fitted.fit.residual)
-    # A change of the friction state model has no amplitude, so no linear weight represents it: its fit is judged alone.
+    # A change of the friction state model has no amplitude and no linear weight: it is judged by its own fit.
     able = [one for one in screening.fits if one.linear or one.error < alone]
     for known in [*able, *screening.unfitted]:
         for score in known.scores[:IN_PAIRS]:

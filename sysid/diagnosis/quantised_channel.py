@@ -14,7 +14,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem, build_problem
 
 EVEN = (KEPT / TRIM_FACTOR) ** 2
-"""Trimmed variance of an even distribution, that of rounding, over its variance."""
+"""Trimmed variance of a uniform distribution, that of the rounding error, over its variance."""
 
 MOST_RISE = 1.02
 """Largest ratio of the held-out errors with quantisation and without."""
@@ -24,12 +24,13 @@ CLEAR_FALL = 0.5
 
 
 def quantised_channel(reference: Reference) -> Decision | None:
-    """The decision that a channel is quantised, where the user stated less noise than its least significant bit makes.
+    """The decision that a channel is quantised, if the stated noise is less than its quantisation noise.
 
     None if there is no such channel (an estimated noise includes the quantisation), or if the held-out error rises. A
-    larger deviation in the unit of which the error is expressed explains nothing: the noise of quantisation has to be a
-    part of what exceeds the noise, or the error itself has to fall clearly, to the noise. Where nothing exceeds the
-    stated noise although its values would not stay on the grid, the signal rests on few levels, which hide the noise.
+    larger standard deviation alone explains nothing, since it is the unit of the error: the quantisation noise has to
+    account for a part of the excess over the stated noise, or the error in the unit of the channel has to fall clearly,
+    to the noise. If the error does not exceed the stated noise, but the quantisation noise does, the signal occupies
+    few levels, which mask the noise.
     """
     problem, base = reference.problem, reference.base
     coarse = [c for c, n in problem.noise.items() if n.quantisation_step is not None and n.without_quantisation is None]
@@ -61,7 +62,7 @@ def quantised_channel(reference: Reference) -> Decision | None:
         model.at({k: v for k, v in refit.fitted.model.values.items() if k in model.values}), problem.validate_records
     )
     risen = any(compared[c].rms > MOST_RISE * m.rms for c, m in validated.items())
-    # With too small a noise the filter of a force balance is too narrow, and events are placed wrongly.
+    # If the stated noise is too small, the filter of a force balance is too narrow, and the times of events are wrong.
     fallen = all(candidate.after_validate[c].rms <= CLEAR_FALL * m.rms for c, m in validated.items())
     resolved = fallen and worst_over_noise(candidate.after_fit, candidate.after_validate) <= NOISE_FACTOR
     explained = before > NOISE_FACTOR and (resolved or share >= CLEAR_MARGIN)

@@ -34,7 +34,7 @@ def find_replacements(search: ModelSearch, added: Sequence[str], others_too: boo
     Args:
         search: candidate models.
         added: names of the effects that were added to the model.
-        others_too: search replacements too, not only effects that are not needed.
+        others_too: whether to search for replacements, not only for effects that are not needed.
     """
     found = []
     for name in added:

@@ -121,7 +121,7 @@ MOTION_COORDINATES = ("velocity", "direction", "acceleration", "distance_since_r
 
 
 _SHARE_WEIGHT = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
-"""Weight of a share whose predictor is fitted per record, or that is the largest of many spectral lines."""
+"""Weight of a share whose predictor is fitted per set of records, or that is the largest of many spectral lines."""
 
 
 def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:

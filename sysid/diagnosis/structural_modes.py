@@ -96,7 +96,7 @@ class StructuralMode:
 
     @property
     def words(self) -> str:
-        """Frequency and detection statistics as text."""
+        """Detected frequency and detection statistics as text."""
         return (
             f"oscillates at {self.values['frequency']:.3g} Hz, above the {self.band:.3g} Hz of the filter: "
             f"{self.fit:.0f} standard errors with each frequency weighted by its noise, "
@@ -205,7 +205,7 @@ def structural_mode_candidate(
     if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(reference.held_out.loss):
         return None
     if otherwise.verdict == "unexplained" and candidate.gain.loss < LEAST_GAIN * reference.held_out.loss:
-        # Errors of a wrong model near its events are not white either: without a gain they are no sign of a mode.
+        # Errors of a wrong model near its events are not white either: without a gain they do not indicate a mode.
         return None
     left = min(1.0, max(candidate.held_out.loss - 1.0, 0.0) / max(reference.held_out.loss - 1.0, 1e-9))
     left = 0.0 if otherwise.verdict == "adequate" else left

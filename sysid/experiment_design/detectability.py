@@ -1,10 +1,10 @@
 """Minimum detectable effect size: the smallest effect that a diagnosis of these records would have found.
 
 A candidate is detected if it removes a least share of the loss and this gain is significant (`sysid.diagnose`). With s
-the change of the residual r per unit of the amplitude, parameters of the model profiled out, and Q the root of the sum
-of squares of s'r over blocks of time, both conditions hold for amplitudes of at least
+the change of the residual r (n,) per unit of the amplitude, parameters of the model profiled out, h Huber's square, and
+Q the root of the sum of squares of s'r over blocks of time, both conditions hold for amplitudes of at least
 
-    amplitude = max( sqrt(LEAST_GAIN * loss / s's),  2 * LEAST_SIGNIFICANCE * Q / s's )
+    amplitude = max( sqrt(LEAST_GAIN * sum h(r) / s's),  2 * LEAST_SIGNIFICANCE * Q / s's )
 
 Effects without an amplitude (lag, gap, presliding displacement) are inserted at increasing sizes until they are
 detected.

@@ -76,24 +76,24 @@ def axis_motions(envelope: Envelope, step: float, longest: float = 40.0, most: i
     strokes = [(v, min(0.8 * span, 1.2 * v)) for v in speeds]
     sides = (1.0, -1.0)
     legs = [(middle + 0.5 * side * stroke, v, 0.0) for v, stroke in strokes for side in 2 * sides]
-    add("triangle sweeps", "the steady curve of friction over speed, both ways", legs)
+    add("triangle sweeps", "steady-state friction against speed, in both directions", legs)
     amplitudes = np.geomspace(max(e.fine, 1e-4 * span), 0.05 * span, 5)
     legs = [(middle + side * a, min(0.05 * e.speed, 4.0 * a), 0.0) for a in amplitudes for side in 3 * sides]
-    add("presliding reversals", "small reversals from the size of the bristles up", legs)
+    add("presliding reversals", "reversals of increasing amplitude, from the presliding range on", legs)
     stroke = min(0.1 * span, 0.2 * e.speed)
     rests = (0.05, 0.15, 0.5, 1.5, 4.0)
     legs = [(middle + 0.5 * side * stroke, 0.1 * e.speed, rest) for rest in rests for side in sides]
-    add("dwell ladder", "starts after rests that grow, both ways", legs)
+    add("dwell ladder", "starts after rests of increasing duration, in both directions", legs)
     slow = max(0.03 * e.speed, span / 12.0)
     legs = [(place, slow, 0.0) for place in (e.high, e.low, middle)]
-    add("slow full travel", "what depends on position and direction, at one speed", legs)
+    add("slow full travel", "effects of position and direction, at one speed", legs)
     legs = [(place, e.speed, 0.0) for place in 8 * (e.high, e.low)]
-    add("fast full strokes", "what grows with speed, acceleration and distance travelled", legs)
+    add("fast full strokes", "effects of speed, acceleration and distance travelled", legs)
     if e.load is not None:
         legs = [(middle + 0.3 * side * span, 0.2 * e.speed, 0.0) for side in 6 * sides]
-        add("strokes under a varied load", "what depends on the normal load", legs, load=True)
+        add("strokes under a varied load", "effects of the normal load", legs, load=True)
     made.append(_multisine(e, step, most))
-    reason = "any effect: places, speeds and rests of a low-discrepancy sequence"
+    reason = "any effect: positions, speeds and rests of a low-discrepancy sequence"
     add("space-filling", reason, _space_filling(e), load=e.load is not None)
     return made
 
@@ -192,7 +192,7 @@ def tip_motions(low: Sequence[float], high: Sequence[float], step: float, most: 
     t, own = grid(6.0)
     top = min(200.0, 0.1 / own)
     phase = 2.0 * np.pi * 0.5 * 6.0 / np.log(top / 0.5) * ((top / 0.5) ** (t / 6.0) - 1.0)
-    motions.append(made("sine of rising frequency", "lag against delay, flexible modes", [np.sin(phase)] * count, own))
+    motions.append(made("sine of rising frequency", "lag and delay, flexible modes", [np.sin(phase)] * count, own))
     t, own = grid(8.0)
     alone = [
         _triangle(t, 8.0 / count / 2.0) * ((t >= 8.0 * k / count) & (t < 8.0 * (k + 1) / count)) for k in range(count)

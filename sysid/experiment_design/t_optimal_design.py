@@ -100,7 +100,7 @@ class Suggestion:
 def suggest(
     source: str | Path | Problem, design: DesignValues | None = None, progress: Progress | None = None
 ) -> Suggestion:
-    """Diagnose an experiment, and rank motions by how well they discriminate the models that its records do not.
+    """Diagnose an experiment, and rank motions by how well they discriminate the models that remain.
 
     If no effect is missing, the effect added last is compared with its alternatives. With a single model only the
     space-filling motion is returned.

@@ -27,7 +27,7 @@ from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
 LAGS = tuple(np.unique(np.round(2.0 ** np.arange(0.0, 10.1, 0.5)).astype(int)).tolist())
 QUANTILE, NORMAL_QUANTILE = 0.35, 0.453762
-"""Quantile of the sizes of the differences, and the same of a standard normal variable: low, so that stretches in which
+"""Quantile of the sizes of the differences, and the same of a standard normal variable: low, so that sections in which
 the signal changes fast do not contribute."""
 
 HIGH, NORMAL_HIGH, TAIL = 0.85, 1.439531, 1.2
@@ -41,7 +41,7 @@ AGREES = 0.08
 """Largest relative error of V, beside its statistical error."""
 
 UNEVEN = 4.0
-"""Largest such factor of noise whose standard deviation changes in time."""
+"""Largest such ratio of noise whose standard deviation changes in time."""
 
 ENOUGH = 8
 """Lag up to which the simplest noise must agree with V."""
@@ -85,7 +85,7 @@ class Autoregression:
     Args:
         value: standard deviation of the sum.
         spectrum: of the sum.
-        filtered: the log has no white part at all, so `value` is a lower bound.
+        filtered: whether the log has no white part, so that `value` is a lower bound.
         reach: longest lag in the fit, in rows.
         factor: by which `value` may be too small or too large: half the range of the fits that agree with V.
     """
@@ -148,7 +148,7 @@ def _stride(count: int) -> int:
 
 
 class _Spread(NamedTuple):
-    """V, the same from the high quantile over it, and the number of differences per lag, at one lag."""
+    """V at one lag, the ratio of V from the high quantile to it, and the number of independent differences."""
 
     variance: float
     tail: float
@@ -203,7 +203,7 @@ def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None
     found = Autoregression(float(np.sqrt(high[-1].variance)))
     if high[0].variance > FILTERED_FALL**2 * high[-1].variance:
         return replace(found, filtered=True)
-    # Noise of uneven size has a longer tail at every lag; a signal faster than the samples a still longer one.
+    # Noise of varying standard deviation has a larger ratio at every lag; an undersampled signal a still larger one.
     uneven = high[-1].tail if 1.0 < high[-1].tail < UNEVEN else 1.0
     for order in ORDERS:
         usable: list[_Spread] = []

@@ -19,10 +19,10 @@ from sysid.noise.estimate import Noise
 from sysid.signals.gaussian_filter import NoiseSpectrum
 
 MOST_ROWS = 200_000
-"""Rows of all records together up to which they are used as they are."""
+"""Largest number of rows of all records together that is not decimated."""
 
 LONGEST_SPAN = 1.5
-"""Longest span of a block, over k steps: a block with a hole in the time axis has no mean."""
+"""Longest span of a block, over k steps: a block with a gap in time has no mean."""
 
 
 def decimation_factor(records: Sequence[Record]) -> int:

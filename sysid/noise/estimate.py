@@ -1,11 +1,11 @@
-"""Noise of a measured channel, found before any model is fitted.
+"""Noise of a measured channel, estimated before any model is fitted.
 
 Sources in order of preference: the value given by the user; the scatter from cycle to cycle of a periodic motion; the
-differences of the samples at several lags, after removal of what a smooth function of the recorded motion explains, and
-of the hum of the mains, which is added again as a part of the noise.
+differences of the samples at several lags, after regression on smooth functions of the recorded motion and removal of
+the hum of the mains, which is added again as a part of the noise.
 The residual of the model is never used, since it contains the missing effects. Quantisation is part of the noise: the
 differences are taken with a uniform random number of one step added to each value, so that they contain the rounding of
-a signal that rests between two steps (Schuchman, IEEE Trans. Commun. Technol. 12 (1964) 162).
+a signal that stays between two steps (Schuchman, IEEE Trans. Commun. Technol. 12 (1964) 162).
 
 A log that was filtered shows no noise from sample to sample: its differences keep decreasing with their order, or are
 smaller than the noise of any sensor while the cycles scatter far more. Without periodic repeats the estimate is then
@@ -49,10 +49,10 @@ UNSEEN_UNDER_STEP = 0.1
 """Noise below a tenth of a sensor's step does not affect its readings; it is taken to be that tenth."""
 
 MOST_ROWS, STRETCHES = 16_000, 4
-"""Rows of a record from which its noise is estimated, in as many stretches."""
+"""Largest number of rows of a record from which its noise is estimated, and number of sections that contain them."""
 
 WRONG_FLOOR, LEAST_SAMPLES = 0.7, 300
-"""Error over noise below which, with as many samples, the noise is overestimated."""
+"""Error over noise below which, with at least so many samples, the noise is overestimated."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def estimate_noise(
     elif given < rounding:
         return replace(noise, value=given, source="given", factor=1.0, note=_with_grid("given", noise, given))
     else:
-        # Whether a stated value includes the rounding shows in the records.
+        # The records show whether a stated value includes the rounding.
         total = min(float(np.hypot(given, rounding)), max(given, value))
         noise = replace(noise, value=total, source="given", factor=1.0, note="given")
     own = _unrounded(noise.value**2 - rounding**2, rounding) if rounding else None
@@ -145,7 +145,7 @@ def _correlation_time(correlation: float, records: Sequence[Record]) -> float:
 
 
 def _unrounded(variance: float, rounding: float) -> float:
-    """Standard deviation of the noise before rounding, not below what rounding hides."""
+    """Standard deviation of the noise before rounding, at least the value that rounding masks."""
     return float(np.sqrt(max(variance, 12.0 * (UNSEEN_UNDER_STEP * rounding) ** 2)))
 
 
@@ -156,7 +156,7 @@ def _with_grid(note: str, noise: Noise, value: float) -> str:
 
 
 def _stretches(record: Record) -> Record:
-    """The record, reduced to evenly spaced stretches if it is long."""
+    """The record, reduced to evenly spaced sections if it is long."""
     if record.size <= MOST_ROWS:
         return record
     starts = np.linspace(0, record.size - MOST_ROWS // STRETCHES, STRETCHES).astype(int)
@@ -166,8 +166,8 @@ def _stretches(record: Record) -> Record:
 
 
 def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> Autoregression | None:
-    """White and autoregressive noise of the channel with as much uniform noise added as its rounding, (step) per
-    record, and with the hum of the mains, which is fitted by itself."""
+    """White and autoregressive noise of the channel, with uniform noise of the width `steps` of each record added, and
+    with the hum of the mains, which is fitted separately."""
     random = np.random.default_rng(0)
     signal, residual = [], []
     for record, step in zip(records, steps, strict=True):
@@ -184,7 +184,7 @@ def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> 
 
 
 def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
-    """`noise` from differences, or that from repeats in its place."""
+    """The noise from differences, or that from repeats where it replaces them."""
     holding = [record for record in records if channel in record.channels]
     repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
     scatter = _rms([item.scatter for item in repeats])
@@ -205,7 +205,7 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
         return replace(found, note=note)
     least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
     if noise.value < least:
-        note = f"no noise is seen; taken as {LEAST:g} of the largest value, the last digit a file would keep"
+        note = f"no noise is detected; taken as {LEAST:g} of the largest value, the rounding error of nine digits"
         if noise.filtered:
             note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
         return Noise(least, noise.unit, "difference", filtered=noise.filtered, note=note)
@@ -218,7 +218,7 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
         note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
     elif repeats:
         # Cycles that differ by more than sensor noise contain an effect that changes from cycle to cycle.
-        note += f"; cycles differ by {scatter:.2g} {noise.unit}, which is no sensor noise"
+        note += f"; cycles differ by {scatter:.2g} {noise.unit}, which is not sensor noise"
     return replace(noise, note=note)
 
 

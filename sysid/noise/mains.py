@@ -1,4 +1,4 @@
-"""Hum of the mains in a measured channel: sinusoids of 50 or 60 Hz and their harmonics, fitted and taken out.
+"""Hum of the mains in a measured channel: sinusoids of 50 or 60 Hz and their harmonics, fitted and removed.
 
 A line adds a period to the variance of differences against lag, which neither white noise nor an autoregression has
 (`sysid/noise/autocorrelation.py`). In blocks of some seconds, over which the mains keep their phase, the values are
@@ -6,8 +6,8 @@ fitted by
 
     y(t) = m + sum over h of a_h cos(2 pi h f t) + b_h sin(2 pi h f t),   f = 50 or 60 Hz,
 
-with aliases where h f is above Nyquist's frequency. A line counts where its power stands out of the spectrum beside it;
-harmonics of a periodic motion stand in a comb, of which one line is no larger than its neighbours.
+with aliases where h f is above Nyquist's frequency. A line is accepted if its power exceeds the spectrum beside it;
+harmonics of a periodic motion form a comb, of which no line is larger than its neighbours.
 
 Source: Thomson, Proc. IEEE 70 (1982) 1055 (lines in a coloured spectrum). Frequency of the mains: EN 50160, 1 % in
 99.5 % of the time.
@@ -62,7 +62,7 @@ class WithoutHum(NamedTuple):
 
 
 def without_hum(series: Series, channel: str = "") -> WithoutHum:
-    """Take the hum of the mains out of a channel; one of `EXCITATIONS` is left as it is."""
+    """Remove the hum of the mains from a channel; those of `EXCITATIONS` are not changed."""
     if channel in EXCITATIONS:
         return WithoutHum(series, 0.0)
     known = np.flatnonzero(np.isfinite(series.values))
@@ -81,7 +81,7 @@ def without_hum(series: Series, channel: str = "") -> WithoutHum:
 
 
 def _lines(series: Series, known: np.ndarray) -> list[float]:
-    """Frequencies of the lines that stand out of the spectrum, Hz."""
+    """Frequencies of the lines that exceed the spectrum beside them, Hz."""
     rate = 1.0 / series.step
     blocks = _windowed_blocks(series, known)
     found = []

@@ -1,10 +1,10 @@
 """Residual of a channel after regression on smooth functions of the recorded motion.
 
 A measured force is regressed on hat functions of every other recorded channel, of its rate and of the rate's rate,
-separately for each direction of motion and at rest: the forces of a machine without memory, with any law, and its
-inertia. Effects with memory, on a scale finer than the hats, or that change in time remain; so does the noise, less the
-part along the hat functions, which is small for all but the slowest noise. It is not a model of the machine, and its
-coefficients are used for nothing else.
+separately for each direction of motion and at rest: these represent any force law without memory, and the inertia.
+Effects with memory, on a scale finer than the hats, or that change in time remain; so does the noise, less the part
+along the hat functions, which is small for all but the slowest noise. The regression is not a model of the machine, and
+its coefficients are not used elsewhere.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ SHARP = np.concatenate([-(0.45 ** np.arange(9.0)), [0.0], 0.45 ** np.arange(8.0,
 """Knots of a rate over its largest size: friction changes sharply at low velocity."""
 
 OUTPUTS = ("friction_force", "drive_force", "spring_force", "tip_x", "tip_y")
-"""Channels that are regressed on the others and on none of their own kind."""
+"""Channels that are regressed on the others, but not on each other."""
 
 MOVES = ("velocity", "position", "pull_position", "voltage_1", "voltage_2")
 """Channels whose rates are coordinates, too."""

@@ -16,7 +16,7 @@ LEAST_LEVELS = 8
 """Least number of occupied levels of a quantised channel, since a signal without noise may have few values itself."""
 
 LEAST_NOISY_LEVELS = 2
-"""That number for a sensor whose stated noise would change its values from row to row."""
+"""The same for a sensor whose stated noise would change its values from row to row."""
 
 
 def find_quantisation_step(arrays: Sequence[np.ndarray], least_levels: int = LEAST_LEVELS) -> float | None:

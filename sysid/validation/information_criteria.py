@@ -5,7 +5,7 @@
 with n scored samples and k fitted parameters, the residual variance being one of them: least squares with normal errors
 of unknown variance (Burnham and Anderson, Model Selection and Multimodel Inference (2002), eq. 2.2 and 6.5; additive
 constants left out). Values compare models on the same samples with the same weights. All samples count as independent,
-and a few large residuals at reversals count in full: where the residual is no white noise, the held-out error decides.
+and a few large residuals at reversals count in full: where the residual is not white noise, use the held-out error.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def information_criteria(fitted: FittedModel) -> InformationCriteria:
 
 
 def criteria_of(residual: np.ndarray, parameters: int) -> InformationCriteria:
-    """Criteria of a weighted residual (n,) with so many parameters, the variance included."""
+    """Criteria of a weighted residual (n,) with a number of parameters, the variance included."""
     n = residual.size
     squares = float(residual @ residual)
     deviance = n * float(np.log(max(squares, np.finfo(float).tiny) / n)) if n else float("nan")

@@ -4,8 +4,8 @@
     r_ue(k) = sum_t u(t) e(t+k) / sqrt(sum_t u(t)^2 sum_t e(t)^2)
 
 of series less their means, over all records of a set. White noise stays within `bound` = 2.58/sqrt(n) at 99 % of the
-lags. A residual that follows an input at a positive lag has dynamics that the model lacks; at a negative lag the input
-follows the residual, as under feedback. Its bound uses Bartlett's variance for correlated series,
+lags. A correlation at positive lags shows dynamics that the model lacks; at negative lags the input depends on the
+residual, as under feedback. The bound of r_ue uses Bartlett's variance for correlated series,
 
     var r_ue = (1/n) sum_j r_ee(j) r_uu(j)
 
@@ -61,7 +61,7 @@ class ResidualCorrelation:
 
     @property
     def is_white(self) -> bool:
-        """Whether the residual passes as white noise, at 1 % (Ljung and Box)."""
+        """Whether the Ljung-Box test does not reject white noise at the level of 1 %."""
         return self.p_value > LEVEL
 
     @property
@@ -135,7 +135,7 @@ def correlations(
             continue
         middle = acf.size // 2
         cross[name] = _correlation(u, e)[middle - lags : middle + lags + 1]
-        # Far lags hold few pairs, and no more than noise.
+        # Large lags have few pairs and contain only noise.
         reach = slice(middle - n // 10, middle + n // 10 + 1)
         variance = float(np.sum(acf[reach] * _correlation(u, u)[reach])) / n
         cross_bound[name] = QUANTILE * float(np.sqrt(max(variance, 1.0 / n)))
@@ -153,7 +153,7 @@ def _centred(series: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def _correlation(u: Sequence[np.ndarray], e: Sequence[np.ndarray]) -> np.ndarray:
-    """Correlation of e behind u at every lag up to the longest series, lag zero in the middle."""
+    """Correlation of u(t) with e(t + lag) at every lag up to the longest series, lag zero in the middle."""
     longest = max(part.size for part in e)
     total = np.zeros(2 * longest - 1)
     for a, b in zip(u, e, strict=True):

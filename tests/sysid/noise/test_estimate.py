@@ -214,7 +214,7 @@ def test_what_is_given_is_taken_and_only_the_colour_is_read_off():
 @pytest.mark.parametrize("force", [np.zeros(N), np.full(N, 3.0), np.arange(N) ** 1.5 * 1e-5])
 def test_a_channel_without_noise_still_has_a_floor_to_divide_by(force):
     noise = _estimate(force)
-    assert 0.0 < noise.value <= 1e-7 and "no noise is seen" in noise.note
+    assert 0.0 < noise.value <= 1e-7 and "no noise is detected" in noise.note
 
 
 def test_a_channel_that_nobody_recorded():
