@@ -11,7 +11,6 @@ property of the product. There is no graphical representation.
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,7 @@ from drawings.pmi.step_text import directed_distances, typed_limits, with_proper
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
 from stagecad.solids.export.step_stl_glb import constant_text
+from stagecad.solids.export.xcaf_document import new_document, set_name, step_text
 from stagecad.solids.modelling.part import Part, notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -72,43 +72,18 @@ def pmi_of(module: Part, design: Any) -> PartPmi:
 
 def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartPmi, material: Any) -> str:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-    from OCP.IFSelect import IFSelect_RetDone
-    from OCP.Interface import Interface_Static
-    from OCP.Message import Message, Message_Gravity
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.TDocStd import TDocStd_Document
-    from OCP.XCAFApp import XCAFApp_Application
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-    for printer in Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(Message_Gravity.Message_Fail)
-    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    XCAFApp_Application.GetApplication_s().InitDocument(document)
+    document = new_document()
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     # Features of a pattern share their faces up to the place, and the writer looks up faces without their place: in a
     # copy each face and edge is a separate shape.
     unique = BRepBuilderAPI_Copy(solid.wrapped, False, False)
     label = shapes.AddShape(unique.Shape(), False)
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(part))
+    set_name(label, part)
     _add_material(document, label, material)
     _Annotated(document, label, unique).add(verifier, pmi)
-    writer = STEPCAFControl_Writer()
-    # The setting exists only after a writer has been created.
-    Interface_Static.SetCVal_s("write.step.schema", "AP242DIS")
-    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
-    writer.SetNameMode(True)
-    writer.SetDimTolMode(True)
-    writer.SetMaterialMode(True)
-    if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
-        raise ValueError(f"'{part}' could not be translated to STEP")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "part.step"
-        if writer.Write(str(path)) != IFSelect_RetDone:
-            raise ValueError(f"'{part}' could not be written as STEP")
-        return path.read_text("utf-8")
+    return step_text(document, part, "AP242DIS", ("DimTol", "Material"))
 
 
 def _add_material(document: Any, label: Any, material: Any) -> None:

@@ -15,14 +15,13 @@ import itertools
 import json
 import re
 import struct
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stagecad.solids.export.mesh import Mesh
+from stagecad.solids.export.xcaf_document import new_document, set_name, step_text
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 from stagecad.solids.modelling.placed_shape import Colour, PlacedShape
 
@@ -152,54 +151,31 @@ def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoD
     Raises:
         ValueError: OCCT could not write the solid.
     """
-    from OCP.IFSelect import IFSelect_RetDone
-    from OCP.Interface import Interface_Static
-    from OCP.Message import Message, Message_Gravity
     from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.TDocStd import TDocStd_Document
     from OCP.TopLoc import TopLoc_Location
-    from OCP.XCAFApp import XCAFApp_Application
     from OCP.XCAFDoc import XCAFDoc_ColorGen, XCAFDoc_DocumentTool
 
-    for printer in Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(Message_Gravity.Message_Fail)
-    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    XCAFApp_Application.GetApplication_s().InitDocument(document)
+    document = new_document()
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     colour_tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     alone = len(placed) == 1 and placed[0].name == name
     whole = None
     if not alone:
         whole = tool.NewShape()
-        TDataStd_Name.Set_s(whole, TCollection_ExtendedString(name))
+        set_name(whole, name)
     labels: dict[tuple[str, Colour], Any] = {}
     for shape in placed:
         kind = (shape.part, shape.colour)
         if kind not in labels:
             label = tool.AddShape(solids[shape.part], False)
-            TDataStd_Name.Set_s(label, TCollection_ExtendedString(shape.part))
+            set_name(label, shape.part)
             colour_tool.SetColor(label, Quantity_Color(*shape.colour, Quantity_TOC_sRGB), XCAFDoc_ColorGen)
             labels[kind] = label
         if whole is not None:
             component = tool.AddComponent(whole, labels[kind], TopLoc_Location(transformation(shape.frame)))
-            TDataStd_Name.Set_s(component, TCollection_ExtendedString(shape.name))
+            set_name(component, shape.name)
     tool.UpdateAssemblies()
-    writer = STEPCAFControl_Writer()
-    Interface_Static.SetCVal_s("write.step.schema", "AP214IS")
-    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
-    writer.SetColorMode(True)
-    writer.SetNameMode(True)
-    if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
-        raise ValueError(f"'{name}' could not be translated to STEP")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "part.step"
-        if writer.Write(str(path)) != IFSelect_RetDone:
-            raise ValueError(f"'{name}' could not be written as STEP")
-        text = path.read_text("utf-8")
+    text = step_text(document, name, "AP214IS", ("Color",))
     return ordered_styles(constant_text(text, name)).encode()
 
 
