@@ -121,7 +121,7 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
             best_named=share_of(document, "best_named", "effect"),
             free_curve=share_of(document, "free_curve", "coordinate"),
             started=worst_over_noise(document.get("before", {})),
-            where_right=bool(where) and where[0] in entry["where"] if "where" in entry else None,
+            where_right=bool(where) and where[0] in entry["where"] if entry.get("where") else None,
         )
         if not follow or kind in ("none", "unexplained"):
             return out

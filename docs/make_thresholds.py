@@ -11,17 +11,19 @@ from types import ModuleType
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.diagnosis import constants
 from sysid.estimation import misfit
+from sysid.signals import trimmed_rms
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- constants: .*? -->\n).*?(<!-- end of constants -->)", re.DOTALL)
-OTHERS = ("LOSS_CORNER", "KEPT")
-"""Constants of the measure of misfit, in `sysid/estimation/misfit.py`."""
+OTHERS = ((trimmed_rms, "KEPT"), (misfit, "LOSS_CORNER"))
+"""Constants of the measure of misfit, with their modules."""
 
 
 def with_thresholds(text: str) -> str:
     """The page with the values and docstrings of the constants as they are now."""
     head = "| constant | value | meaning |\n| --- | --- | --- |\n"
-    rows = [*_documented(constants), *(row for row in _documented(misfit) if row[0] in OTHERS)]
+    others = (row for module, name in OTHERS for row in _documented(module) if row[0] == name)
+    rows = [*_documented(constants), *others]
     lines = [f"| `{name}` | {value:g} | {meaning} |\n" for name, value, meaning in rows]
     return TABLE.sub(lambda found: found[1] + head + "".join(lines) + found[2], text)
 

@@ -17,7 +17,7 @@ from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
-from drawings.views.segment_index import Line, enlarged, line_meets_box, lines_cross
+from drawings.views.segment_index import enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View
 from stagecad.solids.assembly.machine import CARRIED
 

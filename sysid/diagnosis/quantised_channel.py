@@ -9,9 +9,10 @@ from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import CLEAR_MARGIN, NOISE_FACTOR
 from sysid.diagnosis.decision import Decision
 from sysid.diagnosis.held_out import Gain
-from sysid.estimation.misfit import KEPT, TRIM_FACTOR, misfit, worst_over_noise
+from sysid.estimation.misfit import misfit, worst_over_noise
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem, build_problem
+from sysid.signals.trimmed_rms import KEPT, TRIM_FACTOR
 
 EVEN = (KEPT / TRIM_FACTOR) ** 2
 """Trimmed variance of a uniform distribution, that of the rounding error, over its variance."""

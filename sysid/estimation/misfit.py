@@ -12,30 +12,13 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.sensors import residual_noise
-
-KEPT = 0.97
-"""Share of samples in the trimmed rms; it leaves out single samples near reversals that occur between two samples."""
-
-_CORNER = 2.17009
-"""Two-sided 97 % point of the normal distribution."""
-
-TRIM_FACTOR = float(np.sqrt(1.0 - 2.0 * _CORNER * np.exp(-0.5 * _CORNER**2) / np.sqrt(2.0 * np.pi) / KEPT))
-"""rms of a standard normal variable within its central 97 %."""
+from sysid.signals.trimmed_rms import trimmed_rms
 
 LEAST_AT_REST = 200
 """Scored samples in stick phases from which presliding displacements count in the misfit."""
 
 LOSS_CORNER = 4.0
 """Corner of the Huber loss by which models are ranked, in standard deviations of the noise."""
-
-
-def trimmed_rms(residual: np.ndarray) -> float:
-    """rms of the smallest 97 % of a residual (n,), scaled so that standard normal noise gives 1."""
-    if residual.size == 0:
-        return float("nan")
-    size = np.sort(np.abs(residual))
-    kept = size[: max(1, int(np.ceil(KEPT * size.size)))]
-    return float(np.sqrt(np.mean(kept**2))) / TRIM_FACTOR
 
 
 def huber_square(residual: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sysid.experiment.record import Record
+from sysid.signals.trimmed_rms import trimmed_rms
 
 SAME = 2e-3
 """Mean squared change of the input from cycle to cycle, over twice its variance, below which it is periodic."""
@@ -47,8 +48,8 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
         return None
     values = record.channels[channel]
     change = values[lag:] - values[:-lag]
-    scatter = trimmed_rms(change) / np.sqrt(2.0)
-    if scatter == 0.0 or not _load_repeats(record, values, scatter, lag):
+    scatter = trimmed_rms(change[~np.isnan(change)]) / np.sqrt(2.0)
+    if not scatter > 0.0 or not _load_repeats(record, values, scatter, lag):
         return None
     # No samples are left out here: the jumps contain the fast changes.
     whole = float(np.nanmean(change**2))
@@ -56,24 +57,13 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
     return CycleScatter(scatter, lag * record.step, values.size // lag, correlation)
 
 
-def trimmed_rms(values: np.ndarray) -> float:
-    """Root mean square of the smaller 97 % of `values`, scaled to give the standard deviation of normal noise.
-
-    Returns:
-        Zero without samples; gaps are ignored.
-    """
-    sizes = np.sort(np.abs(values[~np.isnan(values)]))
-    kept = sizes[: int(np.ceil(0.97 * sizes.size))]
-    # Normal noise cut at the 97 % of smallest size keeps 0.9005 of its standard deviation.
-    return float(np.sqrt(np.mean(kept**2)) / 0.9005) if kept.size else 0.0
-
-
 def _load_repeats(record: Record, values: np.ndarray, scatter: float, lag: int) -> bool:
     """Whether the load changes so little from cycle to cycle that it does not cause the scatter."""
     load = record.channels.get("normal_load")
     if load is None or not np.nanmean(np.abs(load)) > 0.0:
         return True
-    change = trimmed_rms(load[lag:] - load[:-lag]) / np.sqrt(2.0) / float(np.nanmean(np.abs(load)))
+    difference = load[lag:] - load[:-lag]
+    change = trimmed_rms(difference[~np.isnan(difference)]) / np.sqrt(2.0) / float(np.nanmean(np.abs(load)))
     return change * float(np.sqrt(np.nanmean(values**2))) < 0.5 * scatter
 
 
