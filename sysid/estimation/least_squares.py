@@ -241,6 +241,10 @@ LEAST_GAIN_RATIO = 0.4
 """Ratio of the smaller to the larger of predicted and actual reduction, above which the Jacobian is updated instead of
 computed."""
 
+LARGEST_FACTOR = 10.0
+"""Largest factor by which one step changes a value whose lower bound is positive (a velocity, a length, a time). While the
+amplitude of an effect is small, its shape has a small gradient, and the undamped step in the shape is too large."""
+
 NEGLIGIBLE_REDUCTION = 0.01
 """Fraction of the tolerance below which only one step is tried for a predicted reduction."""
 
@@ -251,10 +255,13 @@ def _trial_step(
     """Point, residual and cost of the first damped step that lowers the objective (None if no step does), and the
     damping of the next step. With an updated Jacobian only one step is tried."""
     cost = objective(at.residual, at.point)
+    positive = problem.low > 0.0
+    low = np.where(positive, np.maximum(problem.low, at.point / LARGEST_FACTOR), problem.low)
+    high = np.where(positive, np.minimum(problem.high, at.point * LARGEST_FACTOR), problem.high)
     for _ in range(ATTEMPTS):
         found = model.step(damping)
         if found is not None:
-            point = np.clip(at.point + found[0], problem.low, problem.high)
+            point = np.clip(at.point + found[0], low, high)
             residual = problem.function(point)
             new_cost = objective(residual, point)
             if new_cost < cost:

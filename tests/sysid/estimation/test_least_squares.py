@@ -152,3 +152,23 @@ def test_scale_of_a_residual_leaves_out_a_channel_at_rest() -> None:
     residual = np.random.default_rng(1).standard_normal(4000)
     assert robust_scale(np.concatenate([residual, np.zeros(6000)])) == pytest.approx(1.0, abs=0.05)
     assert robust_scale(np.zeros(3)) == 1.0
+
+
+@pytest.mark.parametrize("width", [0.0005, 0.03])
+def test_one_step_does_not_move_a_positive_value_out_of_the_data(width: float) -> None:
+    # With a small amplitude the undamped step in the width of the curve is hundreds of times the width.
+    v = np.linspace(0.0, 0.02, 2000)
+    y = 1.5 * np.exp(-((v / 0.004) ** 2))
+    seen: list[float] = []
+
+    def residual(p: np.ndarray) -> np.ndarray:
+        seen.append(p[1])
+        return (y - p[0] * np.exp(-((v / p[1]) ** 2))) / 0.01
+
+    found = least_squares(
+        residual, [Unknown("force", 0.02, 0.0, np.inf, 0.02), Unknown("velocity", width, 1e-9, 1e3, width)]
+    )
+    assert found.values["force"] == pytest.approx(1.5, rel=1e-4)
+    assert found.values["velocity"] == pytest.approx(0.004, rel=1e-4)
+    ratios = np.abs(np.diff(np.log(seen)))
+    assert np.max(ratios) <= 2.0 * np.log(10.0) + 1e-6
