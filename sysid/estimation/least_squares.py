@@ -242,8 +242,8 @@ LEAST_GAIN_RATIO = 0.4
 computed."""
 
 LARGEST_FACTOR = 10.0
-"""Largest factor by which one step changes a value whose lower bound is positive (a velocity, a length, a time). While the
-amplitude of an effect is small, its shape has a small gradient, and the undamped step in the shape is too large."""
+"""Largest factor by which one step changes a value whose lower bound is positive (a velocity, a length, a time). While
+the amplitude of an effect is small, its shape has a small gradient, and the undamped step in the shape is too large."""
 
 NEGLIGIBLE_REDUCTION = 0.01
 """Fraction of the tolerance below which only one step is tried for a predicted reduction."""
