@@ -140,3 +140,22 @@ def test_channels_of_a_declared_kind(tmp_path):
     (tmp_path / "rig" / "experiment.toml").write_text(text.replace("[rig.known]", known, 1))
     record = load_records(load_experiment(tmp_path / "rig"))[0]
     assert np.allclose(record.channels["drive_force"], 0.2 * FORCE[: record.size], atol=1e-8)
+
+
+def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction(tmp_path):
+    _write(tmp_path / "log.csv", "t [s];Spannung [V];Auslenkung [um]", TIME, 50.0 * ANGLE, 5.0 * ANGLE, between=";")
+    document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="piezo")
+    assert document["channels"] == {"time": "t [s]", "voltage": "Spannung [V]", "displacement": "Auslenkung [um]"}
+    assert tomllib.loads(text)["model"]["effects"] == []
+    assert len(load_records(load_experiment(tmp_path / "rig"))) == 2
+
+
+def test_the_time_column_of_labview(tmp_path):
+    _write(tmp_path / "log.lvm", "X_Value\tAngle\tSpeed\tTorque", TIME, ANGLE, SPEED, FORCE, between="\t")
+    document, _ = _new(tmp_path / "rig", tmp_path / "log.lvm", kind="velocity-drive")
+    assert document["channels"] == {
+        "time": "X_Value",
+        "position": "Angle",
+        "velocity": "Speed",
+        "friction_force": "Torque",
+    }

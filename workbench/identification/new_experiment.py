@@ -136,4 +136,5 @@ def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
 
 def usual_effects(kind: str) -> list[str]:
     """Effects of a first model of a kind of rig."""
-    return [] if kind == "actuator-tip" else ["coulomb", "viscous"]
+    rig = find_rig(kind, "--kind")
+    return [] if "actuator-tip" in (rig.name, rig.base) else ["coulomb", "viscous"]

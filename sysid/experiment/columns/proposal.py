@@ -36,6 +36,9 @@ WORDS: dict[str, str] = {
 """Words in the names of columns by what they are taken for, the more specific first. `force` and `voltage` are not yet
 channels: which ones they are depends on the kind of rig."""
 
+LABVIEW_TIME = "x_value"
+"""Name of the time column in a measurement file of LabVIEW (.lvm)."""
+
 _UNITS = {
     "s": "time",
     "m": "position",
@@ -142,6 +145,8 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     plain = name.strip().casefold()
     if plain in known:
         return plain, ""
+    if plain == LABVIEW_TIME and unit is None:
+        return "time", "by its name"
     words = [word for word in re.split(r"[^a-zäöüß]+", plain) if word]
     by_unit = _by_dimension(unit)
     if not numbered:
@@ -240,7 +245,8 @@ def _channels(guesses: Mapping[int, tuple[str, str, str | None]], rig: RigKind) 
     """Channel and question by index; each channel once, the more certain column first."""
     force = next((name for name in ("friction_force", "spring_force", "drive_force") if name in rig.channels), None)
     found: dict[int, tuple[str, str]] = {}
-    voltages = iter(name for name in rig.channels if name.startswith("voltage_"))
+    own_voltages = [name for name in rig.own if _fits(rig.own[name].unit, "V")]
+    voltages = iter(own_voltages or [name for name in rig.channels if name.startswith("voltage_")])
     for index, (meaning, why, _) in sorted(guesses.items(), key=lambda item: (bool(item[1][1]), item[0])):
         channel = force if meaning in ("force", "drive_force") and meaning not in rig.channels else meaning
         if meaning == "voltage":
