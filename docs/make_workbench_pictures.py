@@ -69,7 +69,7 @@ def _machine(page: Any, address: str) -> None:
     page.locator("canvas[data-state=old]").wait_for()
     page.locator("canvas[data-state=current]").wait_for()
     page.locator(".row .name", has_text="thickness").first.click()
-    page.locator(".check", has_text="tip stroke swallowed").click()
+    page.locator(".check", has_text="tip stroke lost").click()
     page.locator("select[aria-label=section]").select_option("y")
     page.wait_for_timeout(1500)
     _keep(page, "workbench_machine")

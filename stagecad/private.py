@@ -69,7 +69,7 @@ def user_folder(variable: str, default: str) -> Path | None:
 def cache_root() -> Path:
     """Folder of the caches: `STAGECAD_CACHE`, else the user's cache folder, else a temporary one for this run.
 
-    One that other users can change, or that cannot be written to, is passed over.
+    One that other users can change, or that cannot be written to, is not used.
     """
     own = os.environ.get("STAGECAD_CACHE")
     for root in (Path(own) if own else None, user_folder("XDG_CACHE_HOME", ".cache")):

@@ -71,7 +71,7 @@ def air_model(r: DesignInputs) -> Check:
     found, stated = _air_stiffness(r), r("candidates.air_bearing.stiffness")
     load = heaviest_pad(r)
     return Check(
-        "air bearing: stiffness worked out against the catalogue's",
+        "air bearing: computed stiffness against the catalogue's",
         at_most(abs(found / stated - 1), 0.15, ""),
         source="porous disc fed everywhere, isothermal viscous film; its feed fixed by the catalogue's load alone",
         formula="|K_model/K_catalogue - 1|, K = -dW/dh",
@@ -102,7 +102,7 @@ def air_height(r: DesignInputs) -> Check:
     room = r("pads.height")
     thick = r("candidates.air_bearing.height")
     return Check(
-        "air bearing passed over: height of its pads",
+        "air bearing, not chosen: height of its pads",
         at_least(thick, room, "m"),
         source="geometry",
         formula="pad thickness > height of the stage over the way: it does not fit between them",
@@ -130,7 +130,7 @@ def earnshaw(r: DesignInputs) -> Check:
     values = np.linalg.eigvalsh(total)
     largest = float(np.abs(values).max())
     return Check(
-        "passive magnets passed over: softest direction",
+        "passive magnets, not chosen: softest direction",
         at_most(float(values[0]) / largest, 0.0, ""),
         source="Earnshaw: the Laplacian of a magnet's energy is zero outside its sources",
         formula="K_x + K_y + K_z = 0, so the smallest eigenvalue of K lies below 0: unstable",
@@ -164,7 +164,7 @@ def small_ball(r: DesignInputs, label: str) -> Check:
     stated = r("candidates.ball_spring.stated_pressure")
     giga = float(load_at_pressure(stated, radius, np.inf, modulus))
     return Check(
-        f"ball on spring passed over: pressure of a 5 mm {label} ball",
+        f"ball on spring, not chosen: pressure of a 5 mm {label} ball",
         at_least(pressure, limits[first], "Pa"),
         source=_BALL_SOURCE + "; first yield, section 6.1",
         formula="p0 above Sy/(largest von Mises stress over p0): ball or stage yields",
@@ -184,7 +184,7 @@ def ball_stiffness(r: DesignInputs, label: str) -> Check:
     claimed = r("candidates.ball_spring.stated_stiffness")
     at = float(load_at_stiffness(claimed, radius, np.inf, modulus))
     return Check(
-        f"ball on spring passed over: stiffness of three 50 mm {label} balls",
+        f"ball on spring, not chosen: stiffness of three 50 mm {label} balls",
         at_most(stiffness, slide, "N/m"),
         source=_BALL_SOURCE,
         formula="3 dF/ddelta of a ball below the stiffness of the sliding pads",
@@ -202,7 +202,7 @@ def ball_stiffness(r: DesignInputs, label: str) -> Check:
 def ball_smoothness(r: DesignInputs) -> Check:
     round_to = r("candidates.ball_spring.roundness")
     return Check(
-        "ball on spring passed over: roundness of its balls",
+        "ball on spring, not chosen: roundness of its balls",
         at_least(round_to, r("requirements.smoothness"), "m"),
         source="ISO 3290, grade 5; a ball's deviation passes into the motion whole",
         formula="deviation from a sphere above 1 nm",

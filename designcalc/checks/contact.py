@@ -18,7 +18,7 @@ _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
 
 def checks(design: Design) -> list[CheckFunction]:
     """Every check of the tip's contact."""
-    return [pressure, coating, swallowed_stroke, contact_stiffness]
+    return [pressure, coating, lost_stroke, contact_stiffness]
 
 
 def pressure(r: DesignInputs) -> Check:
@@ -73,7 +73,7 @@ def _coating(r: DesignInputs, quantity: str) -> float:
     return r(f"materials.{r.design.value('tip.coating_material')}.{quantity}")
 
 
-def swallowed_stroke(r: DesignInputs) -> Check:
+def lost_stroke(r: DesignInputs) -> Check:
     contact = tip_contact(r, tip_load(r))
     rise, stage = usable_ellipse(r)[1], above_tip(r, tip_load(r))
     bent, lifted = float(stage.static[0]), float(stage.at_peak_force[0] - stage.static[0])
@@ -82,7 +82,7 @@ def swallowed_stroke(r: DesignInputs) -> Check:
     # On a flat, Re = R/2 and lambda = 0.75.
     printed = printed_approach(float(contact.load), r("tip.nose_radius"), float(contact.approach))
     return Check(
-        "tip stroke swallowed by contact",
+        "tip stroke lost to the contact",
         at_most(lost, 0.2 * rise, "m"),
         source=_JOHNSON
         + "; stage as a plate on its pads, its modes shaken by the pulses of the tip; a fifth of the rise "

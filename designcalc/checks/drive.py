@@ -128,10 +128,10 @@ def preload_and_acceleration(r: DesignInputs) -> Check:
     limit = float(acceleration_limit(mu, share, gravity=g))
     needed = float(preload_ratio_for(wanted, mu, g))
     return Check(
-        "acceleration of 1 G with the preload asked for",
+        "acceleration of 1 G with the required preload",
         at_least(limit, wanted, "m/s^2"),
         source="the tip presses at most with weight and preload",
-        formula="a <= mu (1 + p) g, p the ratio of preload to load that is asked for",
+        formula="a <= mu (1 + p) g, p the required ratio of preload to load",
         substituted=f"mu = {mu:.3g}, p = {share:.3g}: {limit / g:.3g} g",
         proposal=f"ask for more preload ({show(needed * weight(r), 'N')}), and magnets that give it",
         changes=change("preload.ratio", needed, "", up=True),

@@ -79,7 +79,7 @@ def preload_share(r: DesignInputs) -> Check:
     if gap is not None:
         changes = change("teeth.gap", gap, "m", up=True) + changes
     return Check(
-        "attraction of the magnets beyond the preload asked for",
+        "attraction of the magnets beyond the required preload",
         at_most(pull, 1.5 * wanted, "N"),
         source=_MAGNETS,
         formula="F <= 1.5 x required preload (friction grows with it)",

@@ -2,7 +2,7 @@
 
 An experiment may come from someone else, and `[model] custom` names Python files that run with the user's rights. They
 run after the user has consented (`--trust`): the consent is stored by the sha256 of the file's bytes, in a folder of
-this user alone, so that a file that changes is asked for again, and a copy of it is not.
+this user alone, so that a changed file requires consent again, and a copy does not.
 """
 
 from __future__ import annotations

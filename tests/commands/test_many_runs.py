@@ -35,8 +35,8 @@ def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(ca
         for limit in (
             value / (1 + margin)
             for value, margin in zip(
-                here["checks"]["preload against the share of the load asked for"]["value"],
-                here["checks"]["preload against the share of the load asked for"]["margin"],
+                here["checks"]["preload against the required share of the load"]["value"],
+                here["checks"]["preload against the required share of the load"]["margin"],
             )
         )
     ]

@@ -90,7 +90,7 @@ def test_a_mistake_is_one_line(arguments, said, tmp_path, capsys):
 def test_without_teeth_the_preload_is_a_weight():
     magnets = _drive().single
     alone = _drive("teeth.fitted=false").single
-    # The pull of the magnets, not the preload asked for.
+    # The pull of the magnets, not the preload that is required.
     assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3)
     assert magnets.stage.guide_stiffness > 0.0
     assert alone.stage.preload == 0.0

@@ -1,4 +1,4 @@
-"""Folders of caches and consents: of this user alone, or passed over."""
+"""Folders of caches and consents: of this user alone, or not used."""
 
 from __future__ import annotations
 

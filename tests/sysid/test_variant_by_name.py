@@ -1,4 +1,4 @@
-"""A law asked for by its whole name is the one in the file, and a core takes the place of the core before it."""
+"""A law chosen by its whole name is the one in the file, and a core takes the place of the core before it."""
 
 from __future__ import annotations
 

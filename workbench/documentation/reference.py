@@ -46,7 +46,7 @@ INTRODUCTION = """\
 
 `import stagecad` offers what the commands do, on objects. Results print as one line; a notebook shows a table.
 `to_dataframe()` gives the data, `to_json()` the document that the command prints with `--json`, `plot()` a figure for
-print (`savefig("name.pdf")`). Numbers are in SI; where a text with a unit is asked for, it is written as in the files.
+print (`savefig("name.pdf")`). Numbers are in SI; where a text with a unit is required, it is written as in the files.
 A mistake raises `InputError` with one line that names what is wrong and what is allowed.
 
 ```python

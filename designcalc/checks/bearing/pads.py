@@ -159,7 +159,7 @@ def preload(r: DesignInputs) -> Check:
     wanted = r("preload.ratio") * weight(r)
     force = acting_preload(r)
     return Check(
-        "preload against the share of the load asked for",
+        "preload against the required share of the load",
         at_least(force, wanted, "N"),
         source="thesis 2.3.2: 10 % of the applied load",
         formula="F >= ratio x (m + m_payload) g",
@@ -174,7 +174,7 @@ def normal(r: DesignInputs) -> Check:
     more = 0.1 * r("payload.mass") * gravity(r)
     sink = more / springs.normal
     return Check(
-        "give of the pads under a tenth of the payload",
+        "deflection of the pads under a tenth of the payload",
         at_most(sink, r("requirements.resolution_coarse"), "m"),
         source=_FILM,
         formula="0.1 m_payload g/K_z <= 10 nm",

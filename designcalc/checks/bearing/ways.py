@@ -159,7 +159,7 @@ def edge_margin(r: DesignInputs) -> Check:
     edge, hole = r("bearing_way.bolt_edge"), r("bearing_way.bolt_hole")
     wall = edge - hole / 2
     return Check(
-        "ceramic left beside the way's bolt holes",
+        "ceramic remaining beside the way's bolt holes",
         at_least(wall, 0.25 * hole, "m"),
         source="practice for ceramics: a quarter of the hole at least, compressed by the head",
         formula="a - d/2 >= d/4",

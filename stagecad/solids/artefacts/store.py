@@ -77,7 +77,7 @@ class Artefact:
 
 def cache_folder() -> Path:
     """Folder of the store: ``STAGECAD_CACHE``, else ``XDG_CACHE_HOME/stagecad``, else ``~/.cache/stagecad``; one that
-    other users can change is passed over."""
+    other users can change is not used."""
     return cache_root()
 
 

@@ -122,7 +122,7 @@ def test_extreme_designs_get_their_verdicts(override):
 
 def test_mass_from_the_solids_is_used_and_named():
     design = load()
-    name = "preload against the share of the load asked for"
+    name = "preload against the required share of the load"
     measured = next(c for c in run_checks(design, MASSES) if c.name == name)
     estimated = named()[name]
     assert measured.inputs["moving body mass"].value == 2.1
@@ -250,7 +250,7 @@ def test_moving_body_of_a_thicker_plate_gains_the_plates_mass():
 def test_tolerances_spread_a_margin_as_its_closed_form():
     """Wall a - d/2 against d/4, with a and d drawn directly."""
     study = tolerance_study(load(), load, None, samples=100_000, subjects=("bearing ways", "height adjustment"))
-    spread = next(s for s in study.spreads if s.name == "ceramic left beside the way's bolt holes")
+    spread = next(s for s in study.spreads if s.name == "ceramic remaining beside the way's bolt holes")
     rng = np.random.default_rng(99)
     a, d = 10 + rng.uniform(-0.1, 0.1, 200_000), 10.5 + rng.uniform(-0.1, 0.1, 200_000)
     margin = (a - d / 2) / (d / 4) - 1

@@ -85,7 +85,7 @@ def test_the_stroke_is_the_piezos_in_every_check():
     checks = run_checks(load_design(None, ()), BodyMasses(BODY, TIP))
     stroke = 17e-6 * np.sqrt(2) / 2
     for name in (
-        "tip stroke swallowed by contact",
+        "tip stroke lost to the contact",
         "thinnest shim against the ellipse",
         "shift of the tip's height by clamping",
     ):

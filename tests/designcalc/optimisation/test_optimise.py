@@ -167,7 +167,7 @@ def test_required_checks_by_name_and_pattern() -> None:
         (
             ["preload.ratio=0.2", "pads.length=30 mm"],
             ["preload.ratio=0.1:4", "pads.length=20 mm:32 mm"],
-            ["acceleration of 1 G with the preload asked for"],
+            ["acceleration of 1 G with the required preload"],
             lambda d: 0.3 * (1 + d.value("preload.ratio")) >= 1 - 1e-9 and abs(d.pads.length / d.pads.width - 2) <= 0.1,
         ),
     ],

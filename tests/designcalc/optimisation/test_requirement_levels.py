@@ -20,7 +20,7 @@ from workbench.report.optimisation import levels_report
 
 TIPPING = "acceleration at the end of the travel without tipping"
 PRODUCT = "PTFE pressure times speed"
-PRELOAD = "acceleration of 1 G with the preload asked for"
+PRELOAD = "acceleration of 1 G with the required preload"
 
 
 @pytest.mark.slow

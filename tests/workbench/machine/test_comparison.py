@@ -71,6 +71,8 @@ def test_command_without_solids(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert (sag["before"]["verdict"], sag["after"]["verdict"]) == ("fails", "passes")
     assert stagecad(["diff", "a.toml", "a.toml", "--no-solids"]) == 0
     assert capsys.readouterr().out.strip() == "a.toml and a.toml do not differ"
+    assert stagecad(["diff", "thesis", "a.toml", "--no-solids"]) == 0
+    assert capsys.readouterr().out.strip() == "thesis and a.toml do not differ"
     assert stagecad(["diff", "a.toml", "c.toml"]) == 2
     assert "c.toml: no such parameter file" in capsys.readouterr().err
 

@@ -59,7 +59,9 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     pads = machine.pads
     springs = 1.5 * pads.contact_rate * (load / 3 / pads.contact_rate) ** (1 / 3) * 3
     more = 0.1 * design.payload.mass * machine.gravity
-    assert more / checks["give of the pads under a tenth of the payload"].value == pytest.approx(springs, rel=0.03)
+    assert more / checks["deflection of the pads under a tenth of the payload"].value == pytest.approx(
+        springs, rel=0.03
+    )
     # The procedure's wear goes as the root of the heaviest pad's load.
     wear = assembly_values(DesignInputs(design, MASSES))["run_in_wear"]
     heaviest = max(float(word.split()[0]) for word in checks["lightest pad load over the mean"].substituted.split(", "))

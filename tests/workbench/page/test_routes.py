@@ -118,7 +118,7 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
     assert answer.json() == {"file": "run.csv", "rows": 2000}
     proposed = client.post("/api/propose", json={"name": "rig", "files": ["run.csv"]}).json()
     assert [one["label"] for one in proposed["columns"]] == ["t", "speed", "F"]
-    # What the columns are is guessed; their units are asked for.
+    # What the columns are is guessed; their units are requested.
     assert [one["channel"] for one in proposed["columns"]] == ["time", "velocity", "friction_force"]
     assert all("unit" in one["question"] for one in proposed["columns"])
     channels: dict[str, Any] = {one["channel"]: {"column": one["column"]} for one in proposed["columns"]}

@@ -18,8 +18,10 @@ from workbench.options import Run, common_options
 def command(run: Run, first: Path, second: Path, solids: bool) -> None:
     """What differs between two designs: parameters, masses, margins of the checks, sheets, volumes of the solids.
 
-    The sheets that differ are written to OUT/diff with the changes marked. --set applies to the second design.
+    Either may be 'thesis', the packaged design. The sheets that differ are written to OUT/diff with the changes marked.
+    --set applies to the second design.
     """
+    from stagecad.parameters.file import PACKAGED
     from stagecad.parameters.load import load_design
     from workbench.commands.params import show_differences
     from workbench.console.comparison import print_changes
@@ -27,7 +29,8 @@ def command(run: Run, first: Path, second: Path, solids: bool) -> None:
 
     if run.params is not None:
         raise InputError("diff: --params is not used; name the two files")
-    designs = load_design(first), load_design(second, run.overrides)
+    paths = [None if str(path) == PACKAGED and not path.exists() else path for path in (first, second)]
+    designs = load_design(paths[0]), load_design(paths[1], run.overrides)
     names = str(first), str(second)
     with run.progress() as progress:
         task = progress.add_task("differences", total=None)
