@@ -229,7 +229,7 @@ def _read_rung(path: Path) -> Revision:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is no JSON: {error}") from None
+        raise InputError(f"{path}: is not JSON: {error}") from None
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
         raise InputError(f"{path}: is not a rung of this program; 'schema': {SCHEMA} is required")
     if not isinstance(document.get("model"), dict):

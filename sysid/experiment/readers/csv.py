@@ -45,7 +45,7 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
     lines = re.split(r"\r\n|\r|\n", text)
     found = find_dialect(lines, encoding, settings, name, complete=not more)
     if found.header_row and not any(label.strip() for label in found.labels):
-        raise InputError(f"{name}: row {found.header_row}: the header is empty; wanted: time [s], position [m], ...")
+        raise InputError(f"{name}: row {found.header_row}: the header is empty; required: time [s], position [m], ...")
     units = {}
     for label, unit in zip(found.labels, found.units):
         if unit:

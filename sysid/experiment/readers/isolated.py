@@ -22,20 +22,12 @@ import numpy as np
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import MOST_ROWS, Column, Header, file_sha256
 from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.formats.arrays import damaged
 
 MEMORY = 4 * 1024**3
 """Limit of the address space beyond the file's size, bytes."""
 SECONDS = 60
 """Limit of the processor time, s."""
-DAMAGED = {
-    "mat": "is no MAT file up to version 7.3, or a damaged one",
-    "parquet": "is no Parquet file, or a damaged one",
-    "hdf5": "is no HDF5 file, or a damaged one",
-    "npz": "is no NumPy file of numbers, or a damaged one",
-    "json": "is no JSON file of numbers, or a damaged one",
-    "tdms": "is no TDMS file, or a damaged one",
-}
-"""End of the message on a file that is damaged, by module of `sysid.experiment.readers.formats`."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +93,7 @@ def _ask(
             arrays = np.frombuffer(rest, dtype=np.float64).reshape(-1 if indices else 0, found["rows"])
             return found, [arrays[place] for place in range(len(indices or ()))]
     except (ValueError, KeyError, IndexError, TypeError):
-        raise InputError(f"{name}: {DAMAGED[module]}") from None
+        raise damaged(name, module) from None
     raise InputError(found["error"])
 
 

@@ -40,7 +40,7 @@ def test_a_reader_that_crashes_is_a_damaged_file(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(
         isolated.subprocess, "run", lambda command, **given: real([sys.executable, "-c", abort], **given)
     )
-    with pytest.raises(InputError, match=r"fit\.mat: is no MAT file up to version 7\.3, or a damaged one"):
+    with pytest.raises(InputError, match=r"fit\.mat: is not a MAT file up to version 7\.3, or is damaged"):
         open_record_file(tmp_path / "fit.mat", "fit.mat")
 
 

@@ -92,7 +92,7 @@ def test_a_very_long_name_stays_one_short_line(tmp_path):
 def test_a_damaged_parquet_file(tmp_path, content):
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.parquet"))
     (tmp_path / "fit.parquet").write_bytes(content)
-    with pytest.raises(InputError, match=r"fit\.parquet: is no Parquet file"):
+    with pytest.raises(InputError, match=r"fit\.parquet: is not a Parquet file"):
         load_experiment(tmp_path)
 
 
@@ -101,7 +101,7 @@ def test_a_mat_file_without_vectors_or_of_another_version(tmp_path):
 
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.mat"))
     savemat(tmp_path / "fit.mat", {"comment": "nothing measured", "gain": 3.0})
-    with pytest.raises(InputError, match=r"fit\.mat: holds no vector of numbers"):
+    with pytest.raises(InputError, match=r"fit\.mat: contains no vector of numbers"):
         load_experiment(tmp_path)
     (tmp_path / "fit.mat").write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512))
     with pytest.raises(InputError, match=r"version 7\.3"):

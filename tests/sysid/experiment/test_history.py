@@ -291,7 +291,7 @@ def test_two_runs_at_once_lose_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("001.json", "{", "001.json: is no JSON"),
+        ("001.json", "{", "001.json: is not JSON"),
         ("001.json", "[]", "001.json: is not a rung"),
         ("001.json", '{"schema": 1}', "001.json: 'model' is missing"),
         ("003.json", '{"schema": 1, "model": {}}', "rung 002.json is missing"),

@@ -14,6 +14,16 @@ from sysid.experiment.readers.format import Format
 MOST_COLUMNS = 64
 """Columns of a matrix up to which each is a column of the record."""
 
+KINDS = {
+    "mat": "a MAT file up to version 7.3",
+    "parquet": "a Parquet file",
+    "hdf5": "an HDF5 file",
+    "npz": "a NumPy file of numbers",
+    "json": "a JSON file of numbers",
+    "tdms": "a TDMS file",
+}
+"""What a file should be, by module of this package."""
+
 
 def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Header:
     """The labels of arrays by their paths in a file: the last part of the path where that is unique.
@@ -22,7 +32,7 @@ def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Head
         InputError: there is no array.
     """
     if not paths:
-        raise InputError(f"{name}: holds no vector of numbers; wanted: time, position, ...")
+        raise InputError(f"{name}: contains no vector of numbers; required: time, position, ...")
     leaves = [path.rsplit(".", 1)[-1] for path in paths]
     labels = tuple(
         leaf if leaves.count(leaf) == 1 and not leaf.isdecimal() else path for path, leaf in zip(paths, leaves)
@@ -79,3 +89,8 @@ def row_number(path: Path, name: str, header: Header, row: int, settings: Format
 def missing_library(name: str, library: str) -> InputError:
     """The error for a format whose library is not installed."""
     return InputError(f"{name}: reading this format needs {library}: pip install 'stagecad[formats]'")
+
+
+def damaged(name: str, module: str) -> InputError:
+    """The error for a file that the reader of a module of this package cannot read."""
+    return InputError(f"{name}: is not {KINDS[module]}, or is damaged")

@@ -13,6 +13,7 @@ from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.formats.arrays import (
     columns_of,
+    damaged,
     header_of,
     missing_library,
     row_number,
@@ -74,7 +75,7 @@ def _open(path: Path, name: str) -> Any:
     try:
         return h5py.File(path, "r")
     except OSError:
-        raise InputError(f"{name}: is no HDF5 file, or a damaged one") from None
+        raise damaged(name, "hdf5") from None
 
 
 def _data_sets(file: Any) -> Iterator[tuple[str, Any]]:

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import columns_of, header_of, row_number, vectors
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, row_number, vectors
 
 __all__ = ["read_columns", "read_header", "row_number"]
 
@@ -35,7 +34,7 @@ def _load(path: Path, name: str) -> dict[str, np.ndarray]:
         held = json.loads(path.read_text(encoding="utf-8-sig"))
         return dict(_arrays(held, ""))
     except (ValueError, RecursionError):
-        raise InputError(f"{name}: is no JSON file of numbers, or a damaged one") from None
+        raise damaged(name, "json") from None
 
 
 def _arrays(value: Any, path: str) -> Iterator[tuple[str, np.ndarray]]:

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.formats import hdf5
-from sysid.experiment.readers.formats.arrays import columns_of, header_of, row_number, vectors
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, row_number, vectors
 
 __all__ = ["read_columns", "read_header", "row_number"]
 
@@ -53,7 +52,7 @@ def load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     except MemoryError:
         raise
     except Exception:  # scipy raises a dozen kinds on damaged bytes
-        raise InputError(f"{name}: is no MAT file up to version 7.3, or a damaged one") from None
+        raise damaged(name, "mat") from None
     variables = {key: value for key, value in held.items() if not key.startswith("__")}
     stated, units = variables.pop("units", None), {}
     if hasattr(stated, "_fieldnames"):

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import columns_of, header_of, row_number, vectors
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, row_number, vectors
 
 __all__ = ["read_columns", "read_header", "row_number"]
 
@@ -35,4 +34,4 @@ def _load(path: Path, name: str) -> dict[str, np.ndarray]:
         with held:
             return {key: values for entry in held.files for key, values in vectors(held[entry], entry)}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile):
-        raise InputError(f"{name}: is no NumPy file of numbers, or a damaged one") from None
+        raise damaged(name, "npz") from None

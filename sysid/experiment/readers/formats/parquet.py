@@ -9,7 +9,7 @@ from typing import Any
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import MOST_ROWS, Column, Header, check_finite, to_numpy
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import row_number
+from sysid.experiment.readers.formats.arrays import damaged, row_number
 
 __all__ = ["read_columns", "read_header", "row_number"]
 
@@ -74,7 +74,7 @@ def _open(path: Path, name: str) -> Any:
         # The names are decoded here.
         rows = file.metadata.num_rows if file.schema_arrow.names else 0
     except (pyarrow.ArrowException, OSError, UnicodeDecodeError):
-        raise InputError(f"{name}: is no Parquet file, or a damaged one") from None
+        raise damaged(name, "parquet") from None
     if rows > MOST_ROWS:
         raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read")
     return file

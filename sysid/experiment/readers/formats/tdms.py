@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import columns_of, header_of, missing_library, row_number
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library, row_number
 
 __all__ = ["read_columns", "read_header", "row_number"]
 
@@ -62,7 +61,7 @@ def _open(path: Path, name: str) -> Any:
     try:
         return TdmsFile.open(path)
     except Exception:  # npTDMS raises whatever struct and numpy do on damaged bytes
-        raise InputError(f"{name}: is no TDMS file, or a damaged one") from None
+        raise damaged(name, "tdms") from None
 
 
 def _channels(file: Any) -> dict[str, Any]:

@@ -82,7 +82,7 @@ def test_numpy_files(tmp_path):
     np.save(tmp_path / "fit.npy", np.vstack([TIME, POSITION, FORCE]))
     _check(tmp_path, "fit.npy", NUMBERED)
     np.save(tmp_path / "fit.npy", np.array([{}, {}]), allow_pickle=True)
-    with pytest.raises(InputError, match="is no NumPy file of numbers, or a damaged one"):
+    with pytest.raises(InputError, match="is not a NumPy file of numbers, or is damaged"):
         _check(tmp_path, "fit.npy")
 
 
@@ -125,5 +125,5 @@ def test_parquet_with_time_stamps(tmp_path):
 def test_a_damaged_file_is_refused_in_one_line(tmp_path, name, what):
     pytest.importorskip({"HDF5": "h5py", "TDMS": "nptdms"}.get(what, "numpy"))
     (tmp_path / name).write_bytes(b"\x89HDF\r\n\x1a\nPK\x03\x04" + bytes(200))
-    with pytest.raises(InputError, match=f"{name}: is no {what} file"):
+    with pytest.raises(InputError, match=f"{name}: is not an? {what} file"):
         open_record_file(tmp_path / name, name)
