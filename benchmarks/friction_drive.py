@@ -16,9 +16,8 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -26,6 +25,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "friction_drive")]
 
 from driven_stage import HIDDEN, write_case  # noqa: E402
 
+from benchmarks.pool import process_pool  # noqa: E402
 from benchmarks.scoring import LARGEST_TIE, plain  # noqa: E402
 
 MOST_LEFT = 1.5
@@ -160,7 +160,7 @@ def main() -> None:
         motions = HIDDEN[kind].motions
         chosen = [m for m in motions if m in a.motions] if a.motions else motions[:1]
         tasks += [(kind, m, seed) for m in chosen for seed in a.seeds if (kind, m, seed) not in done]
-    with ProcessPoolExecutor(a.jobs, mp_context=get_context("spawn")) as pool:
+    with process_pool(a.jobs) as pool:
         waiting = [pool.submit(run_case, *task, a.rows) for task in tasks]
         for count, future in enumerate(as_completed(waiting), 1):
             row = future.result()

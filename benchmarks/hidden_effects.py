@@ -26,15 +26,15 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect"), str(ROOT / "tests" / "recovery")]
 
+from benchmarks.pool import process_pool  # noqa: E402
 from benchmarks.result_table import Names, table  # noqa: E402
 from benchmarks.scoring import (  # noqa: E402
     Outcome,
@@ -204,7 +204,7 @@ def main() -> None:
                 if not a.only or any(part == name or part in entry["effect"] for part in a.only)
             ]
             tasks = [(folder / name, key[name], not a.no_follow, a.fresh, not a.no_peers) for name in wanted]
-            with ProcessPoolExecutor(a.jobs, mp_context=get_context("spawn")) as pool:
+            with process_pool(a.jobs) as pool:
                 waiting = [pool.submit(_job, task) for task in tasks]
                 for done, future in enumerate(as_completed(waiting), 1):
                     rows.append(future.result())

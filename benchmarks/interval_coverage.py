@@ -21,15 +21,14 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks.pool import process_pool
 from benchmarks.scoring import plain, share
 
 # What a parameter of the library is in the generator's own words: `t` its truth, `s` its sensor, `r` the drum's radius,
@@ -147,7 +146,7 @@ def coverage_table(count: int, seed: int, folder: Path, jobs: int, hard: float =
     )  # fmt: skip
     rows: list[Told] = []
     failed: list[str] = []
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with process_pool(jobs) as pool:
         for k, result in enumerate(pool.map(_told, [(folder / name, entry) for name, entry in key.items()]), 1):
             if isinstance(result, str):
                 failed.append(result)
@@ -198,7 +197,7 @@ def main() -> None:
     a = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as scratch,
-        ProcessPoolExecutor(a.jobs, mp_context=get_context("spawn")) as pool,
+        process_pool(a.jobs) as pool,
     ):
         for correlation in a.autocorrelation:
             jobs = [(Path(scratch) / f"{correlation}_{k}", correlation, k) for k in range(a.cases)]

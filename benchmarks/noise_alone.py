@@ -13,11 +13,13 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from benchmarks.pool import process_pool
 
 CORRELATIONS = (0.0, 0.9, 0.98)
 EACH = 15
@@ -109,7 +111,7 @@ def main() -> None:
     numbers = a.only if a.only else range(EACH * len(CORRELATIONS))
     with (
         tempfile.TemporaryDirectory() as scratch,
-        ProcessPoolExecutor(a.jobs, mp_context=get_context("spawn")) as pool,
+        process_pool(a.jobs) as pool,
     ):
         jobs = [(Path(scratch) / f"case{k:03d}", k, a.seed, a.levels_only) for k in numbers]
         rows = []

@@ -17,9 +17,8 @@ import shutil
 import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT)]
 
 from benchmarks.hidden_effects import run_command  # noqa: E402
+from benchmarks.pool import process_pool  # noqa: E402
 from benchmarks.scoring import LARGEST_TIE, plain, said, same, worst_over_noise  # noqa: E402
 
 ROUNDS = 5
@@ -135,7 +135,7 @@ def main() -> None:
     a = parser.parse_args()
     names = [name for name in MACHINES if (a.folder / name).is_dir() and (not a.only or name in a.only)]
     rows = []
-    with ProcessPoolExecutor(a.jobs, mp_context=get_context("spawn")) as pool:
+    with process_pool(a.jobs) as pool:
         for future in as_completed([pool.submit(follow, a.folder / name) for name in names]):
             rows.append(future.result())
             row = rows[-1]

@@ -195,8 +195,9 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
     ]
     found = [c for c in refitted if c is not None]
     if not found:
+        also = ", or its law is not finite there" if effect in problem.custom else ""
         raise InputError(
-            f"{experiment.path}: effect '{name}' has no influence on the channels measured in these records"
+            f"{experiment.path}: effect '{name}' has no influence on the channels measured in these records{also}"
         )
     found.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     best = found[0]

@@ -137,6 +137,8 @@ def checked_effect(path: Path, effect: Effect) -> Effect:
     for kind in ("level", "factor", "force"):
         if laws[kind] is not None and _try_law(path, f"{where}: {kind}", laws[kind], effect):
             changed[kind] = _broadcast(laws[kind])
+        if laws[kind] is not None:
+            changed[kind] = _with_named_failure(path, f"{where}: {kind}", changed.get(kind, laws[kind]))
     slopes = dict(effect.slopes)
     for kind, law in slopes.items():
         allowed = [f"{of}.{by}" for of in ("level", "factor", "force") for by in ("position", "velocity", "time")]
@@ -146,6 +148,7 @@ def checked_effect(path: Path, effect: Effect) -> Effect:
             slopes[kind] = _broadcast(law)
     if effect.signal is not None:
         _try_signal(path, f"{where}: signal", effect.signal, effect)
+        changed["signal"] = _with_named_failure(path, f"{where}: signal", effect.signal)
     return replace(effect, **changed, slopes=slopes)
 
 
@@ -160,6 +163,9 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
     if parameter.name in names:
         raise InputError(f"{at}: is declared twice")
     names.add(parameter.name)
+    if not isinstance(parameter.unit, str):
+        kind = type(parameter.unit).__name__
+        raise InputError(f"{at}: unit: must be text such as 'N/m' ('1' for a number without a unit), not {kind}")
     try:
         unit_dimension(parameter.unit)
     except InputError as error:
@@ -192,6 +198,21 @@ def _call(path: Path, where: str, law: Callable[..., Any], *arguments: Any) -> A
             return law(*arguments)
     except Exception as error:
         raise InputError(f"{where}{_line(path, error)}: {_message(error)}") from None
+
+
+def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Callable[..., Any]:
+    """The law; where it raises for a record, the error has the file, the effect and the line. In a simulation, which
+    calls it at one instant, the integration adds the time and the state instead."""
+
+    def named(first: Any, *others: Any) -> Any:
+        try:
+            return law(first, *others)
+        except Exception as error:
+            if isinstance(first, Axis) and isinstance(first.time, float):
+                raise
+            raise InputError(f"{where}{_line(path, error)}: {_message(error)}") from error
+
+    return named
 
 
 def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) -> bool:
@@ -227,6 +248,8 @@ def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effe
 def _number(where: str, value: Any) -> Any:
     import numpy as np
 
+    if value is None:
+        raise InputError(f"{where}: gives None; must give numbers (is its 'return' missing?)")
     try:
         return np.asarray(value, dtype=float)
     except (TypeError, ValueError):

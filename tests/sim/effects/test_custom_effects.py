@@ -10,6 +10,7 @@ from sim.effects.custom import load_all_custom, load_custom
 from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import SimulationError, simulate
+from sim.library.effect import Axis
 from stagecad.parameters.errors import InputError
 
 CUBIC = '''\
@@ -103,7 +104,8 @@ BROKEN = {
     ): r"gives shape \(6,\) for a record of 7 rows; must be \(7,\)",
     one("lambda a, p: np.atleast_1d(a.velocity)"): r"gives shape \(1,\) at one instant; must be one number",
     one("lambda a, p: 'much'"): r"gives str; must give numbers",
-    one("lambda a, p: None"): r"must give numbers|is not finite",
+    one("lambda a, p: None"): r"force: gives None; must give numbers",
+    one(parameter='Parameter("c", None, 1.0, 0.0, 9.0, "m", "s")'): r"parameter 'c': unit: must be text such as 'N/m'",
     one(
         "lambda a, p: a.velocity / (p.c - 1.0)"
     ): r"force.*(is not finite at the parameters' defaults|ZeroDivisionError)",
@@ -143,6 +145,21 @@ def test_a_law_that_fails_while_it_runs_is_named_with_the_time(tmp_path):
     model = compose(["cable"], custom=load_custom(write(tmp_path, text)))
     with pytest.raises(SimulationError, match=r"cable stopped at t = 0\.[23].*RuntimeError: the cable broke"):
         simulate(model, drive.force([0.0, 1.0], [0.1, 0.1]), np.linspace(0.0, 1.0, 11))
+
+
+def test_a_law_that_fails_on_a_record_only_is_named_with_its_line(tmp_path):
+    text = HEAD + (
+        "def force(axis, p):\n"
+        "    if np.size(axis.time) > 100:\n"
+        "        raise RuntimeError('too long')\n"
+        "    return 0.0 * axis.velocity\n"
+        "effect = Effect('cable', 'm', force=force)\n"
+    )
+    (effect,) = load_custom(write(tmp_path, text))
+    column = np.zeros(200)
+    assert effect.force is not None
+    with pytest.raises(InputError, match=r"mine\.py: effect 'cable': force, line \d+: RuntimeError: too long"):
+        effect.force(Axis(*[column] * len(Axis._fields)), effect.values())
 
 
 def test_the_library_lists_no_effect_of_a_user(tmp_path):
