@@ -40,7 +40,10 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
         problem: with its records as logged and as prepared.
         errors: misfit of the best model by channel, on the records of the fit.
     """
-    measured = problem.experiment.rig.declaration.measured_channels
+    balances = [spec.balance for spec in problem.experiment.records if spec.balance is not None]
+    zero = {channel for balance in balances for channel in balance.kind.zero_channels}
+    measured = [c for c in problem.experiment.rig.declaration.measured_channels if c not in zero]
+    errors = {channel: error for channel, error in errors.items() if channel not in zero}
     found = motion_warnings([*problem.fit_records, *problem.validate_records])
     found += noise_warnings(problem.noise, {c: (m.over_noise, m.size) for c, m in errors.items()})
     found += _identical_records(problem.records)

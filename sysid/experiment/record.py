@@ -264,6 +264,8 @@ def _check_values(
     values: dict[str, np.ndarray], spec: RecordSpec, rig: RigKind, name: str, notes: list[str]
 ) -> dict[str, np.ndarray]:
     kept: dict[str, np.ndarray] = {}
+    stated = {channel for channel, source in spec.sources.items() if source.value is not None}
+    stated |= spec.balance.kind.zero_channels if spec.balance is not None else set()
     for channel, array in values.items():
         label = spec.sources[channel].label if channel in spec.sources else channel
         gaps = int(np.count_nonzero(np.isnan(array)))
@@ -273,7 +275,7 @@ def _check_values(
             continue
         if gaps:
             notes.append(f"column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
-        elif np.ptp(array) == 0.0 and (channel not in spec.sources or spec.sources[channel].value is None):
+        elif np.ptp(array) == 0.0 and channel not in stated:
             notes.append(f"column '{label}' never changes")
         kept[channel] = array
     for group in (*rig.inputs, *rig.measured):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -73,6 +74,10 @@ _TIP_KNOWN = {
 }
 
 
+_ZERO = re.compile(r"\s*0(\.0*)?\s*\*[^+-]*")
+"""A product with the factor 0 in front."""
+
+
 @dataclass(frozen=True)
 class RigKind:
     """A kind of rig.
@@ -106,6 +111,11 @@ class RigKind:
     constants: Mapping[str, Formula] = field(default_factory=dict)
     defaults: Mapping[str, str] = field(default_factory=dict)
     rotary: bool | None = None
+
+    @property
+    def zero_channels(self) -> frozenset[str]:
+        """Channels of the base that the balance states as zero: a formula of one term with the factor 0."""
+        return frozenset(name for name, formula in self.balance.items() if _ZERO.fullmatch(formula.text))
 
     def declared(self, channel: str) -> Channel:
         """The declaration of one of its channels."""
