@@ -19,12 +19,14 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     from sysid.ladder import current_ladder
     from workbench.console.tables import rich_table
     from workbench.identification.design_values import design_values
+    from workbench.identification.statements import in_command
     from workbench.identification.tables import ladder_table
 
     found = load_experiment(experiment, design_values(run))
     rungs, edited = current_ladder(found)
     if not rungs:
-        run.echo(f"{found.folder}: nothing added yet; 'stagecad diagnose {found.folder}' finds what is missing")
+        command = f"stagecad diagnose {in_command(found.folder)}"
+        run.echo(f"{found.folder}: nothing added yet; '{command}' finds what is missing")
     else:
         run.console.print(rich_table(ladder_table(rungs)))
         if edited:

@@ -40,6 +40,7 @@ def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None
     """Write FOLDER/experiment.toml from measurement FILEs, with a question where something is uncertain."""
     from sysid.experiment.columns.proposal import number_columns
     from workbench.identification.new_experiment import experiment_text, free_experiment, inspect, questions
+    from workbench.identification.statements import in_command
     from workbench.report.column_figure import draw_columns
 
     with run.busy("reading the files"):
@@ -55,7 +56,7 @@ def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None
     for question in asked:
         run.echo(f"question: {question}")
     then = "answer its questions, then" if asked else "then"
-    run.echo(f"written: {target} and {picture}; {then}: stagecad compare {folder}")
+    run.echo(f"written: {target} and {picture}; {then}: stagecad compare {in_command(folder)}")
     run.emit(
         {
             "experiment": str(target),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
@@ -149,9 +150,14 @@ def _curve_text(curve: FreeCurve) -> str:
     return f"a free curve, a {curve.quantity} of {name},"
 
 
+def in_command(folder: Path) -> str:
+    """A folder as an argument of a printed command: in quotes where it contains blanks."""
+    return f'"{folder}"' if " " in str(folder) else str(folder)
+
+
 def next_step_statement(found: Diagnosis) -> str:
     """Possible next steps where more is missing than the effect named, or nothing is named; else empty."""
-    folder = found.problem.experiment.folder
+    folder = in_command(found.problem.experiment.folder)
     if found.best is not None and found.unexplained_share > NEGLIGIBLE_SHARE:
         return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."
     if found.verdict != "unexplained":

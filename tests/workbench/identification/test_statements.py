@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.decision import Decision, FreeCurve
-from workbench.identification.statements import diagnosis_statement, next_step_statement, rivals_text
+from workbench.identification.statements import diagnosis_statement, in_command, next_step_statement, rivals_text
 
 
 def _diagnosis(
@@ -62,3 +62,8 @@ def test_the_named_effect_is_added_first_where_more_is_missing() -> None:
     assert "'stagecad add rig cable_spring', then 'stagecad diagnose rig'" in text
     assert next_step_statement(_diagnosis("missing-effect", None, None, 0.01)) == ""
     assert next_step_statement(_diagnosis("adequate", None, None, 0.0)) == ""
+
+
+def test_a_folder_with_blanks_is_in_quotes_in_a_printed_command() -> None:
+    assert f"stagecad add {in_command(Path('my rig'))} viscous" == 'stagecad add "my rig" viscous'
+    assert in_command(Path("rig")) == "rig"
