@@ -147,8 +147,19 @@ def diagnose(
         seconds=perf_counter() - began,
         replacements=tuple(replacements),
         reported_in_full=in_full,
-        warnings=tuple(consistency_warnings(problem, after_fit)),
+        warnings=(*consistency_warnings(problem, after_fit), *_untried(problem, ranked)),
     )
+
+
+def _untried(problem: Problem, ranked: Sequence[Candidate]) -> list[str]:
+    """One line for each of the user's own effects that is neither in the model nor among the candidates."""
+    known = {public_name(e.name) for e in problem.start.effects} | {c.public_name for c in ranked}
+    return [
+        f"effect '{effect.name}' of your own was not tried: its law is not finite on these records or has no influence "
+        f"on their channels, or it is not observable on a {problem.kind} rig"
+        for effect in problem.custom
+        if public_name(effect.name) not in known
+    ]
 
 
 def _added(problem: Problem) -> list[str]:
