@@ -118,8 +118,8 @@ def build_problem(
     for name in names:
         model = with_effect(model, find(name, custom), scales, as_listed=True)
     model = _with_settings(rig.with_nuisances(model, fits), experiment)
-    for record in records:
-        notes.extend(f"{record.file}: {note}" for note in record.notes)
+    # Two records may be parts of one file.
+    notes.extend(dict.fromkeys(f"{record.file}: {note}" for record in records for note in record.notes))
     stiffness = experiment.rig.known.get("pull_stiffness")
     by_spring = any(p.stick_phases is not None and p.stick_phases.compliance > 0.0 for p in prepared)
     if stiffness is not None and stiffness.std is None and by_spring:

@@ -72,6 +72,7 @@ def test_effect_of_the_template_is_read(capsys: pytest.CaptureFixture[str]) -> N
     "words, message",
     [
         (["new", "part", "My-Part"], "small letters"),
+        (["new", "effect", "stribeck"], "new effect 'stribeck': is an effect of the library; choose another name"),
         (["new", "prt", "x"], "no template of a 'prt'; did you mean 'part'?"),
     ],
 )

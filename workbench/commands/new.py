@@ -105,6 +105,10 @@ def check(name: str) -> None:
 @click.argument("name")
 def effect(name: str) -> None:
     """NAME.py: a physical effect, for `[model] custom` of an experiment."""
+    from sim.effects.catalogue import library
+
+    if name in library():
+        raise InputError(f"new effect '{name}': is an effect of the library; choose another name")
     _write(Path(f"{name}.py"), _template("effect", name))
 
 
