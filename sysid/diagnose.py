@@ -155,8 +155,8 @@ def _untried(problem: Problem, ranked: Sequence[Candidate]) -> list[str]:
     """One line for each of the user's own effects that is neither in the model nor among the candidates."""
     known = {public_name(e.name) for e in problem.start.effects} | {c.public_name for c in ranked}
     return [
-        f"effect '{effect.name}' of your own was not tried: on these records its law is not finite, or has no influence "
-        f"beyond that of the effects in the model, or it is not observable on a {problem.kind} rig"
+        f"effect '{effect.name}' of your own was not tried: on these records its law is not finite, or has no "
+        f"influence beyond that of the effects in the model, or it is not observable on a {problem.kind} rig"
         for effect in problem.custom
         if public_name(effect.name) not in known
     ]
