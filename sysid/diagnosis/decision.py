@@ -259,7 +259,13 @@ def _insufficient(
     """The decision where no named model is sufficient: adequate as far as the level of the noise is known."""
     notable = curve is not None and compared.notable(curve)
     if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not notable:
-        return Decision("adequate", None, (), 0.0, "no effect and no coordinate explains the residual", *shares)
+        words = "no effect and no coordinate explains the residual"
+        if compared.noise.adequate_loss > NOISE_FACTOR:
+            words += (
+                ", but the error exceeds the noise: the level of the noise is too low, or an effect acts that no "
+                "coordinate shows"
+            )
+        return Decision("adequate", None, (), 0.0, words, *shares)
     better = curve is not None and (
         notable if model is None else compared.clearly_better(curve, model, CURVE_STEADINESS)
     )

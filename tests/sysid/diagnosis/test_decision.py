@@ -188,6 +188,7 @@ def test_noise_alone_is_adequate() -> None:
     case.curves = [case.candidate(0.998 * NOISE, _curve("position"))]
     found = case.decide()
     assert (found.verdict, found.best) == ("adequate", None)
+    assert found.reason == "no effect and no coordinate explains the residual"
 
 
 def test_nothing_is_named_below_the_noise() -> None:
@@ -206,7 +207,9 @@ def test_effect_is_found_where_the_estimated_level_was_too_high() -> None:
 @pytest.mark.parametrize("times,verdict", [(0.8, "adequate"), (1.2, "unexplained")])
 def test_level_may_be_too_low_by_a_factor_where_nothing_gains(times: float, verdict: str) -> None:
     case = Case(times * NOISE_FACTOR * NOISE).effect("cable_spring", 0.9999 * times * NOISE_FACTOR * NOISE)
-    assert case.decide().verdict == verdict
+    found = case.decide()
+    assert found.verdict == verdict
+    assert "exceeds the noise" in found.reason or verdict != "adequate"
 
 
 def test_notable_free_curve_is_no_uncertainty_of_the_level() -> None:
