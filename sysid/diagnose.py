@@ -16,13 +16,14 @@ from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.consistency import consistency_warnings
 from sysid.diagnosis.constants import FORM_ERROR, NOISE_FACTOR
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide
+from sysid.diagnosis.held_out import evenness
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.quantised_channel import quantised_channel
 from sysid.diagnosis.replacements import Replacement, find_replacements
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
 from sysid.diagnosis.structural_modes import structural_mode_candidate
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.misfit import ChannelMisfit, ResidualWeights, huber_square, misfit, weighted_residual
+from sysid.estimation.misfit import ChannelMisfit, ResidualWeights, blocks, huber_square, misfit, weighted_residual
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
@@ -176,13 +177,18 @@ def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
     held = _contributions(base.fitted, added, problem.validate_records, base.weights)
     fit = _contributions(base.fitted, added, problem.fit_records, base.fitted.weights)
-    parts = [(search.reference.held_out.residual, held), (base.fitted.fit.residual, fit)]
-    losses = [huber_square(r / np.sqrt(1.0 + FORM_ERROR**2 * c)) for r, c in parts if r.size]
+    fit_block = blocks(problem.fit_records, base.fitted.weights)
+    reference = search.reference.held_out
+    parts = [(reference.residual, held, reference.block), (base.fitted.fit.residual, fit, fit_block)]
+    scaled = [(r / np.sqrt(1.0 + FORM_ERROR**2 * c), block) for r, c, block in parts if r.size]
+    losses = [(float(np.mean(huber_square(r))), evenness(r, block)) for r, block in scaled]
+    adequate_loss, even = max(losses, default=(1.0, 1.0))
     form_error = FORM_ERROR**2 * float(np.mean(held)) if held.size else 0.0
     return NoiseLevel(
         loss=(1.0 if known else min(1.0, max(richest, NOISE_FACTOR**-2))) + form_error,
         form_error=form_error,
-        adequate_loss=max((float(np.mean(loss)) for loss in losses), default=1.0),
+        adequate_loss=adequate_loss,
+        evenness=even,
     )
 
 

@@ -48,11 +48,23 @@ class NoiseLevel:
         loss: of a complete model: 1, or less where the estimated level was too high, and the form error.
         form_error: mean square of the form error, in standard deviations.
         adequate_loss: largest loss of the stated model on any records, with the form error in the variance.
+        evenness: median over mean of the variances of that residual in the blocks of time (`evenness`).
     """
 
     loss: float = 1.0
     form_error: float = 0.0
     adequate_loss: float = 1.0
+    evenness: float = 1.0
+
+    @property
+    def plausible(self) -> bool:
+        """Whether the loss of the stated model may be that of noise whose level is wrong.
+
+        A wrong level is the same at all times. Where most of the error is that of less than half of the blocks, an
+        effect acts that comes and goes in time.
+        """
+        even = self.adequate_loss <= NOISE_FACTOR or self.evenness >= SUFFICIENT_SHARE
+        return self.adequate_loss <= NOISE_FACTOR**2 and even
 
 
 @dataclass(frozen=True)
@@ -258,7 +270,7 @@ def _insufficient(
 ) -> Decision:
     """The decision where no named model is sufficient: adequate as far as the level of the noise is known."""
     notable = curve is not None and compared.notable(curve)
-    if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not notable:
+    if compared.noise.plausible and not notable:
         words = "no effect and no coordinate explains the residual"
         if compared.noise.adequate_loss > NOISE_FACTOR:
             words += (
@@ -277,6 +289,8 @@ def _unexplained(
 ) -> Decision:
     left = 1.0 if model is None else 1.0 - max(compared.share(model), 0.0)
     words = "no effect lowers the error significantly on the held-out records"
+    if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not compared.noise.plausible:
+        words += ", and most of it occurs in less than half of the time"
     if model is not None:
         words = f"{' with '.join(model.families)} explains only {100.0 * (1.0 - left):.0f} % of the misfit"
     if beaten and curve is not None:

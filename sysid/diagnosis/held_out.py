@@ -23,6 +23,7 @@ from sysid.estimation.misfit import LOSS_CORNER, ResidualWeights, blocks, huber_
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord
 from sysid.prediction.sensors import residual_noise
+from sysid.signals.trimmed_rms import trimmed_rms
 
 LINEAR_ROLES = ("amplitude", "level")
 """Roles of the parameters in which a force is linear."""
@@ -143,6 +144,19 @@ def _refitted(
     step = np.linalg.pinv(normal / np.outer(lengths, lengths), rcond=1e-12, hermitian=True) @ (right / lengths)
     refitted = base - columns @ (step / lengths)
     return refitted if np.isfinite(refitted).all() else base, number
+
+
+def evenness(residual: np.ndarray, block: np.ndarray) -> float:
+    """Median over mean of the variances of a residual (n,) in the blocks of time numbered `block` (n,).
+
+    About 1 for stationary noise of any level; small where the residual is large in less than half of the blocks. The
+    trimmed variance leaves out single samples.
+    """
+    order = np.argsort(block, kind="stable")
+    parts = np.split(residual[order], np.flatnonzero(np.diff(block[order])) + 1)
+    variances = [trimmed_rms(part) ** 2 for part in parts if part.size]
+    mean = float(np.mean(variances)) if variances else 0.0
+    return float(np.median(variances)) / mean if mean > 0.0 else 1.0
 
 
 def linear_keys(model: Model) -> set[str]:

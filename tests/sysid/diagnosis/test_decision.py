@@ -13,7 +13,7 @@ from sim.library.effect import Coordinate, Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.constants import NOISE_FACTOR
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide, equivalent
-from sysid.diagnosis.held_out import HeldOut
+from sysid.diagnosis.held_out import HeldOut, evenness
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import FitResult
@@ -210,6 +210,18 @@ def test_level_may_be_too_low_by_a_factor_where_nothing_gains(times: float, verd
     found = case.decide()
     assert found.verdict == verdict
     assert "exceeds the noise" in found.reason or verdict != "adequate"
+
+
+def test_error_in_some_stretches_of_time_is_no_uncertainty_of_the_level() -> None:
+    """A wrong level is the same at all times, also where the error at others is that of single samples."""
+    case = Case(1.6 * NOISE)
+    loss = HeldOut(case.stated, BLOCK).loss
+    assert case.decide(NoiseLevel(adequate_loss=loss, evenness=evenness(case.stated, BLOCK))).verdict == "adequate"
+    bursts = np.where(BLOCK % 4 == 0, 2.66, 1.0) * NOISE
+    found = Case(bursts).decide(NoiseLevel(adequate_loss=loss, evenness=evenness(bursts, BLOCK)))
+    assert found.verdict == "unexplained" and "half of the time" in found.reason
+    # The same shape within the noise is adequate.
+    assert Case(bursts).decide(NoiseLevel(adequate_loss=1.5, evenness=evenness(bursts, BLOCK))).verdict == "adequate"
 
 
 def test_notable_free_curve_is_no_uncertainty_of_the_level() -> None:

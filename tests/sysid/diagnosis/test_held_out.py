@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
-from sysid.diagnosis.held_out import HeldOut, held_out
+from sysid.diagnosis.held_out import HeldOut, evenness, held_out
 from sysid.estimation.misfit import misfit, weighted_residual
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.force_balance.record import INDEPENDENT_WIDTHS, ForceBalanceRecord
@@ -29,6 +29,27 @@ def _noise(seed: int, correlation: float = 0.0) -> np.ndarray:
     white = np.random.default_rng(seed).normal(size=BLOCK.size)
     scaled = lfilter([np.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)
     return np.asarray(scaled)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.9, 0.98])
+def test_stationary_noise_of_any_level_is_even(correlation: float) -> None:
+    found = [evenness(2.0 * _noise(seed, correlation), BLOCK) for seed in range(50)]
+    # A block of 400 samples has 400 (1 - rho^2)/(1 + rho^2) = 8 independent squares at rho = 0.98, of which the median
+    # is 0.92 of the mean (Wilson and Hilferty: (1 - 2/(9 k))^3 for k degrees of freedom).
+    independent = LENGTH * (1.0 - correlation**2) / (1.0 + correlation**2)
+    assert np.mean(found) == pytest.approx((1.0 - 2.0 / (9.0 * independent)) ** 3, abs=0.06)
+    assert min(found) > 0.6
+
+
+def test_noise_with_outliers_is_even_and_noise_with_bursts_is_not() -> None:
+    noise, random = _noise(0), np.random.default_rng(1)
+    outliers = noise.copy()
+    outliers[random.choice(BLOCK.size, 30, replace=False)] = 100.0
+    assert HeldOut(outliers, BLOCK).loss > 3.0
+    assert evenness(outliers, BLOCK) > 0.9
+    assert evenness(np.where(BLOCK % 4 == 0, 4.0, 1.0) * noise, BLOCK) == pytest.approx(
+        1.0 / (0.75 + 0.25 * 16), abs=0.03
+    )
 
 
 def test_loss_of_white_noise_is_one() -> None:
