@@ -46,9 +46,12 @@ BESIDE = 0.7
 """Frequencies beside a line that it is compared with, relative to its own: those of a motion whose third harmonic it
 would be are among them."""
 
-DEVIATIONS = np.linspace(-0.2, 0.2, 9)
-"""Deviations from the nominal frequency that are searched, Hz: of a large grid, and by the error of a sample clock."""
+DEVIATION, DEVIATION_STEP = 0.2, 0.05
+"""Largest deviation from the nominal frequency that is searched, Hz: of a large grid, and by the error of a sample
+clock."""
 
+COMPARED_AT_ONCE = 8
+"""Frequencies on each side of a line that are computed before they are compared with it."""
 
 EXCITATIONS = ("drive_force", "pull_position", "voltage_1", "voltage_2", "voltage_3")
 """Channels that are imposed: a line in one of them may be a tone of the excitation."""
@@ -92,9 +95,10 @@ def _lines(series: Series, known: np.ndarray) -> list[float]:
             room = min(alias, 0.5 * rate - alias)
             if room * series.step * known.size < LEAST_PERIODS:
                 continue
-            powers = _power(blocks, nominal + DEVIATIONS)
-            frequency = float(nominal + DEVIATIONS[int(np.argmax(powers))])
-            if _stands_out(blocks, frequency, room, 4.0 / (blocks[0].time.size * series.step)):
+            powers = _powers(blocks, nominal - DEVIATION, DEVIATION_STEP, round(2.0 * DEVIATION / DEVIATION_STEP) + 1)
+            frequency = nominal - DEVIATION + DEVIATION_STEP * int(np.argmax(powers))
+            resolution = 4.0 / (blocks[0].time.size * series.step)
+            if _stands_out(blocks, frequency, float(np.max(powers)), room, resolution):
                 found.append(frequency)
     return found
 
@@ -119,26 +123,39 @@ def _windowed_blocks(series: Series, known: np.ndarray) -> list[_Block]:
     return found
 
 
-def _power(blocks: Sequence[_Block], frequencies: np.ndarray) -> np.ndarray:
-    """Power (m,) at frequencies (m,), summed over the blocks."""
-    return np.sum(
-        [np.abs(np.exp(-2j * np.pi * np.outer(frequencies, one.time)) @ one.values) ** 2 for one in blocks], axis=0
-    )
+def _powers(blocks: Sequence[_Block], first: float, step: float, count: int) -> np.ndarray:
+    """Power (count,) at the frequencies first + k step, summed over the blocks.
+
+    Each phase follows from the one before, e^(-i (w + s) t) = e^(-i w t) e^(-i s t).
+    """
+    found = np.zeros(count)
+    for block in blocks:
+        turned = np.exp(-2j * np.pi * first * block.time) * block.values
+        turn = np.exp(-2j * np.pi * step * block.time)
+        for k in range(count):
+            found[k] += abs(np.sum(turned)) ** 2
+            turned *= turn
+    return found
 
 
-def _stands_out(blocks: Sequence[_Block], frequency: float, room: float, resolution: float) -> bool:
+def _stands_out(blocks: Sequence[_Block], frequency: float, power: float, room: float, resolution: float) -> bool:
     """Whether the power at a frequency is above that beside it.
 
     `room` is the distance of its alias from zero and from Nyquist's frequency, `resolution` the width of a line, Hz.
+    The frequencies beside it are compared from the nearest on: the first that is too large decides.
     """
     span = min(BESIDE * frequency, 0.9 * room)
     if span < 4.0 * resolution:
         return False
     shifts = np.arange(1.5 * resolution, span, 0.5 * resolution)
-    beside = _power(blocks, np.concatenate([frequency - shifts, frequency + shifts]))
-    line = float(_power(blocks, np.array([frequency]))[0])
-    above = 1.0 + ABOVE / np.sqrt(len(blocks))
-    return line > above * float(np.mean(beside)) and line > ABOVE_LARGEST * float(np.max(beside))
+    beside: list[float] = []
+    for start in range(0, shifts.size, COMPARED_AT_ONCE):
+        part = shifts[start : start + COMPARED_AT_ONCE]
+        for sign in (1.0, -1.0):
+            beside += _powers(blocks, frequency + sign * part[0], sign * 0.5 * resolution, part.size).tolist()
+        if power <= ABOVE_LARGEST * max(beside):
+            return False
+    return power > (1.0 + ABOVE / np.sqrt(len(blocks))) * float(np.mean(beside))
 
 
 def _fitted_lines(time: np.ndarray, values: np.ndarray, lines: list[float]) -> np.ndarray:
