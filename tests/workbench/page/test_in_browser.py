@@ -134,7 +134,6 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
 def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     page = browser.page
     page.unroute("**/api/machine/solids")
-    page.set_default_timeout(60_000)
     page.reload()
     page.locator("canvas[data-state=current]").wait_for()
     first = _picture(browser)
@@ -182,7 +181,6 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
 def test_requirements_that_contradict_each_other_are_drawn_over_each_other(browser: Browser) -> None:
     """A light stage against a stiff one, over its thickness: no design, the Pareto front, and what to relax."""
     page = browser.page
-    page.set_default_timeout(180_000)
     page.wait_for_selector(".check >> nth=100")
     # A design that violates a rule has no solids, whose masses would take longer than the search.
     _drag(browser, "stage.thickness", 6.1)
@@ -255,7 +253,6 @@ def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(brows
 
 def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(browser: Browser, folder: Path) -> None:
     page = browser.page
-    page.set_default_timeout(60_000)
     for name, seed in (("fit", 1), ("validate", 2)):
         (folder / f"{name}.csv").write_text(_rows(seed))
     (folder / "empty.csv").write_text("time [s];velocity [m/s]\n")
@@ -330,7 +327,6 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
 
 def test_an_effect_that_is_not_needed_is_removed_by_a_button(browser: Browser, folder: Path) -> None:
     page = browser.page
-    page.set_default_timeout(60_000)
     (folder / "axis").mkdir()
     add_effects(write(folder / "axis", lambda x, v: 1.5 * np.sign(v) + 12.0 * v), ["quadratic_drag"])
     browser.open("measurement")
