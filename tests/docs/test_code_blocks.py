@@ -130,7 +130,7 @@ def _serve(command: str, folder: Path) -> None:
         assert server.stderr is not None
         assert "http://" in (first := server.stderr.readline()), first
         server.send_signal(signal.SIGINT)
-        assert server.wait(20.0) in (0, 130)
+        assert server.wait(120.0) in (0, 130)
 
 
 def test_commands_are_found() -> None:

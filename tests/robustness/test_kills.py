@@ -201,7 +201,7 @@ def _sound(folder: Path, case: Case, ended: Ended, names: set[str]) -> None:
 
 def _gone(group: int) -> bool:
     """Whether all processes of the group end within some seconds."""
-    deadline = time.monotonic() + 15.0
+    deadline = time.monotonic() + 120.0
     while _alive(group):
         if time.monotonic() > deadline:
             return False

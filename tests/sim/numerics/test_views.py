@@ -157,5 +157,5 @@ def test_a_process_that_does_not_end_is_ended_and_its_parts_are_compiled_here(mo
     begun.begin_parts(np.zeros(3))
     begun(vector)
     assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0]
-    process.join(20.0)
+    process.join(120.0)
     assert process.exitcode is not None

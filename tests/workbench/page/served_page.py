@@ -41,7 +41,7 @@ def ended(server: subprocess.Popen[str]) -> None:
     """End a server with Ctrl-C."""
     server.send_signal(signal.SIGINT)
     try:
-        server.wait(15.0)
+        server.wait(120.0)
     except subprocess.TimeoutExpired:
         server.kill()
         raise

@@ -57,7 +57,7 @@ def _submit(runner: JobRunner, task: str, **arguments) -> Job:
     return runner.submit("simulation", task, arguments, title=task)
 
 
-def _ended(job: Job, seconds: float = 30.0) -> Job:
+def _ended(job: Job, seconds: float = 240.0) -> Job:
     deadline = time.monotonic() + seconds
     while job.state in ("waiting", "running"):
         assert time.monotonic() < deadline, job
@@ -67,7 +67,7 @@ def _ended(job: Job, seconds: float = 30.0) -> Job:
 
 def _running(job: Job) -> int:
     """Process id of a job `work`, once it runs."""
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 120.0
     while not job.step:
         assert time.monotonic() < deadline, job
         time.sleep(0.01)
@@ -126,7 +126,7 @@ def test_closing_ends_all_processes(runner: JobRunner) -> None:
     job = _submit(runner, "work")
     process = _running(job)
     runner.close()
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + 120.0
     while _alive(process):
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -170,7 +170,7 @@ def test_answers_to_a_slider_are_not_kept(runner: JobRunner) -> None:
         job = _ended(runner.submit("simulation", "double", {"value": value}, title="Slider", passing=True))
         assert runner.result(job.number)["value"] == 2 * value
     # The folder of the oldest answer goes after the newest answer has been reported.
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 120.0
     while len(folders := list(runner.folder.iterdir())) > KEPT_PASSING and time.monotonic() < deadline:
         time.sleep(0.01)
     assert len(runner.jobs) == KEPT_PASSING == len(folders)

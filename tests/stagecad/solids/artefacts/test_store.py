@@ -304,7 +304,7 @@ print([entry.data("value.txt") for entry in entries])
         subprocess.Popen([sys.executable, "-c", program, str(tmp_path)], stdout=subprocess.PIPE, text=True)
         for _ in range(2)
     ]
-    outputs = [run.communicate(timeout=60)[0] for run in runs]
+    outputs = [run.communicate(timeout=240)[0] for run in runs]
     assert [run.returncode for run in runs] == [0, 0]
     assert outputs[0] == outputs[1] == "[b'0', b'1', b'2']\n"
     assert len([path for path in (tmp_path / "entries").iterdir() if not path.name.startswith(".")]) == 3

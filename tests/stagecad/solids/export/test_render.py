@@ -79,7 +79,7 @@ mesh = mesh_of(cq.Workplane().box(10, 10, 10).val(), 1000.0)
 sys.stdout.buffer.write(picture([PlacedShape("cube", "cube", (0.9, 0.1, 0.1))], {"cube": mesh}, size=(120, 100)))
 """
     bare = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, env=bare, check=True, timeout=120)
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, env=bare, check=True, timeout=240)
     here = picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, size=(120, 100))
     assert np.abs(pixels(run.stdout) - pixels(here)).max() == 0
 
