@@ -41,7 +41,10 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
     groups = ([k for k in group if known.keys[k] not in hidden] for group in _groups(known))
     words += [_correlated(group, known) for group in groups if len(group) > 1]
     if not fitted.fit.converged:
-        words.append("The fit stopped before it converged.")
+        words.append(
+            "The fit stopped before it converged: values and intervals are approximate; state known values, or "
+            "better start values, in [model.parameters]."
+        )
     return words
 
 

@@ -86,10 +86,20 @@ def require_consent(path: Path, data: bytes) -> None:
         InputError: with what to do.
     """
     if not has_consent(data):
+        what = "is Python code that has changed since you consented to it" if _had_consent(path) else "is Python code"
         raise InputError(
-            f"{path}: is Python code, which this experiment runs with your rights; read it, then repeat the command "
+            f"{path}: {what}, which this experiment runs with your rights; read it, then repeat the command "
             "with --trust (the consent is stored for the file's present content)"
         )
+
+
+def _had_consent(path: Path) -> bool:
+    """Whether the user has consented to other content of a file."""
+    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+    line = f"{path.resolve()}\n"
+    with suppress(OSError, UnicodeDecodeError):
+        return folder is not None and any(one.read_text("utf-8") == line for one in (folder / "trusted").iterdir())
+    return False
 
 
 def python_files(folder: Path) -> list[dict[str, Any]]:

@@ -82,7 +82,8 @@ def _open(path: Path) -> int:
     except OSError as error:
         if error.errno == errno.ELOOP:
             raise InputError(f"{path}: is a link; a lock file is required, so remove it") from None
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        folder = next((one for one in path.parents if one.is_dir()), path.parent)
+        raise InputError(f"{folder}: this folder cannot be written to: {error.strerror}") from None
     if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
         raise InputError(f"{path}: is not a regular file; a lock file is required, so remove it")

@@ -144,8 +144,11 @@ def test_channels_of_a_declared_kind(tmp_path):
 
 def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction(tmp_path):
     _write(tmp_path / "log.csv", "t [s];Spannung [V];Auslenkung [um]", TIME, 50.0 * ANGLE, 5.0 * ANGLE, between=";")
-    document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="piezo")
-    assert document["channels"] == {"time": "t [s]", "voltage": "Spannung [V]", "displacement": "Auslenkung [um]"}
+    document, text = _new(tmp_path / "rig", tmp_path / "log.csv")
+    assert document["kind"] == "piezo" and any("voltage drive a motor" in one for one in document["questions"])
+    stated, _ = _new(tmp_path / "stated", tmp_path / "log.csv", kind="piezo")
+    channels = {"time": "t [s]", "voltage": "Spannung [V]", "displacement": "Auslenkung [um]"}
+    assert document["channels"] == stated["channels"] == channels
     assert tomllib.loads(text)["model"]["effects"] == []
     assert len(load_records(load_experiment(tmp_path / "rig"))) == 2
 

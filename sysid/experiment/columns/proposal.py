@@ -220,6 +220,9 @@ def _is_derivative(position: np.ndarray, other: np.ndarray, time: np.ndarray) ->
     return abs(float(np.corrcoef(velocity, other)[0, 1])) > DERIVATIVE
 
 
+_FORCES = ("force", "friction_force", "spring_force", "drive_force")
+
+
 def _kind(meanings: set[str]) -> tuple[str, str]:
     """Kind of rig from the channels proposed for its columns, and the question to the user."""
     if {"tip_x", "tip_y", "voltage_1", "voltage_2"} <= meanings:
@@ -232,6 +235,11 @@ def _kind(meanings: set[str]) -> tuple[str, str]:
         return (
             "force-drive",
             "does this force or current alone drive the axis, so that mass x acceleration = it - friction?",
+        )
+    if meanings & {"voltage", "voltage_1"} and "position" in meanings and not meanings & {"velocity", *_FORCES}:
+        return "piezo", (
+            "is it the displacement of a piezo under its voltage (piezo)? or does the voltage drive a motor "
+            "(motor-voltage), or an amplifier with a force (force-drive)?"
         )
     if "friction_force" in meanings:
         return "velocity-drive", "is the motion imposed, and the friction measured by a load cell?"

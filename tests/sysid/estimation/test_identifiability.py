@@ -56,7 +56,8 @@ def test_inactive_values_bounds_and_combinations_are_reported() -> None:
         "coulomb.force is at its bound; it has no interval.",
         "Only a combination is identifiable from these records, not each value alone: "
         "stribeck.force against constant_bias.force.",
-        "The fit stopped before it converged.",
+        "The fit stopped before it converged: values and intervals are approximate; state known values, or better "
+        "start values, in [model.parameters].",
     ]
 
 

@@ -71,7 +71,9 @@ def test_a_consent_is_for_the_content_of_the_file(
     assert trusted.stat().st_mode & 0o777 == 0o700
     (rig / "mine.py").write_text((rig / "mine.py").read_text() + "# changed\n")
     (tmp_path / "flag").unlink()
+    capsys.readouterr()
     assert run(words) == 2
+    assert "mine.py: is Python code that has changed since you consented to it" in capsys.readouterr().err
     assert not (tmp_path / "flag").exists()
 
 
