@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -39,14 +38,11 @@ def design() -> Design:
 
 
 @pytest.fixture(scope="session")
-def store(tmp_path_factory: pytest.TempPathFactory):
-    """The artefact store of the session: each solid is made once, by the worker that needs it first."""
+def store():
+    """The artefact store that the commands use too: each solid is made once, by the process that needs it first."""
     from stagecad.solids.artefacts.store import ArtefactStore
 
-    base = tmp_path_factory.getbasetemp()
-    # The workers of one session have sibling folders: the store stands in their parent.
-    shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
-    return ArtefactStore(Path(shared) / "solids_cache")
+    return ArtefactStore()
 
 
 @pytest.fixture(scope="session")
