@@ -18,6 +18,7 @@ from drawings.annotations.annotation import Balloon, LinearDimension, SectionMar
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import SMALL_HEIGHT
 from drawings.annotations.primitives import Text
+from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, machine_size
 from drawings.export.lint import lint
 from drawings.pictures.machine import machine_picture
@@ -30,6 +31,7 @@ from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
 from drawings.views.view import Segment
 from stagecad.parameters.design import Design
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.assembly.machine import Machine
@@ -57,8 +59,14 @@ def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
 
 
 @pytest.fixture(scope="module")
-def pictures(shown: Callable[..., Picture]) -> dict[str, Picture]:
-    return {name: shown(name) for name in PICTURES["assembly"]}
+def pictures(machine: Machine, design: Design, store: ArtefactStore) -> dict[str, Picture]:
+    """The exact pictures, drawn once for these tests and the commands."""
+    found = {}
+    for name in PICTURES["assembly"]:
+        picture = stored_picture(store, name, assemble(machine.parts, design), machine.parts, design)
+        assert picture is not None
+        found[name] = picture
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -264,6 +272,7 @@ def ink_by_part(shown: Picture) -> dict[str, float]:
 DRAW = """
 import sys
 from pathlib import Path
+from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import build_sheets
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore
