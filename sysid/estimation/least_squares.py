@@ -60,7 +60,7 @@ def huber_weights(residual: np.ndarray, scale: float) -> np.ndarray:
     """Weights (n,) of Huber's loss with its corner at `HUBER` times `scale`."""
     size = np.abs(residual)
     corner = HUBER * scale
-    return np.where(size <= corner, 1.0, corner / np.maximum(size, 1e-300))
+    return np.divide(corner, size, out=np.ones_like(size), where=size > corner)
 
 
 def robust_scale(residual: np.ndarray) -> float:
