@@ -91,8 +91,8 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
     _drag(browser, "stage.thickness", 14.1)
     fresh = page.locator(".check:not(.stale)", has=page.get_by_text(name, exact=True))
     fresh.locator(".margin", has_not_text=before).wait_for()
-    assert page.get_by_label("stage.thickness", exact=True).input_value() == "14.1 mm"
-    assert page.get_by_role("button", name="Difference (1)").is_visible()
+    until(page, lambda: page.get_by_label("stage.thickness", exact=True).input_value() == "14.1 mm")
+    until(page, lambda: page.get_by_role("button", name="Difference (1)").is_visible())
     _drag(browser, "stage.thickness", 6.1)
     page.get_by_text("cannot be built").wait_for()
     page.get_by_role("button", name="Undo").click()
@@ -127,7 +127,7 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
     page.locator("#message.bad", has_text="stage.thickness").wait_for()
     assert field.input_value() == "12 mm"
     # What is not allowed leaves nothing behind.
-    assert page.get_by_role("button", name="Difference", exact=True).is_visible()
+    until(page, lambda: page.get_by_role("button", name="Difference", exact=True).is_visible())
     _expected(browser)
 
 
@@ -163,12 +163,12 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     assert _changed(straight, _picture(browser)) > 0.05
     page.mouse.click(*middle)
     page.locator(".part-card").wait_for()
-    assert "mass" in page.locator(".part-card").inner_text()
+    until(page, lambda: "mass" in page.locator(".part-card").inner_text())
 
     # After a reload the change is still there, and so are the solids.
     page.reload()
     page.locator("canvas[data-state=current]").wait_for()
-    assert page.get_by_label("stage.thickness", exact=True).input_value() == "17 mm"
+    until(page, lambda: page.get_by_label("stage.thickness", exact=True).input_value() == "17 mm")
     page.get_by_role("button", name="Drawings").click()
     page.get_by_role("button", name="tip", exact=True).click()
     page.get_by_text("no lint hits").wait_for()
@@ -205,21 +205,21 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     both = page.locator(
         ".optimum .card", has=page.get_by_role("heading", name="Contradicting requirements", exact=True)
     )
-    assert all(name.strip() in both.inner_text() for name in required.split(","))
-    assert page.locator(".optimum .card", has_text="What to relax").locator("tbody tr").count() == 2
+    until(page, lambda: all(name.strip() in both.inner_text() for name in required.split(",")))
+    until(page, lambda: page.locator(".optimum .card", has_text="What to relax").locator("tbody tr").count() == 2)
     # The result is that of one design: with another value it is marked, and its changes cannot be made.
     apply, old = page.get_by_role("button", name="Apply"), page.locator(".optimize .search", has_text="Out of date")
-    assert apply.is_enabled() and old.count() == 0
+    until(page, lambda: apply.is_enabled() and old.count() == 0)
     _drag(browser, "stage.thickness", 6.2)
     old.wait_for()
-    assert apply.is_disabled()
+    until(page, lambda: apply.is_disabled())
     page.reload()
     page.get_by_role("button", name="Optimize", exact=True).click()
     old.wait_for()
-    assert apply.is_disabled()
+    until(page, lambda: apply.is_disabled())
     page.get_by_role("button", name="Undo").click()
     old.wait_for(state="detached")
-    assert apply.is_enabled()
+    until(page, lambda: apply.is_enabled())
     page.get_by_role("button", name="Undo").click()
     page.get_by_role("button", name="Difference", exact=True).wait_for()
     _expected(browser)
@@ -247,7 +247,7 @@ def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(brows
     height.fill("2 cm")
     height.press("Enter")
     page.locator("#message.bad", has_text="a number in mm").wait_for()
-    assert height.input_value() == "20 mm"
+    until(page, lambda: height.input_value() == "20 mm")
     _expected(browser)
 
 
@@ -267,8 +267,8 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     dialog.get_by_label("name of the experiment").fill("slide")
     dialog.get_by_label("name of the experiment").press("Enter")
     dialog.get_by_text("read as: semicolon, decimal comma").wait_for()
-    assert dialog.get_by_label("kind of rig").input_value() == "velocity-drive"
-    assert dialog.get_by_label("role of validate.csv").input_value() == "validate"
+    until(page, lambda: dialog.get_by_label("kind of rig").input_value() == "velocity-drive")
+    until(page, lambda: dialog.get_by_label("role of validate.csv").input_value() == "validate")
     column = dialog.get_by_label("channel of velocity")
     column.select_option("friction_force")
     dialog.get_by_text("no column is taken for position or velocity").wait_for()

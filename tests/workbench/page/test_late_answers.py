@@ -103,7 +103,7 @@ def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     _choose(page, "two")
     _compared(page)
     shown = page.locator("#measurement").inner_text()
-    assert "coulomb, viscous" in page.locator(".ladder").inner_text()
+    until(page, lambda: "coulomb, viscous" in page.locator(".ladder").inner_text())
     ladder.release()
     assert page.locator("#measurement").inner_text() == shown
 
@@ -117,7 +117,7 @@ def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     _compared(page)
     begun.release()
     assert page.locator(".search progress").count() == 0
-    assert page.get_by_role("button", name="Diagnose", exact=True).is_enabled()
+    until(page, lambda: page.get_by_role("button", name="Diagnose", exact=True).is_enabled())
     # Nor is its result.
     page.locator("#jobs .job").wait_for(state="detached")
     page.wait_for_timeout(150)
@@ -191,8 +191,8 @@ def test_a_former_kind_of_rig_proposes_nothing(browser: Browser, tmp_path: Path)
         kind.select_option("spring-pull")
     dialog.get_by_label("channel of force [N]").locator("option[value=spring_force]").wait_for(state="attached")
     first.release()
-    assert kind.input_value() == "spring-pull"
-    assert dialog.get_by_label("channel of force [N]").locator("option[value=spring_force]").count() == 1
+    until(page, lambda: kind.input_value() == "spring-pull")
+    until(page, lambda: dialog.get_by_label("channel of force [N]").locator("option[value=spring_force]").count() == 1)
     dialog.get_by_role("button", name="Cancel").click()
 
 
@@ -229,7 +229,7 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
     choice.select_option("tip")
     page.locator("h2", has_text="Path of the tip").wait_for()
     answer.release()
-    assert page.locator("h2", has_text="Path of the tip").is_visible()
+    until(page, lambda: page.locator("h2", has_text="Path of the tip").is_visible())
     assert page.locator("#simulation .uplot").count() == 0
 
     # A design that was read before another is not that of the sliders.
@@ -327,7 +327,7 @@ def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
     note.wait_for()
     held.pop().fallback()
     page.wait_for_timeout(150)
-    assert note.is_visible()
+    until(page, lambda: note.is_visible())
     assert (page.locator(".paper").get_attribute("src") or "").endswith("/magnet.svg")
     assert page.get_by_role("button", name="magnet", exact=True).get_attribute("aria-pressed") == "true"
 

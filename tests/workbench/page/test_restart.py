@@ -91,19 +91,19 @@ def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Pat
             # The job that was running has ended; what was shown stays, and the next job runs.
             page.locator("#jobs .job").wait_for(state="detached")
             page.locator(".search progress").wait_for(state="detached")
-            assert page.locator(".ladder").inner_text() == rungs
-            assert page.locator(".statement").inner_text() == statement
+            until(page, lambda: page.locator(".ladder").inner_text() == rungs)
+            until(page, lambda: page.locator(".statement").inner_text() == statement)
             page.get_by_label("coulomb.force, slider").fill("150")
             page.locator(".moved", has_text="× the noise").wait_for()
 
             # So it is for who opens the page anew.
             page.reload()
             page.locator(".map canvas").first.wait_for()
-            assert page.locator(".statement").inner_text() == statement
-            assert page.locator(".ladder").inner_text() == rungs
+            until(page, lambda: page.locator(".statement").inner_text() == statement)
+            until(page, lambda: page.locator(".ladder").inner_text() == rungs)
             page.evaluate("location.hash = 'machine'")
             page.get_by_role("button", name="Difference (1)").wait_for()
-            assert page.get_by_label("parameter file").input_value() == "thick.toml"
+            until(page, lambda: page.get_by_label("parameter file").input_value() == "thick.toml")
             until(page, lambda: thickness.input_value() == "14 mm")
             page.get_by_role("button", name="Undo").click()
             page.get_by_role("button", name="Difference", exact=True).wait_for()
@@ -133,7 +133,7 @@ def test_a_page_that_is_used_while_the_server_is_away_says_so(tmp_path: Path) ->
             thickness.press("Enter")
             page.locator("#message.bad", has_text='is "stagecad workbench" still running?').wait_for()
             # The value that the server does not know is not shown as if it were there.
-            assert thickness.input_value() == "12 mm"
+            until(page, lambda: thickness.input_value() == "12 mm")
             server = started(tmp_path, "--port", str(urlsplit(address).port))[0]
             page.locator("#message:not(.bad)").wait_for(state="attached")
             thickness.fill("13 mm")
