@@ -58,10 +58,10 @@ class NoiseLevel:
 
     @property
     def plausible(self) -> bool:
-        """Whether the loss of the stated model may be that of noise whose level is wrong.
+        """Whether the loss of the stated model may be that of noise whose level was estimated too low.
 
-        A wrong level is the same at all times. Where most of the error is that of less than half of the blocks, an
-        effect acts that comes and goes in time.
+        A wrong level is the same at all times: an error that occurs mostly in less than half of the blocks has another
+        cause, such as an effect that acts for some of the time.
         """
         even = self.adequate_loss <= NOISE_FACTOR or self.evenness >= SUFFICIENT_SHARE
         return self.adequate_loss <= NOISE_FACTOR**2 and even
@@ -290,7 +290,7 @@ def _unexplained(
     left = 1.0 if model is None else 1.0 - max(compared.share(model), 0.0)
     words = "no effect lowers the error significantly on the held-out records"
     if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not compared.noise.plausible:
-        words += ", and most of it occurs in less than half of the time"
+        words += "; most of the error occurs in less than half of the time"
     if model is not None:
         words = f"{' with '.join(model.families)} explains only {100.0 * (1.0 - left):.0f} % of the misfit"
     if beaten and curve is not None:

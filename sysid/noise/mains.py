@@ -47,8 +47,8 @@ BESIDE = 0.7
 would be are among them."""
 
 DEVIATION, DEVIATION_STEP = 0.2, 0.05
-"""Largest deviation from the nominal frequency that is searched, Hz: of a large grid, and by the error of a sample
-clock."""
+"""Largest deviation from the nominal frequency, and step of the search, Hz. Causes: the control of the grid, and the
+error of the sample clock."""
 
 COMPARED_AT_ONCE = 8
 """Frequencies on each side of a line that are computed before they are compared with it."""

@@ -213,7 +213,7 @@ def test_level_may_be_too_low_by_a_factor_where_nothing_gains(times: float, verd
 
 
 def test_error_in_some_stretches_of_time_is_no_uncertainty_of_the_level() -> None:
-    """A wrong level is the same at all times, also where the error at others is that of single samples."""
+    """The same loss is adequate if it is that of all blocks, and unexplained if it is that of a quarter of them."""
     case = Case(1.6 * NOISE)
     loss = HeldOut(case.stated, BLOCK).loss
     assert case.decide(NoiseLevel(adequate_loss=loss, evenness=evenness(case.stated, BLOCK))).verdict == "adequate"
