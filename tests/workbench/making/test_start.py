@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -71,4 +72,6 @@ with start.kernel_process(Run(None, (), Path("."), None)) as ahead:
     make_absent(making, ["part buffer"], ahead=ahead)
     assert making.has("part buffer") and not ahead[0].waits and "cadquery" not in sys.modules
 """
-    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True)
+    # In its own cache the design is not the one that was made last.
+    environment = {**os.environ, "STAGECAD_CACHE": str(tmp_path / "cache")}
+    subprocess.run([sys.executable, "-c", program, str(tmp_path / "made")], check=True, env=environment)

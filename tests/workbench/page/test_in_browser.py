@@ -41,6 +41,10 @@ def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
         one.page.route("**/api/machine/solids", lambda route: route.fulfill(status=422, json={"error": "not here"}))
         one.page.goto(one.address)
         one.page.wait_for_url(re.compile(r"/(#.*)?$"))
+        # What an earlier story left is not the beginning of this one.
+        opened = one.page.request.post(one.address.partition("?")[0] + "api/machine/open", data={"name": None})
+        assert opened.json()["changes"] == {} and opened.json()["undo"] == 0
+        one.page.reload()
         one.address = one.address.partition("?")[0]
         yield one
 
@@ -56,10 +60,8 @@ def _margin(browser: Browser, name: str) -> str:
 
 
 def _drag(browser: Browser, key: str, value: float) -> None:
-    """Move a slider as a hand does: an event for the drag, and one at its end."""
-    slider = browser.page.get_by_label(f"{key}, slider")
-    slider.fill(str(value))
-    slider.dispatch_event("change")
+    """Move a slider as a hand does: Playwright sends an event for the drag, and one for its end."""
+    browser.page.get_by_label(f"{key}, slider").fill(str(value))
 
 
 def _picture(browser: Browser) -> np.ndarray:

@@ -89,6 +89,35 @@ def _compared(page: Any) -> None:
     page.locator("#measurement button.main:not([disabled])", has_text="Diagnose").wait_for()
 
 
+def test_a_slider_that_is_dragged_again_keeps_its_value(browser: Browser) -> None:
+    """The answer to the first release comes while the slider is at its second place, and not released there."""
+    page = browser.page
+    browser.open("machine")
+    page.wait_for_selector(".check >> nth=100")
+    slider = page.get_by_label("stage.thickness, slider")
+    field = page.get_by_label("stage.thickness", exact=True)
+    first = Held(page, "**/api/machine/commit")
+    slider.fill("14")
+    first.wait()
+    slider.evaluate("(slider) => { slider.value = '6'; slider.dispatchEvent(new Event('input', { bubbles: true })); }")
+    page.get_by_text("cannot be built").wait_for()
+    first.release()
+    page.get_by_role("button", name="Difference (1)").wait_for()
+    assert (slider.input_value(), field.input_value()) == ("6", "6 mm")
+    with page.expect_response("**/api/machine/commit") as committed:
+        slider.dispatch_event("change")
+    assert committed.value.json()["changes"] == {"stage.thickness": "6 mm"} and committed.value.json()["undo"] == 2
+    undo = page.get_by_role("button", name="Undo")
+    undo.click()
+    until(page, lambda: field.input_value() == "14 mm")
+    # A slider that is brought back to its place makes no step; an undo after it is shown all the same.
+    slider.evaluate("(slider) => slider.dispatchEvent(new Event('input', { bubbles: true }))")
+    undo.click()
+    page.get_by_role("button", name="Difference", exact=True).wait_for()
+    until(page, lambda: field.input_value() == "12 mm" and slider.input_value() == "12")
+    page.get_by_text("cannot be built").wait_for(state="hidden")
+
+
 def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     page = _experiments(browser)
     for name in ("one", "two", "one"):

@@ -81,7 +81,7 @@ class Machine {
   take(state) {
     this.state = state;
     this.changes = state.changes;
-    this.parameters.take(state.changes);
+    this.parameters.take(state.changes, this.held);
     const files = [...new Set([null, ...state.files, state.file])];
     fill(this.file, files.map((name) => h('option', { value: name ?? '' }, name ?? 'packaged design')));
     this.file.value = state.file ?? '';
@@ -91,6 +91,9 @@ class Machine {
     this.tabs.difference.textContent = count ? `Difference (${count})` : 'Difference';
     this.optimize?.showAge();
   }
+
+  /** Key of the slider that is dragged, or whose value the server has not confirmed; null: none. */
+  get held() { return this.dragged ? this.draggedKey : null; }
 
   drag(key, text) {
     if (!this.dragged) this.checks.rebase();
@@ -105,31 +108,33 @@ class Machine {
     return this.turn;
   }
 
-  commit(key, text) { return this.inTurn(() => this.commitNow(key, text)); }
+  commit(key, text) {
+    const { dragged } = this;
+    return this.inTurn(() => this.commitNow(key, text, dragged));
+  }
 
-  async commitNow(key, text) {
-    if (!this.dragged) this.checks.rebase();
-    const dragged = this.dragged;
+  /** @param {object|null} dragged  the values that were dragged when the slider was released */
+  async commitNow(key, text, dragged) {
+    if (!dragged) this.checks.rebase();
     const changes = { ...this.changes };
     if (text === null) delete changes[key]; else changes[key] = text;
-    try {
-      this.take(await post('/api/machine/commit', { changes }));
-      this.parameters.write(key, this.changes[key] ?? this.parameters.parameters.get(key).text);
-      say('');
-      this.changed();
-    } catch (error) {
-      say(error.message, 'bad');
-      this.parameters.write(key, this.changes[key] ?? this.parameters.parameters.get(key).text);
-    }
-    // Another value may be dragged by now.
-    if (this.dragged === dragged) { this.dragged = null; this.preview(); }
+    let state = null;
+    try { state = await post('/api/machine/commit', { changes }); } catch (error) { say(error.message, 'bad'); }
+    // A slider that is dragged again by now keeps its value.
+    if (this.dragged === dragged) this.dragged = null;
+    if (state) { this.take(state); say(''); }
+    if (this.held !== key) this.parameters.write(key, this.changes[key] ?? this.parameters.parameters.get(key).text);
+    if (state) this.changed(); else this.preview();
   }
 
   step(which) { return this.inTurn(() => this.stepNow(which)); }
 
   async stepNow(which) {
     this.checks.rebase();
-    this.take(await post(`/api/machine/${which}`));
+    const state = await post(`/api/machine/${which}`);
+    // A slider that came back to where it was dragged from makes no commit.
+    this.dragged = null;
+    this.take(state);
     say(which === 'undo' ? 'undone' : 'done again');
     this.changed();
   }
@@ -156,7 +161,7 @@ class Machine {
         this.version = found.version;
         this.checks.update(found);
         // An answer for values that were replaced since says nothing of the present texts; the next one does.
-        if (this.dragged || changes === this.changes) this.parameters.show(found.changed, changes, this.dragged ? this.draggedKey : null);
+        if (this.dragged || changes === this.changes) this.parameters.show(found.changed, changes, this.held);
         this.showViolations(found.violations);
         if (this.wasBad) { this.wasBad = false; say(''); }
         // What took too long for one answer comes with the next, unless the value has moved on.
@@ -261,7 +266,9 @@ class Machine {
     return this.inTurn(async () => {
       this.checks.rebase();
       try {
-        this.take(await post('/api/machine/commit', { changes: { ...this.changes, ...changes } }));
+        const state = await post('/api/machine/commit', { changes: { ...this.changes, ...changes } });
+        this.dragged = null;
+        this.take(state);
         say(`changed: ${Object.keys(changes).join(', ')}; Undo takes them back`, 'good');
         this.changed();
       } catch (error) { say(error.message, 'bad'); }

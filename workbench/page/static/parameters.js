@@ -146,15 +146,18 @@ export class ParameterList {
     if (this.onlyChanged.getAttribute('aria-pressed') === 'true') this.filter();
   }
 
-  /** The keys that are set are others: their texts are known before the server answers with all texts and margins. */
-  take(changes) {
+  /**
+   * The keys that are set are others: their texts are known before the server answers with all texts and margins. The
+   * value of the key that is being dragged stays.
+   */
+  take(changes, held = null) {
     const before = this.changes ?? {};
     this.texts = { ...this.texts };
     this.changes = changes;
     for (const key of new Set([...Object.keys(before), ...Object.keys(changes)])) {
       if (before[key] === changes[key]) continue;
       if (key in changes) this.texts[key] = changes[key]; else delete this.texts[key];
-      this.write(key, this.texts[key] ?? this.parameters.get(key)?.text ?? '');
+      if (key !== held) this.write(key, this.texts[key] ?? this.parameters.get(key)?.text ?? '');
     }
   }
 

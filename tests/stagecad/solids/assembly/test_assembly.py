@@ -164,7 +164,6 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     machine: Machine, design: Design, store: ArtefactStore
 ) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
-    assert find_machine(thicker, store) is None
     other = build_machine(thicker, store)
     touched = {name for name in machine.parts if other.parts[name].entry.key != machine.parts[name].entry.key}
     # The beam of the interferometer is at half the height of the stage.
