@@ -208,6 +208,8 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
         note = f"no noise is detected; taken as {LEAST:g} of the largest value, the rounding error of nine digits"
         if noise.filtered:
             note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
+        elif 1 < (count := _distinct(holding, channel)) < LEAST_LEVELS:
+            note += f". It has {count} different values: if these are the steps of its sensor, give [noise]"
         return Noise(least, noise.unit, "difference", filtered=noise.filtered, note=note)
     note = "from differences of samples at several lags"
     if noise.correlation_time:
@@ -220,6 +222,12 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
         # Cycles that differ by more than sensor noise contain an effect that changes from cycle to cycle.
         note += f"; cycles differ by {scatter:.2g} {noise.unit}, which is not sensor noise"
     return replace(noise, note=note)
+
+
+def _distinct(records: Sequence[Record], channel: str) -> int:
+    """Number of different values of a channel."""
+    values = np.concatenate([record.channels[channel] for record in records])
+    return np.unique(values[~np.isnan(values)]).size
 
 
 def _rms(values: Sequence[float]) -> float:

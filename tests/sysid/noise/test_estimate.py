@@ -217,6 +217,14 @@ def test_a_channel_without_noise_still_has_a_floor_to_divide_by(force):
     assert 0.0 < noise.value <= 1e-7 and "no noise is detected" in noise.note
 
 
+def test_few_values_without_noise_may_be_the_steps_of_the_sensor():
+    coarse = np.round(2.0 * np.sin(np.arange(N) * 0.01))
+    assert "5 different values: if these are the steps of its sensor, give [noise]" in _estimate(coarse).note
+    # A constant channel has no steps, and one with noise is measured.
+    assert "different values" not in _estimate(np.full(N, 3.0)).note
+    assert "different values" not in _estimate(coarse + _white(3)).note
+
+
 def test_a_channel_that_nobody_recorded():
     with pytest.raises(InputError, match="no record holds 'velocity'"):
         estimate_noise([_record(CLEAN)], "velocity")

@@ -37,8 +37,7 @@ def launched(folder: Path) -> Iterator[tuple[Any, str]]:
 def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
     """A user who has opened the page by the printed address."""
     with looking(*launched) as one:
-        # The solids are for one story: to make them takes longer than all the rest.
-        one.page.route("**/api/machine/solids", lambda route: route.fulfill(status=422, json={"error": "not here"}))
+        one.leave_out_solids()
         one.page.goto(one.address)
         one.page.wait_for_url(re.compile(r"/(#.*)?$"))
         # What an earlier story left is not the beginning of this one.
@@ -135,7 +134,7 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
 
 def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     page = browser.page
-    page.unroute("**/api/machine/solids")
+    browser.with_solids()
     page.reload()
     page.locator("canvas[data-state=current]").wait_for()
     first = _picture(browser)

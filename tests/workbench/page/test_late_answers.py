@@ -36,10 +36,8 @@ def launched(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, st
 @pytest.fixture
 def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
     with looking(*launched) as one:
-        # No solids: to make them takes longer than all the rest.
-        one.page.route("**/api/machine/solids", lambda route: route.fulfill(status=422, json={"error": "not here"}))
+        one.leave_out_solids()
         yield one
-        one.errors = [text for text in one.errors if "422" not in text]
 
 
 class Held:
@@ -116,6 +114,30 @@ def test_a_slider_that_is_dragged_again_keeps_its_value(browser: Browser) -> Non
     page.get_by_role("button", name="Difference", exact=True).wait_for()
     until(page, lambda: field.input_value() == "12 mm" and slider.input_value() == "12")
     page.get_by_text("cannot be built").wait_for(state="hidden")
+
+
+def test_margins_that_come_again_clear_no_message_but_their_own(browser: Browser) -> None:
+    page = browser.page
+    browser.open("machine")
+    page.wait_for_selector(".check >> nth=100")
+    refused = page.locator("#message.bad", has_text="no margins")
+    preview = "**/api/machine/preview"
+    slider = page.get_by_label("stage.thickness, slider")
+    page.route(preview, lambda route: route.fulfill(status=422, json={"error": "no margins"}))
+    slider.fill("14")
+    refused.wait_for()
+    page.unroute(preview)
+    slider.fill("15")
+    refused.wait_for(state="detached")
+    page.route(preview, lambda route: route.fulfill(status=422, json={"error": "no margins"}))
+    slider.evaluate("(slider) => { slider.value = '16'; slider.dispatchEvent(new Event('input', { bubbles: true })); }")
+    refused.wait_for()
+    page.unroute(preview)
+    with page.expect_response(preview):
+        page.get_by_role("button", name="Undo").click()
+    page.wait_for_timeout(150)
+    assert page.locator("#message").inner_text() == "undone"
+    browser.errors = [text for text in browser.errors if "422" not in text]
 
 
 def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:

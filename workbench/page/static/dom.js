@@ -92,5 +92,8 @@ export function say(text, kind = '') {
   place.title = text;
 }
 
+/** Clear the message if it is still this text: another one may have been shown since. */
+export function withdraw(text) { if (document.getElementById('message').textContent === text) say(''); }
+
 /** A short line in a colour, for a legend. */
 export const swatch = (ink) => { const s = h('i', { class: 'swatch' }); s.style.background = ink; return s; };

@@ -1,7 +1,7 @@
 // The machine: parameters on the left, solids or drawings in the middle, checks on the right.
 import { get, post, result } from './api.js';
 import { CheckList } from './checks.js';
-import { h, fill, newest, quantity, say, words } from './dom.js';
+import { h, fill, newest, quantity, say, withdraw, words } from './dom.js';
 import { Drawings } from './drawings.js';
 import { ParameterList, sliderRange, toggle, valueText } from './parameters.js';
 import { View3d } from './view3d.js';
@@ -163,12 +163,12 @@ class Machine {
         // An answer for values that were replaced since says nothing of the present texts; the next one does.
         if (this.dragged || changes === this.changes) this.parameters.show(found.changed, changes, this.held);
         this.showViolations(found.violations);
-        if (this.wasBad) { this.wasBad = false; say(''); }
+        if (this.failure) { withdraw(this.failure); this.failure = null; }
         // What took too long for one answer comes with the next, unless the value has moved on.
         limit = found.pending.length && !this.again ? 0.25 : QUICK;
         if (found.pending.length) this.again = true;
       } catch (error) {
-        this.wasBad = true;
+        this.failure = error.message;
         say(error.message, 'bad');
       }
     } while (this.again);
