@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from math import comb
+from functools import cache, cached_property, lru_cache
+from math import comb, factorial
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +60,9 @@ part."""
 
 MOST_DIFFERENCES = 8_000
 
+EVEN = 1e-7
+"""Largest deviation of a step from the usual one, relative to it, at even spacing."""
+
 
 @dataclass(frozen=True)
 class Series:
@@ -76,6 +79,12 @@ class Series:
     values: np.ndarray
     step: float
     removed: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    @cached_property
+    def even(self) -> bool:
+        """Whether the times are evenly spaced up to rounding errors, but for gaps."""
+        excess = np.diff(self.time) / self.step - 1.0
+        return bool(np.all((np.abs(excess) < EVEN) | (excess > 0.5)))
 
 
 @dataclass(frozen=True)
@@ -127,20 +136,39 @@ def _differences(series: Series, lag: int, order: int) -> np.ndarray:
     count = series.values.size - order * lag
     if count <= 0:
         return np.empty(0)
-    start = np.arange(0, count, _stride(count))
-    times = [series.time[start + j * lag] for j in range(order + 1)]
-    values = [series.values[start + j * lag] for j in range(order + 1)]
-    total, square = np.zeros(start.size), np.zeros(start.size)
-    for j in range(order + 1):
-        weight = np.ones(start.size)
-        for m in range(order + 1):
+    start = slice(0, count, _stride(count))
+    times = [series.time[j * lag :][start] for j in range(order + 1)]
+    values = [series.values[j * lag :][start] for j in range(order + 1)]
+    total, square = np.zeros(times[0].size), np.zeros(times[0].size)
+    uneven = np.ones(times[0].size, dtype=bool)
+    if series.even:
+        uneven = times[-1] - times[0] > (order * lag + 0.25) * series.step
+        weights = [(-1.0) ** (order - j) / (factorial(j) * factorial(order - j)) for j in range(order + 1)]
+        for weight, value in zip(weights, values, strict=True):
+            total += weight * (value - values[0])
+        square += np.sum(np.square(weights))
+    if uneven.any():
+        times_there = [time[uneven] for time in times]
+        total[uneven], square[uneven] = _divided([value[uneven] for value in values], times_there, lag * series.step)
+    used = np.isfinite(total) & (times[-1] - times[0] <= 2.0 * order * lag * series.step)
+    changed = values[1] != values[0]
+    for other in values[2:]:
+        changed |= other != values[0]
+    used &= changed
+    return total[used] / np.sqrt(square[used])
+
+
+def _divided(values: Sequence[np.ndarray], times: Sequence[np.ndarray], step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Divided differences (m,) of values, each (m,), at any times, in units of a step; sums of the squared weights."""
+    total, square = np.zeros(times[0].size), np.zeros(times[0].size)
+    for j, time in enumerate(times):
+        weight = np.ones(time.size)
+        for m, other in enumerate(times):
             if m != j:
-                weight *= lag * series.step / (times[j] - times[m])
+                weight *= step / (time - other)
         total += weight * (values[j] - values[0])
         square += weight**2
-    used = np.isfinite(total) & (times[-1] - times[0] <= 2.0 * order * lag * series.step)
-    used &= np.any([values[j] != values[0] for j in range(1, order + 1)], axis=0)
-    return total[used] / np.sqrt(square[used])
+    return total, square
 
 
 def _stride(count: int) -> int:
@@ -176,10 +204,21 @@ def _shares(order: int) -> np.ndarray:
 
 def _removed_shares(order: int, removed: np.ndarray) -> np.ndarray:
     """Part of `_shares` that is lost with the part `removed` (m,) of the power, from frequency zero to Nyquist's."""
-    angle = np.linspace(0.0, np.pi, removed.size)
-    response = (2.0 * np.sin(0.5 * angle * np.array(LAGS)[:, None])) ** (2 * order) / comb(2 * order, order)
-    spectra = np.array([NoiseSpectrum(correlation, 0.0).power(angle) for correlation in CORRELATIONS])
-    return response @ (spectra * removed / removed.size).T
+    return _responses(order, removed.size) @ (_spectra(removed.size) * removed / removed.size).T
+
+
+@lru_cache(maxsize=8)
+def _responses(order: int, size: int) -> np.ndarray:
+    """Squared frequency responses (lags, size) of the differences, from frequency zero to Nyquist's."""
+    angle = np.linspace(0.0, np.pi, size)
+    return (2.0 * np.sin(0.5 * angle * np.array(LAGS)[:, None])) ** (2 * order) / comb(2 * order, order)
+
+
+@lru_cache(maxsize=4)
+def _spectra(size: int) -> np.ndarray:
+    """Power spectra (correlations, size) of the autoregressions."""
+    angle = np.linspace(0.0, np.pi, size)
+    return np.array([NoiseSpectrum(correlation, 0.0).power(angle) for correlation in CORRELATIONS])
 
 
 def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None) -> Autoregression | None:

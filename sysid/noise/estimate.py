@@ -16,6 +16,7 @@ Source: Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -119,7 +120,10 @@ def estimate_noise(
     steps = [find_quantisation_step([record.channels[channel]], least_levels) or 0.0 for record in holding]
     # Records may differ in quantisation (two sensors, or processed data).
     rounding = float(np.sqrt(np.average(np.square(steps), weights=[record.size for record in holding]) / 12.0))
-    fitted = _fitted(holding, channel, steps)
+    key = (_digest(holding), channel, tuple(steps))
+    if key not in _FITTED:
+        _FITTED[key] = _fitted(holding, channel, steps)
+    fitted = _FITTED[key]
     if fitted is None:
         if given is None:
             raise InputError(f"channel '{channel}' has too few samples to estimate its noise; give it under [noise]")
@@ -163,6 +167,21 @@ def _stretches(record: Record) -> Record:
     rows = np.unique(np.concatenate([np.arange(start, start + MOST_ROWS // STRETCHES) for start in starts]))
     channels = {name: values[rows] for name, values in record.channels.items()}
     return replace(record, time=record.time[rows], channels=channels)
+
+
+def _digest(records: Sequence[Record]) -> bytes:
+    """Digest of the recorded values."""
+    found = hashlib.blake2b(digest_size=16)
+    for record in records:
+        found.update(repr((record.step, *record.channels)).encode())
+        for values in (record.time, *record.channels.values()):
+            found.update(values.tobytes())
+    return found.digest()
+
+
+_FITTED: dict[tuple[bytes, str, tuple[float, ...]], Autoregression | None] = {}
+"""Noise by the digest of the records, the channel and its quantisation steps: a command reads its records several
+times."""
 
 
 def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> Autoregression | None:

@@ -15,7 +15,6 @@ Source: Thomson, Proc. IEEE 70 (1982) 1055 (lines in a coloured spectrum). Frequ
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -50,8 +49,12 @@ DEVIATION, DEVIATION_STEP = 0.2, 0.05
 """Largest deviation from the nominal frequency, and step of the search, Hz. Causes: the control of the grid, and the
 error of the sample clock."""
 
-COMPARED_AT_ONCE = 8
-"""Frequencies on each side of a line that are computed before they are compared with it."""
+COMPARED_AT_ONCE = 16
+"""Largest number of frequencies on each side of a line that are computed before they are compared with it."""
+
+EVEN = 1e-3
+"""Deviation of the times of a block from even spacing, relative to a step, up to which they are taken as even: the
+error of a phase is below 0.003 rad up to Nyquist's frequency."""
 
 EXCITATIONS = ("drive_force", "pull_position", "voltage_1", "voltage_2", "voltage_3")
 """Channels that are imposed: a line in one of them may be a tone of the excitation."""
@@ -97,17 +100,30 @@ def _lines(series: Series, known: np.ndarray) -> list[float]:
                 continue
             powers = _powers(blocks, nominal - DEVIATION, DEVIATION_STEP, round(2.0 * DEVIATION / DEVIATION_STEP) + 1)
             frequency = nominal - DEVIATION + DEVIATION_STEP * int(np.argmax(powers))
-            resolution = 4.0 / (blocks[0].time.size * series.step)
+            resolution = 4.0 / (blocks.rows * series.step)
             if _stands_out(blocks, frequency, float(np.max(powers)), room, resolution):
                 found.append(frequency)
     return found
 
 
-class _Block(NamedTuple):
-    """Times and windowed values of a block, each (n,)."""
+class _Blocks(NamedTuple):
+    """Windowed values of blocks, each divided into runs without gaps in time.
 
-    time: np.ndarray
+    Args:
+        count: of the blocks.
+        rows: of a block.
+        values: of the r runs, (n, r); the shorter ones end with zeros, and unknown values are zero.
+        time: of the values after the beginning of their run, (n, r), s; (n, 1) if it is the same in all.
+        start: of the runs after that of their block, (r,), s.
+        first: run with which each block begins, (count,).
+    """
+
+    count: int
+    rows: int
     values: np.ndarray
+    time: np.ndarray
+    start: np.ndarray
+    first: np.ndarray
 
 
 def _blocks(series: Series, known: np.ndarray) -> list[np.ndarray]:
@@ -115,30 +131,53 @@ def _blocks(series: Series, known: np.ndarray) -> list[np.ndarray]:
     return np.array_split(known, max(1, round(known.size * series.step / BLOCK)))
 
 
-def _windowed_blocks(series: Series, known: np.ndarray) -> list[_Block]:
-    found = []
-    for rows in _blocks(series, known):
-        time, values = series.time[rows], series.values[rows]
-        found.append(_Block(time - time[0], np.hanning(rows.size) * (values - np.mean(values))))
-    return found
+def _windowed_blocks(series: Series, known: np.ndarray) -> _Blocks:
+    blocks = _blocks(series, known)
+    runs: list[tuple[np.ndarray, np.ndarray]] = []
+    first, start = [], []
+    for rows in blocks:
+        values = np.zeros(rows[-1] + 1 - rows[0])
+        held = series.values[rows]
+        values[rows - rows[0]] = np.hanning(rows.size) * (held - np.mean(held))
+        time = series.time[rows[0] : rows[-1] + 1]
+        gaps = np.flatnonzero(np.diff(time) > 1.5 * series.step) + 1
+        first.append(len(runs))
+        for own_time, own_values in zip(np.split(time, gaps), np.split(values, gaps), strict=True):
+            runs.append((own_time - own_time[0], own_values))
+            start.append(own_time[0] - time[0])
+    longest = max(values.size for _, values in runs)
+    even = series.step * np.arange(longest)
+    time, windowed = (np.zeros((longest, len(runs))) for _ in range(2))
+    for k, (own_time, own_values) in enumerate(runs):
+        time[:, k], time[: own_time.size, k], windowed[: own_time.size, k] = even, own_time, own_values
+    if np.max(np.abs(time - even[:, None])) < EVEN * series.step:
+        time = even[:, None]
+    return _Blocks(len(blocks), blocks[0].size, windowed, time, np.array(start), np.array(first))
 
 
-def _powers(blocks: Sequence[_Block], first: float, step: float, count: int) -> np.ndarray:
+def _powers(blocks: _Blocks, first: float, step: float, count: int) -> np.ndarray:
     """Power (count,) at the frequencies first + k step, summed over the blocks.
 
     Each phase follows from the one before, e^(-i (w + s) t) = e^(-i w t) e^(-i s t).
     """
     found = np.zeros(count)
-    for block in blocks:
-        turned = np.exp(-2j * np.pi * first * block.time) * block.values
-        turn = np.exp(-2j * np.pi * step * block.time)
-        for k in range(count):
-            found[k] += abs(np.sum(turned)) ** 2
-            turned *= turn
+    phase = np.exp(-2j * np.pi * first * blocks.time)
+    turn = np.exp(-2j * np.pi * step * blocks.time)
+    for k in range(count):
+        runs = _sums(phase, blocks.values) * np.exp(-2j * np.pi * (first + k * step) * blocks.start)
+        found[k] = np.sum(np.abs(np.add.reduceat(runs, blocks.first)) ** 2)
+        phase *= turn
     return found
 
 
-def _stands_out(blocks: Sequence[_Block], frequency: float, power: float, room: float, resolution: float) -> bool:
+def _sums(phase: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Sums (r,) of the products of phases, (n, r) or (n, 1), and values, (n, r)."""
+    if phase.shape[1] == 1:
+        return np.real(phase[:, 0]) @ values + 1j * (np.imag(phase[:, 0]) @ values)
+    return np.einsum("nr,nr->r", phase, values)
+
+
+def _stands_out(blocks: _Blocks, frequency: float, power: float, room: float, resolution: float) -> bool:
     """Whether the power at a frequency is above that beside it.
 
     `room` is the distance of its alias from zero and from Nyquist's frequency, `resolution` the width of a line, Hz.
@@ -149,13 +188,15 @@ def _stands_out(blocks: Sequence[_Block], frequency: float, power: float, room: 
         return False
     shifts = np.arange(1.5 * resolution, span, 0.5 * resolution)
     beside: list[float] = []
-    for start in range(0, shifts.size, COMPARED_AT_ONCE):
-        part = shifts[start : start + COMPARED_AT_ONCE]
+    start, count = 0, 1
+    while start < shifts.size:
+        part = shifts[start : start + count]
+        start, count = start + count, min(2 * count, COMPARED_AT_ONCE)
         for sign in (1.0, -1.0):
             beside += _powers(blocks, frequency + sign * part[0], sign * 0.5 * resolution, part.size).tolist()
         if power <= ABOVE_LARGEST * max(beside):
             return False
-    return power > (1.0 + ABOVE / np.sqrt(len(blocks))) * float(np.mean(beside))
+    return power > (1.0 + ABOVE / np.sqrt(blocks.count)) * float(np.mean(beside))
 
 
 def _fitted_lines(time: np.ndarray, values: np.ndarray, lines: list[float]) -> np.ndarray:

@@ -61,14 +61,14 @@ def motion_residual(record: Record, values: np.ndarray, channel: str) -> MotionR
         for name, column in record.channels.items()
         if name not in OUTPUTS and np.nanmax(column, initial=-np.inf) > np.nanmin(column, initial=np.inf)
     }
-    matrix = _hat_matrix(known, record.time / record.step)
+    hats = _hat_functions(known, record.time / record.step)
     good = np.isfinite(values)
-    if matrix is None or good.sum() < 4 * matrix.shape[1]:
+    if hats is None or good.sum() < 4 * hats.shape[0]:
         return None
-    matrix[~good] = 0.0
-    inner = matrix.T @ matrix
+    hats[:, ~good] = 0.0
+    inner = hats @ hats.T
     root = np.linalg.cholesky(inner + RIDGE * np.trace(inner) / inner.shape[0] * np.eye(inner.shape[0]))
-    basis = np.linalg.inv(root) @ matrix.T  # (p, n)
+    basis = np.linalg.inv(root) @ hats  # (p, n)
     centred = np.where(good, values - np.mean(values[good]), 0.0)
     residual = centred - (basis @ centred) @ basis
     power = np.zeros(basis.shape[1] // 2 + 1)
@@ -77,31 +77,32 @@ def motion_residual(record: Record, values: np.ndarray, channel: str) -> MotionR
     return MotionResidual(np.where(good, residual, np.nan), power / basis.shape[1])
 
 
-def _hat_matrix(known: Mapping[str, np.ndarray], time: np.ndarray) -> np.ndarray | None:
-    """Hat functions (n, p) of all coordinates; time in rows."""
-    columns: list[np.ndarray] = []
+def _hat_functions(known: Mapping[str, np.ndarray], time: np.ndarray) -> np.ndarray | None:
+    """Hat functions (p, n) of all coordinates; time in rows."""
+    found: list[np.ndarray] = []
     for name, values in known.items():
         if name not in MOVES:
-            columns.append(_hats(values))
+            found.append(_hats(values))
             continue
         rate = known.get("velocity") if name in ("position", "velocity") else None
         rate = _rate(values, time) if rate is None else rate
         rest = AT_REST * float(np.max(np.abs(rate)))
-        ways = [(rate > rest)[:, None], (rate < -rest)[:, None], (np.abs(rate) <= rest)[:, None]]
+        ways = [rate > rest, rate < -rest, np.abs(rate) <= rest]
         if name != "velocity":
-            columns += [_hats(values) * way for way in ways]
+            hats = _hats(values)
+            found += [hats * way for way in ways]
         if name == "position" and "velocity" in known:
             continue
-        columns += [_hats(rate, SHARP)]
-        columns += [_hats(_rate(rate, time)) * way for way in ways]
-    if not columns:
+        found += [_hats(rate, SHARP)]
+        hats = _hats(_rate(rate, time))
+        found += [hats * way for way in ways]
+    if not found:
         return None
-    matrix = np.concatenate(columns, axis=1)
-    return matrix[:, np.any(matrix != 0.0, axis=0)]
+    return np.concatenate([hats[np.any(hats, axis=1)] for hats in found])
 
 
 def _hats(values: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
-    """Hat functions (n, k): on knots at `places` times the largest size, else halfway between even spacing and even
+    """Hat functions (k, n): on knots at `places` times the largest size, else halfway between even spacing and even
     population."""
     if places is not None:
         knots = places * float(np.max(np.abs(values)))
@@ -112,12 +113,12 @@ def _hats(values: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
         knots = 0.5 * (np.quantile(values, shares) + values.min() + shares * np.ptp(values))
         knots = knots[np.concatenate([[True], np.diff(knots) > 1e-9 * float(np.max(np.abs(knots)))])]
     if knots.size < 2:
-        return np.ones((values.size, 1))
+        return np.ones((1, values.size))
     left = np.clip(np.searchsorted(knots, values, side="right") - 1, 0, knots.size - 2)
     part = (values - knots[left]) / (knots[left + 1] - knots[left])
-    out = np.zeros((values.size, knots.size))
+    out = np.zeros((knots.size, values.size))
     rows = np.arange(values.size)
-    out[rows, left], out[rows, left + 1] = 1.0 - part, part
+    out[left, rows], out[left + 1, rows] = 1.0 - part, part
     return out
 
 

@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.units import column_unit
@@ -33,11 +33,41 @@ _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 Kind = Literal["number", "date", "clock", "stamp", "gap", "text"]
 
 
+_LEFT_OUT = re.compile(r"\s*(?:#|%|//|$)")
+"""A line that is blank or a comment."""
+
+
 class Line(NamedTuple):
     """A line that is neither blank nor a comment: its number in the file, from 1, and its text."""
 
     number: int
     text: str
+
+
+Row = tuple[int, list[str]]
+"""Number of a line in the file, from 1, and its cells."""
+
+
+class _Rows(Sequence[Row]):
+    """The rows of lines. A line is split when it is read: of most of the lines of numbers no cell is needed."""
+
+    def __init__(self, lines: Sequence[Line], delimiter: str) -> None:
+        self._lines, self._delimiter = lines, delimiter
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    @overload
+    def __getitem__(self, place: int) -> Row: ...
+    @overload
+    def __getitem__(self, place: slice) -> list[Row]: ...
+    def __getitem__(self, place: int | slice) -> Row | list[Row]:
+        if isinstance(place, slice):
+            return [self._row(line) for line in self._lines[place]]
+        return self._row(self._lines[place])
+
+    def _row(self, line: Line) -> Row:
+        return line.number, split(line.text, self._delimiter)
 
 
 @dataclass(frozen=True)
@@ -150,11 +180,10 @@ def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: st
     Raises:
         InputError: no rows of numbers, or the decimal sign is ambiguous; the message names the setting to write.
     """
-    kept = [Line(k, text) for k, text in enumerate(lines, start=1) if text.strip() and not is_comment(text)]
+    kept = [Line(k, text) for k, text in enumerate(lines, start=1) if not _LEFT_OUT.match(text)]
     kept = kept if complete else kept[:-1]
     way = _best_way(kept, settings)
-    rows = [(line.number, split(line.text, way.delimiter)) for line in kept]
-    return _layout(lines, rows, way, encoding, settings, name)
+    return _layout(lines, _Rows(kept, way.delimiter), way, encoding, settings, name)
 
 
 def _best_way(lines: Sequence[Line], settings: Format) -> _Way:
@@ -188,7 +217,7 @@ def _width(rows: Sequence[Sequence[str]]) -> int:
 
 
 def _layout(
-    lines: Sequence[str], rows: list[tuple[int, list[str]]], way: _Way, encoding: str, settings: Format, name: str
+    lines: Sequence[str], rows: Sequence[Row], way: _Way, encoding: str, settings: Format, name: str
 ) -> Dialect:
     """The dialect with the rows of header, units and numbers."""
     width, decimal = way.width, way.decimal
@@ -199,7 +228,7 @@ def _layout(
         len(rows),
     )
     if settings.decimal is None and decimal == ",":
-        _refuse_grouped([cells for _, cells in rows[first:][:ROWS]], name)
+        _refuse_grouped([cells for _, cells in rows[first : first + ROWS]], name)
     header, units = _header(lines, rows, first, columns, way, settings)
     end_delimiter = False
     labels = header[1] if header[0] else [f"column {k + 1}" for k in range(width)]
@@ -239,7 +268,7 @@ def _layout(
     )
 
 
-def _kinds(rows: Sequence[tuple[int, list[str]]], width: int, decimal: str, settings: Format) -> list[Kind]:
+def _kinds(rows: Sequence[Row], width: int, decimal: str, settings: Format) -> list[Kind]:
     """The commonest kind of the filled cells of each column, in the rows of this width."""
     tail = [cells for _, cells in rows[-ROWS:] if len(cells) == width]
     kinds: list[Any] = []
@@ -261,19 +290,19 @@ def _is_data(cells: Sequence[str], columns: Sequence[Kind], decimal: str, settin
 
 def _header(
     lines: Sequence[str],
-    rows: Sequence[tuple[int, list[str]]],
+    rows: Sequence[Row],
     first: int,
     columns: Sequence[Kind],
     way: _Way,
     settings: Format,
-) -> tuple[tuple[int, list[str]], tuple[int, list[str]]]:
+) -> tuple[Row, Row]:
     """Row number and cells of the header and of the units; row number 0 for none."""
 
     def cells_of(row: int) -> list[str]:
         text = lines[row - 1] if row <= len(lines) else ""
         return split(_uncommented(text), way.delimiter)
 
-    none: tuple[int, list[str]] = (0, [])
+    none: Row = (0, [])
     header, units = none, none
     if settings.units_row:
         units = (settings.units_row, [_bare(cell) for cell in cells_of(settings.units_row)])
@@ -304,7 +333,7 @@ def _header(
     return header, units
 
 
-def _units_below(header: int, cells_of: Callable[[int], list[str]]) -> tuple[int, list[str]]:
+def _units_below(header: int, cells_of: Callable[[int], list[str]]) -> Row:
     below = cells_of(header + 1)
     return (header + 1, [_bare(cell) for cell in below]) if _is_units(below) else (0, [])
 
@@ -326,9 +355,7 @@ def _uncommented(line: str) -> str:
     return re.sub(r"^\s*(#+|%+|//+)\s*", "", line)
 
 
-def _first_of_numbers(
-    rows: Sequence[tuple[int, list[str]]], first: int, columns: Sequence[Kind], decimal: str, settings: Format
-) -> int:
+def _first_of_numbers(rows: Sequence[Row], first: int, columns: Sequence[Kind], decimal: str, settings: Format) -> int:
     """Row from which a file without a header is read: the first of the columns' width that holds a number."""
     for row, cells in rows[:first]:
         if len(cells) == len(columns) and any(kind_of_cell(cell, decimal, settings) == "number" for cell in cells):

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+import numba
 import numpy as np
 
 SPACING, HEIGHT, BIAS, GAIN, MASS = 0.046, 0.02, 75.0, 1.1e-7, 3.0
@@ -66,16 +67,24 @@ def _stretched(volts: np.ndarray, gain: float, hysteresis: float) -> list[float]
 def motion(truth: Truth, time: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Position of the stage at the samples, m."""
     fine = np.arange(0.0, time[-1] + 0.5 * STEP, STEP)
-    d1 = _stretched(np.interp(fine, time, first), GAIN, truth.hysteresis)
-    d2 = _stretched(np.interp(fine, time, second), GAIN * (1.0 + truth.mismatch), truth.hysteresis)
+    d1 = np.array(_stretched(np.interp(fine, time, first), GAIN, truth.hysteresis))
+    d2 = np.array(_stretched(np.interp(fine, time, second), GAIN * (1.0 + truth.mismatch), truth.hysteresis))
+    return np.interp(time, fine, _pushed(d1, d2, truth.pad_force, truth.slip, truth.load_exponent, truth.press))
+
+
+@numba.njit
+def _pushed(
+    d1: np.ndarray, d2: np.ndarray, pad_force: float, slip: float, load_exponent: float, press: float
+) -> np.ndarray:
+    """Position at every step, m."""
     x = v = pull = 0.0
-    lost = truth.pad_force / MASS * STEP
+    lost = pad_force / MASS * STEP
     along = -HEIGHT / SPACING * (d2[0] - d1[0])
-    out = np.empty(fine.size)
-    for i in range(fine.size):
+    out = np.empty(d1.size)
+    for i in range(d1.size):
         tip = -HEIGHT / SPACING * (d2[i] - d1[i])
-        load = max(1.0 + 0.5 * (d1[i] + d2[i]) / truth.press, 0.0)
-        most = truth.slip * load**truth.load_exponent if load > 0.0 else 0.0
+        load = max(1.0 + 0.5 * (d1[i] + d2[i]) / press, 0.0)
+        most = slip * load**load_exponent if load > 0.0 else 0.0
         slide = tip - along - v * STEP
         along = tip
         pull += STIFFNESS * slide
@@ -85,7 +94,7 @@ def motion(truth: Truth, time: np.ndarray, first: np.ndarray, second: np.ndarray
         v = math.copysign(max(abs(free) - lost, 0.0), free)
         x += v * STEP
         out[i] = x
-    return np.interp(time, fine, out)
+    return out
 
 
 def write_experiment(folder: Path, truth: Truth, effects: list[str], lift: float = 0.0) -> Path:
