@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 from stagecad.parameters.derived import COMPUTED
@@ -43,7 +44,7 @@ class Resolver:
         materials: Sequence[str],
         file: str,
     ) -> None:
-        self._given, self._keys, self._materials, self._file = given, keys, materials, file
+        self._given, self._keys, self._materials, self._file = given, keys, tuple(materials), file
         self.entries: dict[str, Entry] = {}
         self.reads: dict[str, set[str]] = {}
         self._open: list[str] = []
@@ -84,6 +85,8 @@ class Resolver:
         if given is not None:
             if is_formula(given.value):
                 return self._from_formula(key, given, declaration)
+            if isinstance(given.value, str):
+                return _read_text(key, given, declaration, self._materials)
             return read_entry(key, given, declaration, self._materials)
         if not declaration.computed:
             raise InputError(
@@ -137,6 +140,12 @@ class Resolver:
     def has(self, key: str) -> bool:
         """Whether there is such a key."""
         return key in self._keys
+
+
+@lru_cache(maxsize=4096)
+def _read_text(key: str, given: FileEntry, declaration: Declaration, materials: tuple[str, ...]) -> Entry:
+    """`read_entry` of a text. A program reads most texts of a design many times, with few of them changed."""
+    return read_entry(key, given, declaration, materials)
 
 
 class _PartialDesign:
