@@ -23,7 +23,7 @@ def drawn(capsys, folder, *words):
 
 def test_the_tips_ellipse_spreads_as_its_two_lengths_say(capsys, tmp_path):
     """semi-major = 2 s sin(phase/2) h/D: relative deviations add by squares, of an even spread reach/sqrt 3."""
-    document = drawn(capsys, tmp_path, "tip", "--draws", "600", "--no-figures")
+    document = drawn(capsys, tmp_path, "tip", "--draws", "300", "--no-figures")
     assert set(document["drawn"]) == {"actuator.piezo_spacing", "actuator.tip_height"}
     reach = {key: one["plus_minus"] / one["value"] for key, one in document["drawn"].items()}
     relative = math.sqrt(sum(part**2 / 3.0 for part in reach.values()))
@@ -74,14 +74,14 @@ def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_el
 
 
 def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(capsys, tmp_path):
-    words = ("presliding", "--model", "lugre", "--draws", "16", "--no-figures", "--format", "none")
+    words = ("presliding", "--model", "lugre", "--draws", "8", "--no-figures", "--format", "none")
     status = run(["simulate", *words, "--set", "friction.breakaway=1.05 +- 0.05 N", "--out", str(tmp_path), "--json"])
     out, err = capsys.readouterr()
     assert status == 0
     refused = json.loads(out)["refused"]
-    assert 0 < len(refused) < 16
+    assert 0 < len(refused) < 8
     assert all("friction.breakaway" in one["reason"] for one in refused)
-    assert f"{len(refused)} of 16 samples are invalid designs" in err
+    assert f"{len(refused)} of 8 samples are invalid designs" in err
 
 
 @pytest.mark.parametrize(
