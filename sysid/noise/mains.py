@@ -52,6 +52,9 @@ error of the sample clock."""
 COMPARED_AT_ONCE = 16
 """Largest number of frequencies on each side of a line that are computed before they are compared with it."""
 
+MOST_RUNS = 4
+"""Gaps per block up to which blocks are divided at them; their runs are as long as the longest in memory."""
+
 EVEN = 1e-3
 """Deviation of the times of a block from even spacing, relative to a step, up to which they are taken as even: the
 error of a phase is below 0.003 rad up to Nyquist's frequency."""
@@ -133,6 +136,7 @@ def _blocks(series: Series, known: np.ndarray) -> list[np.ndarray]:
 
 def _windowed_blocks(series: Series, known: np.ndarray) -> _Blocks:
     blocks = _blocks(series, known)
+    few_gaps = np.count_nonzero(_gaps(series.time, series.step)) <= MOST_RUNS * len(blocks)
     runs: list[tuple[np.ndarray, np.ndarray]] = []
     first, start = [], []
     for rows in blocks:
@@ -140,7 +144,7 @@ def _windowed_blocks(series: Series, known: np.ndarray) -> _Blocks:
         held = series.values[rows]
         values[rows - rows[0]] = np.hanning(rows.size) * (held - np.mean(held))
         time = series.time[rows[0] : rows[-1] + 1]
-        gaps = np.flatnonzero(np.diff(time) > 1.5 * series.step) + 1
+        gaps = np.flatnonzero(_gaps(time, series.step)) + 1 if few_gaps else []
         first.append(len(runs))
         for own_time, own_values in zip(np.split(time, gaps), np.split(values, gaps), strict=True):
             runs.append((own_time - own_time[0], own_values))
@@ -153,6 +157,11 @@ def _windowed_blocks(series: Series, known: np.ndarray) -> _Blocks:
     if np.max(np.abs(time - even[:, None])) < EVEN * series.step:
         time = even[:, None]
     return _Blocks(len(blocks), blocks[0].size, windowed, time, np.array(start), np.array(first))
+
+
+def _gaps(time: np.ndarray, step: float) -> np.ndarray:
+    """Whether rows are missing after each row but the last, (n - 1,)."""
+    return np.diff(time) > 1.5 * step
 
 
 def _powers(blocks: _Blocks, first: float, step: float, count: int) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sysid.noise import mains
 from sysid.noise.autocorrelation import Series
 from sysid.noise.mains import without_hum
 
@@ -40,6 +41,42 @@ def test_rows_that_are_missing_or_uneven_do_not_matter() -> None:
     found = without_hum(Series(time, values, 5e-3))
     assert found.variance == pytest.approx(1.2**2 / 2.0, rel=0.1)
     assert np.array_equal(np.isnan(found.series.values), np.isnan(values))
+
+
+def _kept(kind: str) -> np.ndarray:
+    """Rows of a log that has gaps in time."""
+    if kind == "three gaps":
+        return np.delete(np.arange(ROWS), np.r_[700:900, 2000:2003, 4100:4700])
+    return np.flatnonzero(np.random.default_rng(7).random(ROWS) < 0.8)
+
+
+@pytest.mark.parametrize("kind", ["three gaps", "a fifth of the rows"])
+def test_gaps_in_time_do_not_matter(kind: str) -> None:
+    rows = _kept(kind)
+    time, values = rows * 2e-3, _noise(10, 0.7)[rows]
+    hum = 0.8 * np.sin(2.0 * np.pi * 50.0 * time + 1.0)
+    found = without_hum(Series(time, values + hum, 2e-3))
+    assert found.variance == pytest.approx(0.8**2 / 2.0, rel=0.12)
+    assert np.std(found.series.values - values) < 0.35 * np.std(hum)
+    assert without_hum(Series(time, values, 2e-3)).variance == 0.0
+
+
+@pytest.mark.parametrize("kind", ["even", "three gaps", "a fifth of the rows"])
+def test_the_power_is_that_of_the_sum_over_all_rows(kind: str) -> None:
+    rows = np.arange(ROWS) if kind == "even" else _kept(kind)
+    time, values = rows * 2e-3, _noise(8, 0.5)[rows]
+    series, known = Series(time, values, 2e-3), np.delete(np.arange(rows.size), [5, 6, 2500])
+    blocks = mains._blocks(series, known)
+    expected = [
+        sum(abs(np.sum(_windowed(values[own]) * np.exp(-2j * np.pi * f * time[own]))) ** 2 for own in blocks)
+        for f in 49.8 + 0.05 * np.arange(9)
+    ]
+    found = mains._powers(mains._windowed_blocks(series, known), 49.8, 0.05, 9)
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
+def _windowed(values: np.ndarray) -> np.ndarray:
+    return np.hanning(values.size) * (values - np.mean(values))
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9, 0.98])
