@@ -68,8 +68,8 @@ def thesis_equations(model: int, a1: float):
     return friction
 
 
-def solve(right, start, times, relative=1e-12, absolute=1e-16):
-    found = solve_ivp(right, (times[0], times[-1]), start, "LSODA", times, rtol=relative, atol=absolute)
+def solve(right, start, times, relative=1e-12, absolute=1e-16, further=()):
+    found = solve_ivp(right, (times[0], times[-1]), start, "LSODA", times, rtol=relative, atol=absolute, args=further)
     assert found.success
     return found.y
 
@@ -87,15 +87,15 @@ def test_presliding_agrees_with_another_integrator(core):
     run = presliding(FRICTION, core).simulation
     state = np.zeros(3)
     knots, push = [0.0, 1.0, 3.0, 4.0], [0.0, 1.425, -1.425, 0.0]
+
+    @njit
+    def right(t, y, t0, t1, u0, u1):
+        force, rate = friction(y[1], y[2])
+        return np.array([y[1], u0 + (u1 - u0) * (t - t0) / (t1 - t0) - force, rate])
+
     for t0, t1, u0, u1 in zip(knots, knots[1:], push, push[1:]):
-
-        @njit
-        def right(t, y, t0=t0, t1=t1, u0=u0, u1=u1):
-            force, rate = friction(y[1], y[2])
-            return np.array([y[1], u0 + (u1 - u0) * (t - t0) / (t1 - t0) - force, rate])
-
         times = run.time[(run.time >= t0) & (run.time <= t1)]
-        found = solve(right, state, times, 1e-11, 1e-14)
+        found = solve(right, state, times, 1e-11, 1e-14, (t0, t1, u0, u1))
         ours = run.position[(run.time >= t0) & (run.time <= t1)]
         assert np.abs(found[0] - ours).max() < 5e-11
         state = found[:, -1]
