@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.noise.autocorrelation import Series, fit_noise, without_outliers
+from sysid.noise.autocorrelation import Series, _differences, fit_noise, without_outliers
 
 STEP = 1e-3
 
@@ -76,3 +76,18 @@ def test_smooth_noise_is_marked_as_filtered() -> None:
     kernel = np.exp(-0.5 * (np.arange(-120, 121) / 15.0) ** 2)
     found = fit_noise([_series(np.convolve(autoregression(20_000, 0.0, 8), kernel, mode="same"))])
     assert found is not None and found.filtered
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+@pytest.mark.parametrize("lag", [1, 3, 40])
+def test_differences_at_even_spacing_are_the_limit_of_those_at_any(order: int, lag: int) -> None:
+    rows = np.delete(np.arange(1200), np.r_[300:340, 800:803])
+    random = np.random.default_rng(4)
+    values = np.sin(0.01 * rows) + random.standard_normal(rows.size)
+    even = _series(values, STEP * rows)
+    # A deviation of 1e-6 of a step is not a rounding error.
+    uneven = _series(values, STEP * (rows + 1e-6 * random.uniform(-1.0, 1.0, rows.size)))
+    assert even.even and not uneven.even
+    found, expected = (_differences(one, lag, order) for one in (even, uneven))
+    assert found.size == expected.size
+    assert found == pytest.approx(expected, abs=2e-4)
