@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
-# Else each of the many processes of a command compiles the modules that it loads.
+# Bytecode is written even if the environment forbids it: else every process compiles each module that it loads.
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := demo

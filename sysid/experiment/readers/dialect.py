@@ -30,11 +30,10 @@ _CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?")
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+(,\d*)?|,\d+)([eE][+-]?\d+)?")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
-Kind = Literal["number", "date", "clock", "stamp", "gap", "text"]
-
-
-_LEFT_OUT = re.compile(r"\s*(?:#|%|//|$)")
+_LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 """A line that is blank or a comment."""
+
+Kind = Literal["number", "date", "clock", "stamp", "gap", "text"]
 
 
 class Line(NamedTuple):
@@ -49,7 +48,7 @@ Row = tuple[int, list[str]]
 
 
 class _Rows(Sequence[Row]):
-    """The rows of lines. A line is split when it is read: of most of the lines of numbers no cell is needed."""
+    """The rows of lines, each split into cells when it is accessed: the cells of most lines are not needed."""
 
     def __init__(self, lines: Sequence[Line], delimiter: str) -> None:
         self._lines, self._delimiter = lines, delimiter

@@ -53,10 +53,11 @@ def _kept(kind: str) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["three gaps", "a fifth of the rows"])
 def test_gaps_in_time_do_not_matter(kind: str) -> None:
     rows = _kept(kind)
-    time, values = rows * 2e-3, _noise(10, 0.7)[rows]
+    time, values = rows * 2e-3, _noise(6, 0.7)[rows]
     hum = 0.8 * np.sin(2.0 * np.pi * 50.0 * time + 1.0)
     found = without_hum(Series(time, values + hum, 2e-3))
-    assert found.variance == pytest.approx(0.8**2 / 2.0, rel=0.12)
+    # The noise has a part in phase with the hum, which is not distinguishable from it.
+    assert found.variance == pytest.approx(np.mean(hum**2 + 2.0 * hum * values), rel=0.03)
     assert np.std(found.series.values - values) < 0.35 * np.std(hum)
     assert without_hum(Series(time, values, 2e-3)).variance == 0.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -161,9 +162,10 @@ def test_measures_on_the_parts_are_the_designs(machine: Machine, design: Design)
 
 
 def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
-    machine: Machine, design: Design, store: ArtefactStore
+    machine: Machine, design: Design, store: ArtefactStore, tmp_path: Path
 ) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
+    assert find_machine(thicker, ArtefactStore(tmp_path)) is None
     other = build_machine(thicker, store)
     touched = {name for name in machine.parts if other.parts[name].entry.key != machine.parts[name].entry.key}
     # The beam of the interferometer is at half the height of the stage.
