@@ -14,11 +14,11 @@ import numpy as np
 
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture, Piece, picture
 from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved, visible_stretches
-from drawings.views.section import cut_faces, cut_shape, hatch, in_plane
+from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
 from stagecad.solids.assembly.machine import CARRIED, MOVING
-from stagecad.solids.modelling.frame import UNMOVED, add, subtract
+from stagecad.solids.modelling.frame import UNMOVED, Box, add, near, subtract
 
 if TYPE_CHECKING:
     from stagecad.solids.assembly.assemble import Instance
@@ -31,8 +31,10 @@ EYE_BELOW = Projection(
 """The isometric direction from below, for the parts under the stage."""
 
 _FASTENERS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "stop_screw", "set_screw")
-NOT_CUT = (*_FASTENERS, "height_pin_1", "height_pin_2", "piezo", "spring")
-"""Parts that a section shows whole: fasteners, pins and springs (ISO 128-3)."""
+NOT_CUT = (*_FASTENERS, "height_pin_1", "height_pin_2", "piezo", "spring", "interferometer")
+"""Parts that a section shows whole: fasteners, pins and springs (ISO 128-3), and units that are bought complete."""
+HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH), (True, 0.6 * HATCH_PITCH))
+"""Hatches of parts, whether falling and their pitch on the paper, in mm: neighbours differ (ISO 128-50)."""
 
 
 def machine_picture(
@@ -94,9 +96,9 @@ def _section(
 ) -> Picture:
     """The machine cut by a plane."""
     pieces: list[Piece] = []
-    faces_in_plane: dict[int, list[Any]] = {}
+    cut_pieces: list[tuple[Box, list[Any]]] = []
     covers: list[np.ndarray] = []
-    for number, instance in enumerate(instances):
+    for instance in instances:
         shape, frame = scene[instance.shape], instance.frame
         vertices = shape.placed_vertices(frame)
         towards_eye = (vertices - np.array(cut.point)) @ np.array(cut.normal)
@@ -108,18 +110,28 @@ def _section(
             pieces.append(Piece(instance.part, shape, frame))
             continue
         left, faces = _cut(moved(shape.shape, frame), cut)
-        faces_in_plane[number] = faces
+        cut_pieces.append(((tuple(vertices.min(axis=0)), tuple(vertices.max(axis=0))), faces))
         pieces.append(Piece(instance.part, meshed(left), UNMOVED))
-    # The hatch of neighbouring parts runs in different directions.
+    hatches = different_hatches([box for box, _ in cut_pieces])
     hatched = [
         line
-        for number, faces in faces_in_plane.items()
-        for line in hatch(faces, projection, SCALE, falling=bool(number % 2), covers=covers)
+        for (_, faces), (falling, pitch) in zip(cut_pieces, hatches, strict=True)
+        for line in hatch(faces, projection, SCALE, falling=falling, pitch=pitch, covers=covers)
     ]
     shown = picture(name, projection, pieces, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
     label = f"{cut.letter}-{cut.letter}"
     return replace(shown, view=replace(shown.view, curves=curves, label=label, cut=cut))
+
+
+def different_hatches(boxes: Sequence[Box]) -> list[tuple[bool, float]]:
+    """A hatch of `HATCHES` for each part: the first that none of those before has whose box touches its own, else the
+    first."""
+    chosen: list[tuple[bool, float]] = []
+    for box in boxes:
+        taken = {hatch for other, hatch in zip(boxes, chosen, strict=False) if near(box, other, DEFLECTION)}
+        chosen.append(next((hatch for hatch in HATCHES if hatch not in taken), HATCHES[0]))
+    return chosen
 
 
 def _exploded(

@@ -40,7 +40,12 @@ def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
     size = 2.0 * math.sqrt(box.SquareExtent()) + 1.0
     frame = gp_Ax2(gp_Pnt(*cut.point), gp_Dir(*cut.normal))
     along, across = frame.XDirection(), frame.YDirection()
-    corner = [p - size / 2 * (a + b) for p, a, b in zip(cut.point, _numbers(along), _numbers(across), strict=True)]
+    x0, y0, z0, x1, y1, z1 = box.Get()
+    middle = ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
+    # The air is centred on the shape, which may be far from the point that gives the plane.
+    height = sum(n * (m - p) for n, m, p in zip(cut.normal, middle, cut.point, strict=True))
+    centre = (m - height * n for m, n in zip(middle, cut.normal, strict=True))
+    corner = [c - size / 2 * (a + b) for c, a, b in zip(centre, _numbers(along), _numbers(across), strict=True)]
     air = BRepPrimAPI_MakeBox(gp_Ax2(gp_Pnt(*corner), gp_Dir(*cut.normal), along), size, size, size).Shape()
     result = BRepAlgoAPI_Cut(shape, air)
     if not result.IsDone() or not any(True for _ in cut_faces(result.Shape(), cut)):
@@ -80,20 +85,22 @@ def hatch(
     scale: float,
     *,
     falling: bool = False,
+    pitch: float = HATCH_PITCH,
     covers: Sequence[np.ndarray] = (),
 ) -> tuple[Segment, ...]:
-    """Hatch lines on cut faces, `HATCH_PITCH` apart on the paper.
+    """Hatch lines on cut faces.
 
     Args:
         faces: in the cutting plane (`cut_faces`).
         scale: of the view, paper over part.
         falling: whether lines fall to the right, for contrast with a neighbouring part.
+        pitch: distance of the lines on the paper, mm.
         covers: outlines (`in_plane`) of parts that are not cut, as of a screw in its hole (ISO 6410-1): no hatch there.
     """
     loops: list[list[Point2]] = []
     for face in faces:
         loops.extend(_loops(face, projection))
-    return hatch_lines(loops, HATCH_PITCH / scale, -HATCH_ANGLE if falling else HATCH_ANGLE, covers)
+    return hatch_lines(loops, pitch / scale, -HATCH_ANGLE if falling else HATCH_ANGLE, covers)
 
 
 def hatch_lines(

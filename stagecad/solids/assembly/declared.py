@@ -14,9 +14,9 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.mass_properties import MassProperties, combined
 from stagecad.solids.assembly.assemble import Instance, count
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.assembly.interference import CLASH, CONTACT, TOUCH, near
+from stagecad.solids.assembly.interference import CLASH, CONTACT, TOUCH
 from stagecad.solids.assembly.pair_measurement import common_volume, relative_frame
-from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, scaled, transformed_box
+from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, near, scaled, transformed_box
 from stagecad.solids.modelling.mass import Geometry, mass_properties, placed
 from stagecad.solids.modelling.placed_shape import PlacedShape, colour_of
 from stagecad.solids.modelling.registry import ASSEMBLY

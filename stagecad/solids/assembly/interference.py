@@ -22,7 +22,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.assembly.pair_measurement import common_volume, least_distance, relative_frame
-from stagecad.solids.modelling.frame import Box, Frame, transformed_box
+from stagecad.solids.modelling.frame import Box, Frame, near, transformed_box
 from stagecad.solids.modelling.registry import ASSEMBLY
 
 if TYPE_CHECKING:
@@ -321,8 +321,3 @@ def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
     # A spring off its installed length is longer or shorter along its own z.
     high = (high[0], high[1], high[2] + max(0.0, -instance.compression))
     return transformed_box(instance.frame, (low, high))
-
-
-def near(one: Box, two: Box, gap: float) -> bool:
-    """Whether two boxes are closer than a gap, mm, along every axis."""
-    return all(one[0][axis] - gap <= two[1][axis] and two[0][axis] - gap <= one[1][axis] for axis in range(3))

@@ -61,6 +61,11 @@ def mate(child: Datum, frame: Frame, parent: Datum) -> Frame:
     return Frame(rotation, subtract(frame.point(parent.origin), turned))
 
 
+def near(one: Box, two: Box, gap: float) -> bool:
+    """Whether two boxes are closer than a gap, mm, along every axis."""
+    return all(one[0][axis] - gap <= two[1][axis] and two[0][axis] - gap <= one[1][axis] for axis in range(3))
+
+
 def transformed_box(frame: Frame, box: Box) -> Box:
     """Axis-parallel box that encloses the transformed `box` (lowest and highest corner)."""
     (x0, y0, z0), (x1, y1, z1) = box

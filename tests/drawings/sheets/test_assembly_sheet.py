@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 
 import pytest
@@ -21,7 +21,7 @@ from drawings.annotations.primitives import Text
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, machine_size
 from drawings.export.lint import lint
-from drawings.pictures.machine import machine_picture
+from drawings.pictures.machine import ACROSS, ALONG, NOT_CUT, machine_picture
 from drawings.pictures.picture import Picture
 from drawings.pictures.scene import scene_of
 from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread, uncrossed
@@ -29,12 +29,13 @@ from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
-from drawings.views.view import Segment
+from drawings.views.view import Cut, Segment
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.assembly.machine import Machine
+from stagecad.solids.modelling.frame import transformed_box
 from tests.drawings.drawn import document_of
 
 ROOT = Path(__file__).parents[3]
@@ -73,6 +74,33 @@ def pictures(machine: Machine, design: Design, store: ArtefactStore) -> dict[str
 def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
     size = machine_size(machine.assembly.instances, machine.parts, design)
     return assembly_sheet(AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",)), design, pictures)
+
+
+@pytest.mark.parametrize(("name", "cut"), [("section A-A", ALONG), ("section B-B", ACROSS)])
+def test_every_part_that_the_plane_crosses_is_hatched(
+    machine: Machine, pictures: dict[str, Picture], name: str, cut: Cut
+) -> None:
+    view = pictures[name].view
+    middles = [
+        ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)
+        for line in view.curves["HATCH"]
+        if isinstance(line, Segment)
+    ]
+    crossed = 0
+    for instance in machine.assembly.instances:
+        box = transformed_box(instance.frame, machine.parts[instance.part].geometry.bounding_box)
+        corners = list(product(*zip(*box, strict=True)))
+        heights = [
+            sum(n * (c - p) for n, c, p in zip(cut.normal, corner, cut.point, strict=True)) for corner in corners
+        ]
+        if instance.part in NOT_CUT or min(heights) > -1.0 or max(heights) < 1.0:
+            continue
+        crossed += 1
+        (u0, u1), (v0, v1) = (
+            (min(ends), max(ends)) for ends in zip(*map(view.projection.to_view, corners), strict=True)
+        )
+        assert any(u0 < u < u1 and v0 < v < v1 for u, v in middles), instance.name
+    assert crossed >= 8
 
 
 def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:

@@ -28,6 +28,17 @@ def test_half_is_left_behind_the_plane() -> None:
     assert left.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
 
 
+def test_a_part_far_from_the_point_of_the_plane_is_cut_too() -> None:
+    far = cq.Shape.cast(cut_shape(tube().translate((300.0, 5.0, -400.0)).wrapped, FRONT))
+
+    # Of the ring about y = 5, what is behind y = 0: half of it, and the segment of the ring between.
+    def behind(radius: float) -> float:
+        return radius**2 * math.acos(-5.0 / radius) + 5.0 * math.sqrt(radius**2 - 25.0)
+
+    assert far.Volume() == pytest.approx(30.0 * (behind(20.0) - behind(12.0)))
+    assert far.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
+
+
 def test_a_plane_that_misses_is_an_error() -> None:
     with pytest.raises(ValueError, match="does not cut"):
         cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
