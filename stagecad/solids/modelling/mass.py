@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.mass_properties import MassProperties
-from stagecad.solids.modelling.frame import Frame, add, scaled, transformed_box
+from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -49,16 +50,12 @@ class Geometry:
 
 def geometry_of(solid: cq.Shape) -> Geometry:
     """Volume properties of an exact solid; to be computed before a mesh is made, which would loosen the box."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
     from OCP.BRepGProp import BRepGProp
     from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
 
-    box = Bnd_Box()
-    BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
-    box.SetGap(0.0)
-    x0, y0, z0, x1, y1, z1 = box.Get()
+    low, high = exact_box(solid)
+    (x0, y0, z0), (x1, y1, z1) = low, high
     # Integrated about the middle of the box: the shift to the centre is then a difference of small numbers.
     properties = GProp_GProps(gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
     BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
@@ -68,8 +65,38 @@ def geometry_of(solid: cq.Shape) -> Geometry:
         properties.Mass(),
         (centre.X(), centre.Y(), centre.Z()),
         tuple(tuple(matrix.Value(row, column) for column in (1, 2, 3)) for row in (1, 2, 3)),
-        ((x0, y0, z0), (x1, y1, z1)),
+        (low, high),
     )
+
+
+def exact_box(solid: cq.Shape) -> Box:
+    """Bounding box of an exact solid, mm: the union of the exact boxes of its faces.
+
+    The exact box of a free-form face is slow; it is not needed where a larger box, which is quick, lies within the
+    union of those computed before.
+    """
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    def box(face: Any, exact: bool) -> Box:
+        found = Bnd_Box()
+        if exact:
+            BRepBndLib.AddOptimal_s(face, found, False, False)
+            found.SetGap(0.0)
+        else:
+            BRepBndLib.Add_s(face, found, False)
+        x0, y0, z0, x1, y1, z1 = found.Get()
+        return (x0, y0, z0), (x1, y1, z1)
+
+    faces = [(box(face.wrapped, exact=False), face.wrapped) for face in solid.Faces()]
+    # The largest first: they contain most of the others.
+    faces.sort(key=lambda pair: -math.dist(*pair[0]))
+    low, high = (math.inf,) * 3, (-math.inf,) * 3
+    for (first, last), face in faces:
+        if any(a < b for a, b in zip(first, low, strict=True)) or any(a > b for a, b in zip(last, high, strict=True)):
+            first, last = box(face, exact=True)
+            low, high = tuple(map(min, low, first)), tuple(map(max, high, last))
+    return low, high  # type: ignore[return-value]
 
 
 def mass_properties(geometry: Geometry, density: float) -> MassProperties:

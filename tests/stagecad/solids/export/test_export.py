@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.modelling.frame import Frame
-from stagecad.solids.modelling.mass import geometry_of
+from stagecad.solids.modelling.mass import exact_box, geometry_of
 from stagecad.solids.modelling.placed_shape import PlacedShape
 
 GREY = (0.7, 0.7, 0.8)
@@ -126,6 +127,18 @@ def test_geometry_against_closed_forms() -> None:
     ball = cq.Workplane().sphere(7).solids().val()
     low, high = geometry_of(ball).bounding_box
     assert (*low, *high) == pytest.approx((-7, -7, -7, 7, 7, 7), abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["stage", "base", "tip", "height_pin_2", "spring"])
+def test_the_box_of_a_part_is_that_of_the_kernel(machine: Machine, name: str) -> None:
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    whole = Bnd_Box()
+    BRepBndLib.AddOptimal_s(machine.parts[name].solid.wrapped, whole, False, False)
+    whole.SetGap(0.0)
+    low, high = exact_box(machine.parts[name].solid)
+    assert (*low, *high) == pytest.approx(whole.Get(), abs=1e-9)
 
 
 def test_meshing_leaves_the_exact_box_alone(solid: cq.Solid) -> None:
