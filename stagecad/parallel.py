@@ -202,8 +202,9 @@ class _Pool:
                         task = waiting.pop(place)
                         kind = schedule.kinds[task.index]
                         if worker is None:
-                            started = next((one for one in schedule.ahead if one.kind == kind and one.waits), None)
-                            workers.append(worker := _Worker(self, script, started))
+                            # One of another kind need not be started, and has its own kind's libraries.
+                            started = sorted((one for one in schedule.ahead if one.waits), key=lambda a: a.kind != kind)
+                            workers.append(worker := _Worker(self, script, next(iter(started), None)))
                         worker.kinds.add(kind)
                         worker.begin(task, items[task.index])
                 busy = [(worker, worker.task) for worker in workers if worker.task is not None]
@@ -272,10 +273,8 @@ class _Worker:
         self.task: _Task | None = None
         self.kinds: set[str] = set()
         self._limit = pool.limit
-        if ahead is not None:
-            self.pipe, self._process = ahead.given(pool)
-        else:
-            self.pipe, self._process = _started(pool.method, _serve, pool, script)
+        given = ahead.given(pool) if ahead is not None else None
+        self.pipe, self._process = given or _started(pool.method, _serve, pool, script)
 
     def begin(self, task: _Task, item: Any) -> None:
         self.task, self.began = task, self._clock()
@@ -308,42 +307,88 @@ class _Worker:
 
 
 class Ahead:
-    """A process that is started before it is known what it will compute, and loads libraries meanwhile. At the end of
-    the context it is ended, unless a pool has it.
-
-    Args:
-        load: function of a module, without arguments.
-        kind: of the items that it is for (`Order.ahead`).
+    """A process that is started before it is known what it will compute, and loads libraries meanwhile; of
+    `started_ahead`.
 
     Attributes:
+        kind: of the items that it is for (`Order.ahead`).
         waits: whether no pool has it, and it has not been ended.
     """
 
-    def __init__(self, load: Callable[[], Any], kind: str) -> None:
+    def __init__(self, kind: str, pipe: Connection, process: BaseProcess | None) -> None:
         self.kind = kind
         self.waits = True
-        self._pipe, self._process = _started("spawn", _serve_later, load)
+        self._pipe, self._process = pipe, process
 
-    def given(self, pool: _Pool) -> tuple[Connection, BaseProcess]:
-        """The process and the pipe to it, for a pool."""
+    def given(self, pool: _Pool) -> tuple[Connection, BaseProcess | _Copy] | None:
+        """The process and the pipe to it, for a pool; None where it could not be started."""
         self.waits = False
+        process = self._process or _Copy.connected(self._pipe)
+        if process is None:
+            self._pipe.close()
+            return None
         # One that has ended is noticed where its answer is awaited.
         with contextlib.suppress(OSError):
             self._pipe.send(pool)
-        return self._pipe, self._process
+        return self._pipe, process
 
     def end(self) -> None:
         if self.waits:
             self.waits = False
-            self._process.kill()
-            self._process.join()
+            if self._process is not None:
+                self._process.kill()
+                self._process.join()
+            # A copy ends as its pipe is closed.
             self._pipe.close()
 
-    def __enter__(self) -> Ahead:
-        return self
 
-    def __exit__(self, *_: object) -> None:
-        self.end()
+class _Copy:
+    """A process that a process of `started_ahead` has forked: the methods of `BaseProcess` that a pool calls."""
+
+    def __init__(self, pipe: Connection, pid: int) -> None:
+        self._pipe, self.pid = pipe, pid
+
+    @classmethod
+    def connected(cls, pipe: Connection) -> _Copy | None:
+        """The process at the other end, which sends its number once it is there; None where it ended before."""
+        try:
+            return cls(pipe, pipe.recv())
+        except (EOFError, OSError):
+            return None
+
+    def kill(self) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self.pid, signal.SIGKILL)
+
+    def join(self) -> None:
+        """Wait until it has ended, which closes its end of the pipe."""
+        with contextlib.suppress(EOFError, OSError):
+            while True:
+                self._pipe.recv_bytes()
+
+
+@contextlib.contextmanager
+def started_ahead(load: Callable[[], Any], kind: str, count: int = 1) -> Generator[list[Ahead], None, None]:
+    """Processes with libraries; at the end of the context, those that no pool has are ended.
+
+    One process loads the libraries and then forks the others, which have them at once; they end with it. On systems
+    other than Linux, where forking is not safe, it is the only one.
+
+    Args:
+        load: function of a module, without arguments; it starts no thread.
+        kind: of the items that they are for.
+        count: number of processes.
+    """
+    pairs = [multiprocessing.Pipe() for _ in range(min(count, MAX_FORKED) - 1)] if sys.platform == "linux" else []
+    pipe, process = _started("spawn", _serve_later, (load, [far for _, far in pairs]))
+    for _, far in pairs:
+        far.close()
+    found = [Ahead(kind, pipe, process), *(Ahead(kind, near, None) for near, _ in pairs)]
+    try:
+        yield found
+    finally:
+        for one in found:
+            one.end()
 
 
 def _started(method: str, serve: Any, sent: object, script: bool = False) -> tuple[Connection, BaseProcess]:
@@ -360,13 +405,35 @@ def _started(method: str, serve: Any, sent: object, script: bool = False) -> tup
     return pipe, process
 
 
-def _serve_later(pipe: Connection, load: Callable[[], Any], parent: int) -> None:
-    """Loop of a process that was started ahead."""
+def _serve_later(
+    pipe: Connection, sent: tuple[Callable[[], Any], list[Connection]], parent: int
+) -> None:  # pragma: no cover - in a process of its own
+    """Loop of a process of `started_ahead`, and of the processes that it forks.
+
+    Args:
+        pipe: to the process that started this one.
+        sent: what loads the libraries, and the pipes of the processes to be forked.
+        parent: number of the process that started this one.
+    """
+    load, pipes = sent
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent(parent)
     # What cannot be loaded is an error of the items that need it.
     with contextlib.suppress(Exception):
         load()
+    # The forked processes share the memory of the loaded objects for as long as none collects garbage among them.
+    gc.freeze()
+    own = os.getpid()
+    for number, other in enumerate(pipes):
+        if os.fork() == 0:
+            end_with_parent(own)
+            for further in (pipe, *pipes[number + 1 :]):
+                further.close()
+            pipe, parent = other, own
+            with contextlib.suppress(OSError):
+                pipe.send(os.getpid())
+            break
+        other.close()
     with contextlib.suppress(EOFError, OSError):
         _serve(pipe, pipe.recv(), parent)
     os._exit(0)

@@ -24,7 +24,6 @@ from typing import Any
 
 from drawings.annotations.annotation import Annotation, Callout, Note
 from drawings.annotations.annotation import MeasuredDimension as Measured
-from drawings.placement.occupancy import translated
 from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
 from drawings.views.view import PROJECTIONS, Point2
@@ -185,6 +184,8 @@ def moved(
     annotations: Sequence[Annotation], overrides: Overrides, sheet: str
 ) -> tuple[tuple[Annotation, ...], list[str]]:
     """The annotations of a sheet with those moved that the file names, and what does not apply."""
+    from drawings.placement.occupancy import translated
+
     names = [name for one in annotations for name in _names(one)]
     problems = [
         f"{FILE}: [{sheet}] no dimension '{name}' on the sheet{nearest(name, names)}"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parallel import Ahead, TimeLimit, fork_map, inside_worker, parallel_map, processors
+from stagecad.parallel import TimeLimit, fork_map, inside_worker, parallel_map, processors, started_ahead
 from stagecad.parameters.errors import InputError
 from stagecad.schedule import Order
 
@@ -294,9 +294,7 @@ def test_no_worker_outlives_an_interrupt_or_the_death_of_its_parent(tmp_path: Pa
     else:
         started.kill()
     errors = started.communicate(timeout=240)[1]
-    while any(map(running, workers)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not any(map(running, workers))
+    wait_until_ended(*workers)
     if end == "interrupt":
         # Only the program itself reports the interrupt.
         assert errors.count("Traceback") == 1
@@ -308,6 +306,13 @@ def running(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def wait_until_ended(*processes: int) -> None:
+    deadline = time.monotonic() + 120.0
+    while any(map(running, processes)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(running, processes))
 
 
 SCRIPT = """
@@ -360,21 +365,83 @@ def letter(n: int) -> str:
 
 
 def test_a_process_started_ahead_takes_the_items_of_its_kind() -> None:
-    with Ahead(load, "a") as ahead:
-        order = Order(kind=letter, ahead=[ahead])
+    with started_ahead(load, "a") as ahead:
+        order = Order(kind=letter, ahead=ahead)
         (first, loaded), (other, nothing) = parallel_map(process_and_loaded, [0, 2], workers=2, order=order)
     assert loaded == [first] and other != first and nothing == []
-    assert not ahead.waits
+    assert not ahead[0].waits
+
+
+def test_it_is_taken_also_for_items_of_another_kind() -> None:
+    with started_ahead(load, "a") as ahead:
+        order = Order(kind=letter, ahead=ahead)
+        results = parallel_map(process_and_loaded, [2, 2], workers=1, order=order, limit=TimeLimit(60.0))
+    assert all(loaded == [process] for process, loaded in results)
+
+
+def meet(folder: Path, n: int) -> tuple[int, list[int]]:
+    """Waits until the other item has begun, too."""
+    (folder / str(n)).touch()
+    while not (folder / str(1 - n)).exists():
+        time.sleep(0.01)
+    return os.getpid(), LOADED
+
+
+@forks
+def test_processes_started_ahead_load_once(tmp_path: Path) -> None:
+    with started_ahead(load, "a", 2) as ahead:
+        order = Order(kind=lambda _: "a", ahead=ahead)
+        (one, loaded), (two, there) = parallel_map(partial(meet, tmp_path), [0, 1], workers=2, order=order)
+    assert one != two and loaded == there and len(loaded) == 1 and loaded[0] in (one, two)
+    wait_until_ended(one, two)
 
 
 @pytest.mark.parametrize("loading", [load_and_die, cannot_load])
-def test_items_are_computed_whatever_becomes_of_the_process_started_ahead(loading) -> None:
-    with Ahead(loading, "a") as ahead:
-        assert parallel_map(square, [2, 3], workers=2, order=Order(kind=lambda _: "a", ahead=[ahead])) == [4, 9]
+@pytest.mark.parametrize("count", [1, 2])
+def test_items_are_computed_whatever_becomes_of_the_processes_started_ahead(loading, count: int) -> None:
+    with started_ahead(loading, "a", count) as ahead:
+        assert parallel_map(square, [2, 3], workers=2, order=Order(kind=lambda _: "a", ahead=ahead)) == [4, 9]
 
 
-def test_a_process_started_ahead_that_nothing_needs_is_ended() -> None:
-    with Ahead(load, "a") as ahead:
-        assert parallel_map(square, [2, 3], workers=2, order=Order(kind=lambda _: "b", ahead=[ahead])) == [4, 9]
-        assert ahead.waits
-    assert not ahead.waits and not ahead._process.is_alive()
+@forks
+@pytest.mark.parametrize("died", [0, 1])
+def test_an_item_is_computed_again_where_one_of_the_processes_started_ahead_ends(tmp_path: Path, died: int) -> None:
+    with started_ahead(load, "a", 2) as ahead:
+        order = Order(kind=lambda _: "a", ahead=ahead)
+        assert parallel_map(partial(die_once, tmp_path), [died, 1 - died, 2], workers=2, order=order) == [
+            died,
+            1 - died,
+            2,
+        ]
+
+
+def sleep_if_first(n: int) -> int:
+    if n == 0:
+        start = time.process_time()
+        while time.process_time() - start < 60.0:
+            pass
+    return n
+
+
+@forks
+@pytest.mark.parametrize("items", [[0, 1], [1, 0]])
+def test_the_time_limit_ends_processes_started_ahead(items: list[int]) -> None:
+    limit = TimeLimit(0.5, fallback=square)
+    with started_ahead(load, "a", 2) as ahead:
+        order = Order(kind=lambda _: "a", ahead=ahead)
+        assert parallel_map(sleep_if_first, items, workers=2, order=order, limit=limit) == items
+
+
+def test_processes_started_ahead_that_no_pool_takes_are_ended() -> None:
+    with started_ahead(load, "a", 2) as ahead:
+        assert all(one.waits for one in ahead)
+    assert not any(one.waits for one in ahead)
+    assert ahead[0]._process is not None and not ahead[0]._process.is_alive()
+
+
+@forks
+def test_a_forked_process_that_no_pool_takes_is_ended() -> None:
+    with started_ahead(load, "a", 2) as ahead:
+        process = ahead[1]._pipe.recv()
+        assert Path(f"/proc/{process}").exists()
+    wait_until_ended(process)

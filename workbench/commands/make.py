@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -13,6 +13,7 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
+    from designcalc.checks import Check
     from stagecad.parallel import Ahead
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
@@ -28,9 +29,9 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
-    from workbench.making.start import kernel_process, note_made
+    from workbench.making.start import kernel_processes, note_made
 
-    with kernel_process(run) as ahead:
+    with kernel_processes(run) as ahead:
         from stagecad.solids.artefacts.store import ArtefactStore
         from workbench.commands.check import trust_own_checks
         from workbench.commands.design.declared import WHAT, run_declared
@@ -62,7 +63,6 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     from workbench.machine.artefacts import built_machine, stored_values, with_repair
     from workbench.machine.design_source import source_of
     from workbench.making.stored_results import stored_checks
-    from workbench.report.checks import write_check_files
     from workbench.report.machine import MachineResults, write_report
 
     design = run.design
@@ -81,7 +81,7 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     checks = stored_checks(store, source_of(run), design, masses)
     run.echo(f"checks: {counted(checks)}")
     check_figures = with_repair(run, store, lambda: _check_figures(run, store, masses))
-    write_check_files(checks, design, masses, run.out / "checks", check_figures)
+    with_repair(run, store, lambda: _write_checks(run, store, checks, masses, check_figures))
     figures = with_repair(run, store, lambda: _simulations(run, store)) if simulations else []
     bill = machine.bill_of_materials
     steps = procedure(design, bill, stored_values(store, design, masses))
@@ -128,6 +128,21 @@ def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[s
 
     entries = {title: check_figure(store, run.design, masses, title) for title in figures_of(run.design)}
     return {title: path for title, entry in entries.items() for path in _write(run.out / "checks", [entry])[0]}
+
+
+def _write_checks(
+    run: Run, store: ArtefactStore, checks: Sequence[Check], masses: BodyMasses, figures: Mapping[str, Path]
+) -> None:
+    """Write the checks as files; those of a project's own are not kept in the cache."""
+    from workbench.machine.design_source import source_of
+    from workbench.making.stored_results import check_files
+    from workbench.report.checks import write_check_files
+
+    source, folder = source_of(run), run.out / "checks"
+    if source.own:
+        write_check_files(checks, run.design, masses, folder, figures)
+    else:
+        _write(folder, [check_files(store, source, run.design, masses)])
 
 
 def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
@@ -178,13 +193,16 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahe
             run.note("Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
         task = progress.add_task("results", total=len(tasks))
         # Meanwhile this process waits.
-        loading = Thread(target=_load_writers, daemon=True)
+        loading = Thread(target=_prepare_writing, args=(run,), daemon=True)
         loading.start()
         make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name), ahead)
         loading.join()
 
 
-def _load_writers() -> None:
-    """Load what the results are written with."""
-    for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure", "jinja2", "tomlkit"):
+def _prepare_writing(run: Run) -> None:
+    """Load what the results are written with, and write the text of the parameters, which is then kept."""
+    from workbench.machine.parameter_text import parameter_text
+
+    parameter_text(run)
+    for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure", "jinja2"):
         import_module(name)

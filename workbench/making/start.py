@@ -1,7 +1,8 @@
-"""The process with the CAD kernel, started before it is known what `stagecad make` has to make.
+"""The processes with the CAD kernel, started before it is known what `stagecad make` has to make.
 
-The kernel takes longer to load than the design takes to read. Where nothing turns out to need it, the process is ended;
-for the design that was made last it is not started. This module imports little, so that the process begins at once.
+The kernel takes longer to load than the design takes to read; one process loads it for all. Where nothing turns out to
+need it, they are ended; for the design that was made last they are not started. This module imports little, so that
+they begin at once.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stagecad.parallel import Ahead, inside_worker, processors
+from stagecad.parallel import Ahead, inside_worker, processors, started_ahead
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.private import cache_root
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from workbench.options import Run
 
 WITH_KERNEL = "with the CAD kernel"
-"""Kind of the tasks that the process is for."""
+"""Kind of the tasks that the processes are for."""
 
 
 LAST = "last_make"
@@ -29,13 +30,13 @@ LAST = "last_make"
 
 
 @contextmanager
-def kernel_process(run: Run) -> Iterator[list[Ahead]]:
-    """The process as a list of one; of none where it is not needed, saves no time or cannot be started."""
+def kernel_processes(run: Run) -> Iterator[list[Ahead]]:
+    """The processes; none where they are not needed, save no time or cannot be started."""
     if inside_worker() or multiprocessing.current_process().daemon or processors() < 2 or _was_last(run):
         yield []
         return
-    with Ahead(_load, WITH_KERNEL) as ahead:
-        yield [ahead]
+    with started_ahead(_load, WITH_KERNEL, processors()) as ahead:
+        yield ahead
 
 
 def note_made(run: Run) -> None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 """The friction experiments of the thesis."""
+CHECKED_BY = ("workbench.machine.margin_studies", "stagecad.parameters.load")
+"""Modules that evaluate the checks and their proposals."""
 COMPILED_BY = {"hysteresis": "presliding", "stick-slip": "presliding"}
 """The experiment that compiles, with an empty cache, what another uses."""
 
@@ -59,9 +61,32 @@ def stored_checks(store: ArtefactStore, source: DesignSource, design: Design, ma
     if source.own:
         return evaluated(source, design, masses)
 
-    depends = (source.contents(), repr(design.entries), design.file, repr((masses.moving, masses.tip)))
-    modules = ("workbench.machine.margin_studies", "stagecad.parameters.load")
-    return stored_object(store, "checks", design, modules, lambda _: evaluated(source, design, masses), depends)
+    depends = _all_parameters(source, design, masses)
+    return stored_object(store, "checks", design, CHECKED_BY, lambda _: evaluated(source, design, masses), depends)
+
+
+def _all_parameters(source: DesignSource, design: Design, masses: BodyMasses) -> tuple[str, ...]:
+    return (source.contents(), repr(design.entries), design.file, repr((masses.moving, masses.tip)))
+
+
+def check_files(store: ArtefactStore, source: DesignSource, design: Design, masses: BodyMasses) -> Artefact:
+    """The checks as files with their figures: what `workbench.report.checks.write_check_files` writes.
+
+    For a design without a project's own checks (`stored_checks`).
+    """
+    from workbench.report.html import templates_digest
+
+    figures = {title: check_figure(store, design, masses, title) for title in figures_of(design)}
+
+    def make(_: Any, folder: Path) -> None:
+        from workbench.report.checks import write_check_files
+
+        drawn = {title: entry.path(name) for title, entry in figures.items() for name in entry.hashes}
+        write_check_files(stored_checks(store, source, design, masses), design, masses, folder, drawn)
+
+    pictures = (f"{title} {entry.content}" for title, entry in figures.items())
+    depends = (*_all_parameters(source, design, masses), *pictures, templates_digest())
+    return store.make("files of the checks", design, (*CHECKED_BY, "workbench.report.checks"), make, depends)
 
 
 def simulation(store: ArtefactStore, design: Design, name: str) -> Artefact:

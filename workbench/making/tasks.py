@@ -23,14 +23,22 @@ from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
 from workbench.machine.artefacts import procedure_values, stored_values
-from workbench.making.stored_results import COMPILED_BY, SIMULATED, check_figure, figures_of, simulation, stored_checks
+from workbench.making.stored_results import (
+    COMPILED_BY,
+    SIMULATED,
+    check_figure,
+    check_files,
+    figures_of,
+    simulation,
+    stored_checks,
+)
 from workbench.report.reduced_sheet import reduced_sheet
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
     from workbench.machine.design_source import DesignSource
 
-PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATION = (
+PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION = (
     "part",
     "assembly",
     "interference",
@@ -39,11 +47,12 @@ PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATI
     "rendering of",
     "figure:",
     "checks",
+    "files of the checks",
     "values of the procedure",
     "simulation:",
 )
 """Kinds of task; the name of what is made follows."""
-KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, VALUES, SIMULATION)
+KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION)
 LOADING = "libraries"
 """A task without a result: loads what the tasks without the CAD kernel use, while the first solids are made."""
 LIBRARIES = (
@@ -121,9 +130,12 @@ class Making:
             own = (*needed, VALUES) if subject == PROCEDURE else needed
             tasks[f"{SHEET} {subject}"] = own if subject in PICTURES else (f"{PART} {subject}",)
         tasks |= {f"{RENDERING} {ASSEMBLY}": machine, CHECKS: machine, VALUES: machine}
+        figures = tuple(f"{FIGURE} {title}" for title in figures_of(self.design))
+        tasks |= dict.fromkeys(figures, machine)
         if self.source.own:
             del tasks[CHECKS]
-        tasks |= {f"{FIGURE} {title}": machine for title in figures_of(self.design)}
+        else:
+            tasks[CHECK_FILES] = (CHECKS, *figures)
         return tasks | {f"{RENDERING} {name}": (f"{PART} {name}",) for name in names}
 
     @cached_property
@@ -209,6 +221,10 @@ def _checks(making: Making, store: ArtefactStore, name: str, exact: bool) -> Non
     stored_checks(store, making.source, making.design, making.masses)
 
 
+def _check_files(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
+    check_files(store, making.source, making.design, making.masses)
+
+
 def _values(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
     stored_values(store, making.design, making.masses)
 
@@ -227,6 +243,7 @@ _MAKERS: Mapping[str, Callable[[Making, ArtefactStore, str, bool], None]] = {
     RENDERING: _rendering,
     FIGURE: _figure,
     CHECKS: _checks,
+    CHECK_FILES: _check_files,
     VALUES: _values,
     SIMULATION: _simulation,
 }

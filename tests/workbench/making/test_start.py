@@ -1,4 +1,4 @@
-"""The process that loads the CAD kernel while `stagecad make` reads the design."""
+"""The processes that load the CAD kernel while `stagecad make` reads the design."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from workbench.making import start
-from workbench.making.start import kernel_process, note_made
+from workbench.making.start import kernel_processes, note_made
 from workbench.options import Run
 
 RUN = Run(None, ("stage.thickness=12.5 mm",), Path("build"), None)
@@ -20,11 +20,11 @@ RUN = Run(None, ("stage.thickness=12.5 mm",), Path("build"), None)
 
 def test_no_process_with_one_processor_or_within_a_worker(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(start, "processors", lambda: 1)
-    with kernel_process(RUN) as ahead:
+    with kernel_processes(RUN) as ahead:
         assert ahead == []
     monkeypatch.setattr(start, "processors", lambda: 2)
     monkeypatch.setattr(start, "inside_worker", lambda: True)
-    with kernel_process(RUN) as ahead:
+    with kernel_processes(RUN) as ahead:
         assert ahead == []
 
 
@@ -32,45 +32,46 @@ def test_no_process_for_the_design_that_was_made_last(tmp_path: Path, monkeypatc
     started: list[str] = []
 
     @contextmanager
-    def ahead(load: object, kind: str) -> Iterator[str]:
+    def ahead(load: object, kind: str, count: int) -> Iterator[str]:
         started.append(kind)
         yield kind
 
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path))
     monkeypatch.setattr(start, "processors", lambda: 2)
     monkeypatch.setattr(start, "inside_worker", lambda: False)
-    monkeypatch.setattr(start, "Ahead", ahead)
+    monkeypatch.setattr(start, "started_ahead", ahead)
     file = tmp_path / "stage.toml"
     file.write_text("one")
     own = Run(file, (), Path("build"), None)
     for run in (RUN, own):
-        with kernel_process(run):
+        with kernel_processes(run):
             assert started.pop()
         note_made(run)
-        with kernel_process(run) as found:
+        with kernel_processes(run) as found:
             assert found == [] == started
     file.write_text("other")
     for run in (RUN, own):
-        with kernel_process(run):
+        with kernel_processes(run):
             assert started.pop()
 
 
-def test_the_process_makes_the_tasks_with_the_kernel(tmp_path: Path) -> None:
+def test_the_processes_make_the_tasks_with_the_kernel(tmp_path: Path) -> None:
     program = """
 import sys
 from pathlib import Path
 from workbench.making import start
 from workbench.options import Run
 start.processors = lambda: 2
-with start.kernel_process(Run(None, (), Path("."), None)) as ahead:
+with start.kernel_processes(Run(None, (), Path("."), None)) as ahead:
     from stagecad.parameters.load import load_design
     from workbench.machine.design_source import DesignSource
     from workbench.making.pool import make_absent
     from workbench.making.tasks import Making
     design = load_design()
     making = Making(Path(sys.argv[1]), design, design, DesignSource(None, "", ()), simulations=True)
-    make_absent(making, ["part buffer"], ahead=ahead)
-    assert making.has("part buffer") and not ahead[0].waits and "cadquery" not in sys.modules
+    make_absent(making, ["part buffer", "part magnet"], ahead=ahead)
+    assert making.has("part buffer") and making.has("part magnet")
+    assert not any(process.waits for process in ahead) and "cadquery" not in sys.modules
 """
     # In its own cache the design is not the one that was made last.
     environment = {**os.environ, "STAGECAD_CACHE": str(tmp_path / "cache")}
