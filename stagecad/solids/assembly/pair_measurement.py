@@ -9,7 +9,7 @@ kept while the pair moves together.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from stagecad.solids.modelling.frame import Frame, dot, subtract
@@ -50,6 +50,36 @@ def common_volume(one: cq.Shape, two: cq.Shape, frame: Frame) -> float:
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(common.Shape(), properties)
     return abs(properties.Mass())
+
+
+MARGIN = 0.37
+"""Distance by which the piece exceeds the box of the others, mm; hardly a dimension of a part ends there."""
+
+
+def piece_near(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> cq.Shape:
+    """The piece of a solid within the bounding box of several others: it has the same common volumes with them.
+
+    The time of a common volume grows with the number of faces, since each that is not cut is classified as inside or
+    outside the other solid. The solid itself is returned where the piece would save little.
+
+    Args:
+        one: the solid.
+        others: with their places in its coordinates.
+    """
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+
+    if len(others) < 2:
+        return one
+    reach, *more = (_box(_placed(other, frame)) for other, frame in others)
+    for box in more:
+        reach.Add(box)
+    reach.Enlarge(MARGIN)
+    boxes = [_box(face) for face in _faces(one.wrapped)]
+    if 2 * sum(not reach.IsOut(box) for box in boxes) > len(boxes):
+        return one
+    block = BRepPrimAPI_MakeBox(reach.CornerMin(), reach.CornerMax()).Shape()
+    return type(one).cast(BRepAlgoAPI_Common(one.wrapped, block).Shape())
 
 
 def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> float | None:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from stagecad.solids.assembly.pair_measurement import common_volume, least_distance, relative_frame
+from stagecad.solids.assembly.pair_measurement import common_volume, least_distance, piece_near, relative_frame
 from stagecad.solids.modelling.frame import Frame
 
 C, S = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
@@ -41,6 +41,22 @@ def test_common_volume_of_a_pin_in_a_plate(solids) -> None:
     beside = Frame(TURNED, (13.0, -9.0, 4.0))
     assert common_volume(plate, pin, beside) == pytest.approx(math.pi * 25 * 6, rel=1e-9)
     assert common_volume(plate, pin, Frame(shift=(0.0, 0.0, -5.0))) == 0.0
+
+
+def test_the_piece_near_others_has_the_same_common_volumes() -> None:
+    import cadquery as cq
+
+    holes = cq.Workplane().box(200, 40, 10, centered=False).faces(">Z").workplane(origin=(0, 20, 0))
+    plate = holes.pushPoints([(10 + 9 * k, 0) for k in range(20)]).hole(6).solids().val()
+    pin = cq.Solid.makeCylinder(3.5, 30)
+    places = [(pin, Frame(shift=(19.0 + by, 20.0, -5.0))) for by in (0.0, 0.2, 1.5)]
+    piece = piece_near(plate, places)
+    assert len(piece.Faces()) < len(plate.Faces()) / 2
+    for other, frame in places:
+        assert common_volume(piece, other, frame) == pytest.approx(common_volume(plate, other, frame), rel=1e-9)
+    # In one place, or where the others reach over most of it, the solid is taken as it is.
+    assert piece_near(plate, places[:1]) is plate
+    assert piece_near(plate, [*places, (pin, Frame(shift=(190.0, 20.0, -5.0)))]) is plate
 
 
 @pytest.mark.parametrize(
