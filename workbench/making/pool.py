@@ -27,7 +27,6 @@ from workbench.making.tasks import (
     SIMULATION,
     VIEW,
     Making,
-    needs_kernel,
 )
 
 LONG = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, SIMULATION)
@@ -48,9 +47,17 @@ def absent(making: Making) -> list[str]:
     return found
 
 
+WITH_DRAWINGS = "with the libraries of drawings, checks and figures"
+"""Kind of the tasks that are not `WITH_KERNEL`."""
+
+
 def _kind(task: str) -> str:
-    """Kind of a task by the libraries that it loads; loading them takes a second each."""
-    return WITH_KERNEL if needs_kernel(task) else "without it"
+    """Kind of a task by the libraries that it loads, which takes a second.
+
+    Solids and pictures need few besides the CAD kernel. The sheets of parts need the kernel and those of drawings,
+    checks and figures; a process that is forked from one with the kernel has it (`stagecad.parallel.started_ahead`).
+    """
+    return WITH_KERNEL if task.startswith((PART, SHAPES, CONTACTS, VIEW, RENDERING)) else WITH_DRAWINGS
 
 
 def make_absent(

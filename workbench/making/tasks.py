@@ -54,7 +54,7 @@ PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VAL
 """Kinds of task; the name of what is made follows."""
 KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION)
 LOADING = "libraries"
-"""A task without a result: loads what the tasks without the CAD kernel use, while the first solids are made."""
+"""A task without a result: loads what drawings, checks and figures use, while the first solids are made."""
 LIBRARIES = (
     "designcalc.checks.analysis.tolerance",
     "designcalc.machine.assembly_values",
