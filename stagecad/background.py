@@ -14,8 +14,9 @@ from collections.abc import Callable
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from stagecad.parallel import end_with_parent, inside_worker, processors
-from stagecad.process_start import interrupts_blocked
+from stagecad.parallel import processors
+from stagecad.process_start import end_with_parent, interrupts_blocked
+from stagecad.worker_process import inside_worker
 
 
 def forked(function: Callable[[], Any]) -> BaseProcess | None:

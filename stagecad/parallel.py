@@ -11,42 +11,34 @@ itself, they end too. A call inside a worker, of one item, or with one processor
 from __future__ import annotations
 
 import contextlib
-import gc
 import io
 import multiprocessing
 import os
 import reprlib
-import signal
 import sys
 import threading
 import time
 import traceback
-import warnings
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stagecad import blas_threads
 from stagecad.cluster import map_on_cluster
 from stagecad.index_pickle import IndexPickler, IndexUnpickler
 from stagecad.parameters.errors import LostProcessError
-from stagecad.process_start import end_with_parent, interrupts_blocked, refers_to_script, script_left_out
+from stagecad.process_start import refers_to_script
 from stagecad.schedule import Order, Schedule
+from stagecad.worker_process import MAX_FORKED, Ahead, inside_worker, serve, started
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Completed = Generator[tuple[int, Any], None, None]
 """Index and result of each item in the order of completion; closing it ends the workers."""
 
-MAX_FORKED = 4
-"""Largest number of processes of `fork_map`: each has its own copy of the memory that it changes."""
 POLL = 0.5
 """Interval at which the processor time of the workers is read, s."""
-
-_inside_worker = False
 
 
 @dataclass(frozen=True)
@@ -60,11 +52,6 @@ class TimeLimit:
 
     seconds: float
     fallback: Callable[[Any], Any] | None = None
-
-
-def inside_worker() -> bool:
-    """Whether this process is a worker of a pool."""
-    return _inside_worker
 
 
 def processors() -> int:
@@ -107,7 +94,7 @@ def parallel_map(
     schedule = Schedule(items, order or Order())
     count = min(workers or processors(), len(items))
     alone = count <= 1 and limit is None and not (isolate and not multiprocessing.current_process().daemon)
-    if _inside_worker or alone:
+    if inside_worker() or alone:
         completed = _completed_here(function, items, schedule)
     else:
         completed = _Pool("spawn", count, function, limit).completed(items, schedule)
@@ -133,7 +120,7 @@ def fork_map(
     """
     count = min(MAX_FORKED, processors(), len(items))
     forking = sys.platform == "linux" and threading.current_thread() is threading.main_thread()
-    if _inside_worker or count <= 1 or not forking:
+    if inside_worker() or count <= 1 or not forking:
         completed = _completed_here(function, items, Schedule(items, Order()))
     else:
         # Items need not pickle: their indices are sent.
@@ -274,7 +261,7 @@ class _Worker:
         self.kinds: set[str] = set()
         self._limit = pool.limit
         given = ahead.given(pool) if ahead is not None else None
-        self.pipe, self._process = given or _started(pool.method, _serve, pool, script)
+        self.pipe, self._process = given or started(pool.method, serve, pool, script)
 
     def begin(self, task: _Task, item: Any) -> None:
         self.task, self.began = task, self._clock()
@@ -304,158 +291,3 @@ class _Worker:
         self._process.kill()
         self._process.join()
         self.pipe.close()
-
-
-class Ahead:
-    """A process that is started before it is known what it will compute, and loads libraries meanwhile; of
-    `started_ahead`.
-
-    Attributes:
-        kind: of the items that it is for (`Order.ahead`).
-        waits: whether no pool has it, and it has not been ended.
-    """
-
-    def __init__(self, kind: str, pipe: Connection, process: BaseProcess | None) -> None:
-        self.kind = kind
-        self.waits = True
-        self._pipe, self._process = pipe, process
-
-    def given(self, pool: _Pool) -> tuple[Connection, BaseProcess | _Copy] | None:
-        """The process and the pipe to it, for a pool; None where it could not be started."""
-        self.waits = False
-        process = self._process or _Copy.connected(self._pipe)
-        if process is None:
-            self._pipe.close()
-            return None
-        # One that has ended is noticed where its answer is awaited.
-        with contextlib.suppress(OSError):
-            self._pipe.send(pool)
-        return self._pipe, process
-
-    def end(self) -> None:
-        if self.waits:
-            self.waits = False
-            if self._process is not None:
-                self._process.kill()
-                self._process.join()
-            # A copy ends as its pipe is closed.
-            self._pipe.close()
-
-
-class _Copy:
-    """A process that a process of `started_ahead` has forked: the methods of `BaseProcess` that a pool calls."""
-
-    def __init__(self, pipe: Connection, pid: int) -> None:
-        self._pipe, self.pid = pipe, pid
-
-    @classmethod
-    def connected(cls, pipe: Connection) -> _Copy | None:
-        """The process at the other end, which sends its number once it is there; None where it ended before."""
-        try:
-            return cls(pipe, pipe.recv())
-        except (EOFError, OSError):
-            return None
-
-    def kill(self) -> None:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(self.pid, signal.SIGKILL)
-
-    def join(self) -> None:
-        """Wait until it has ended, which closes its end of the pipe."""
-        with contextlib.suppress(EOFError, OSError):
-            while True:
-                self._pipe.recv_bytes()
-
-
-@contextlib.contextmanager
-def started_ahead(load: Callable[[], Any], kind: str, count: int = 1) -> Generator[list[Ahead], None, None]:
-    """Processes with libraries; at the end of the context, those that no pool has are ended.
-
-    One process loads the libraries and then forks the others, which have them at once; they end with it. On systems
-    other than Linux, where forking is not safe, it is the only one.
-
-    Args:
-        load: function of a module, without arguments; it starts no thread.
-        kind: of the items that they are for.
-        count: number of processes.
-    """
-    pairs = [multiprocessing.Pipe() for _ in range(min(count, MAX_FORKED) - 1)] if sys.platform == "linux" else []
-    pipe, process = _started("spawn", _serve_later, (load, [far for _, far in pairs]))
-    for _, far in pairs:
-        far.close()
-    found = [Ahead(kind, pipe, process), *(Ahead(kind, near, None) for near, _ in pairs)]
-    try:
-        yield found
-    finally:
-        for one in found:
-            one.end()
-
-
-def _started(method: str, serve: Any, sent: object, script: bool = False) -> tuple[Connection, BaseProcess]:
-    """A process that runs `serve(pipe, sent, parent)`, and the pipe to it; `script`: whether it imports the script."""
-    context: Any = multiprocessing.get_context(method)
-    pipe, other_end = context.Pipe()
-    process = context.Process(target=serve, args=(other_end, sent, os.getpid()), daemon=True)
-    with interrupts_blocked(method), warnings.catch_warnings():
-        # Python 3.12 warns of forks with threads; threads alive during `fork_map` hold no lock that a worker needs.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        with contextlib.nullcontext() if script else script_left_out():
-            process.start()
-    other_end.close()
-    return pipe, process
-
-
-def _serve_later(
-    pipe: Connection, sent: tuple[Callable[[], Any], list[Connection]], parent: int
-) -> None:  # pragma: no cover - in a process of its own
-    """Loop of a process of `started_ahead`, and of the processes that it forks.
-
-    Args:
-        pipe: to the process that started this one.
-        sent: what loads the libraries, and the pipes of the processes to be forked.
-        parent: number of the process that started this one.
-    """
-    load, pipes = sent
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent(parent)
-    # What cannot be loaded is an error of the items that need it.
-    with contextlib.suppress(Exception):
-        load()
-    # The forked processes share the memory of the loaded objects for as long as none collects garbage among them.
-    gc.freeze()
-    own = os.getpid()
-    for number, other in enumerate(pipes):
-        if os.fork() == 0:
-            end_with_parent(own)
-            for further in (pipe, *pipes[number + 1 :]):
-                further.close()
-            pipe, parent = other, own
-            with contextlib.suppress(OSError):
-                pipe.send(os.getpid())
-            break
-        other.close()
-    with contextlib.suppress(EOFError, OSError):
-        _serve(pipe, pipe.recv(), parent)
-    os._exit(0)
-
-
-def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
-    """Loop of a worker: answer requests until the pipe closes."""
-    from threadpoolctl import threadpool_limits
-
-    global _inside_worker
-    _inside_worker = True
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent(parent)
-    os.environ.update(dict.fromkeys(blas_threads.VARIABLES, "1"))
-    threadpool_limits(1, user_api="blas")
-    # Exclude the loaded objects from garbage collection and collect rarely: it would take a fifth of the time.
-    gc.freeze()
-    gc.set_threshold(100_000)
-    if pool.method == "fork":
-        # A thread of the parent process may have held the lock of a stream at the fork.
-        sys.stdout = sys.stderr = io.StringIO()
-    with contextlib.suppress(EOFError, OSError):
-        while True:
-            pipe.send_bytes(pool.apply(*pipe.recv()))
-    os._exit(0)

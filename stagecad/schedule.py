@@ -18,7 +18,7 @@ class Order:
     Args:
         requires: items that must be completed before an item is begun, without cycles.
         kind: of an item. A process loads the libraries of a kind with its first item, and goes on with that kind.
-        ahead: processes that have been started already, each for items of a kind (`stagecad.parallel.Ahead`).
+        ahead: processes that have been started already, each for items of a kind (`stagecad.worker_process.Ahead`).
     """
 
     requires: Mapping[Any, Collection[Any]] = field(default_factory=dict)

@@ -104,7 +104,7 @@ _NOTES = (
     "NOTES",
     "- Shown at the middle of travel and of height adjustment.",
     "- Order, torques and settings: see the procedure.",
-    "- Fasteners, pins, piezos and spring are not cut.",
+    "- Fasteners, pins, piezos, spring and interferometer are not cut.",
 )
 
 

@@ -13,9 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parallel import TimeLimit, fork_map, inside_worker, parallel_map, processors, started_ahead
+from stagecad.parallel import TimeLimit, fork_map, parallel_map, processors
 from stagecad.parameters.errors import InputError
 from stagecad.schedule import Order
+from stagecad.worker_process import inside_worker, started_ahead
 
 LINUX = sys.platform.startswith("linux")
 forks = pytest.mark.skipif(not LINUX or processors() == 1, reason="needs fork and two processors")

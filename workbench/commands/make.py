@@ -14,10 +14,10 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
-    from stagecad.parallel import Ahead
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
     from stagecad.solids.assembly.machine import Machine
+    from stagecad.worker_process import Ahead
 
 
 @click.command("make")

@@ -11,11 +11,12 @@ from dataclasses import replace
 from functools import partial
 
 from drawings.artefacts.tasks import TIME_LIMIT
-from stagecad.parallel import Ahead, TimeLimit, parallel_map
+from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.schedule import Order
 from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.modelling.registry import ASSEMBLY
+from stagecad.worker_process import Ahead
 from workbench.making.start import WITH_KERNEL
 from workbench.making.tasks import (
     CONTACTS,
@@ -55,7 +56,8 @@ def _kind(task: str) -> str:
     """Kind of a task by the libraries that it loads, which takes a second.
 
     Solids and pictures need few besides the CAD kernel. The sheets of parts need the kernel and those of drawings,
-    checks and figures; a process that is forked from one with the kernel has it (`stagecad.parallel.started_ahead`).
+    checks and figures; a process that is forked from one with the kernel has it
+    (`stagecad.worker_process.started_ahead`).
     """
     return WITH_KERNEL if task.startswith((PART, SHAPES, CONTACTS, VIEW, RENDERING)) else WITH_DRAWINGS
 

@@ -14,9 +14,10 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stagecad.parallel import Ahead, inside_worker, processors, started_ahead
+from stagecad.parallel import processors
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.private import cache_root
+from stagecad.worker_process import Ahead, inside_worker, started_ahead
 
 if TYPE_CHECKING:
     from workbench.options import Run

@@ -12,8 +12,8 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from stagecad import blas_threads
-from stagecad.parallel import end_with_parent
 from stagecad.parameters.errors import InputError
+from stagecad.process_start import end_with_parent
 
 Report = Callable[[str, int, int], None]
 """Called by a task with what it does, the steps done, and all steps (0: not known)."""

@@ -99,7 +99,7 @@ def _ask(
 
 def answer() -> None:
     """Read a file in the separate process, and answer on standard output."""
-    from stagecad.parallel import end_with_parent
+    from stagecad.process_start import end_with_parent
 
     module, path, name, settings, indices, parent = json.loads(sys.argv[1])
     end_with_parent(parent)
