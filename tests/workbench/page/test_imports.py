@@ -18,7 +18,7 @@ EXCEPTIONS = {
     "workbench.options": "options that every command has; numbers as JSON holds them",
     "stagecad.__version__": "shown on the page",
     "stagecad.blas_threads": "threads of a process that runs jobs",
-    "stagecad.parallel.end_with_parent": "a process that runs jobs ends with the server",
+    "stagecad.process_start.end_with_parent": "a process that runs jobs ends with the server",
 }
 FILES = sorted(PAGE.rglob("*.py"))
 
