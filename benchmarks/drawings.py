@@ -11,6 +11,8 @@ which depends less on other work.
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import math
 import os
 import resource
@@ -37,6 +39,7 @@ def seconds(arguments: list[str], cache: Path) -> tuple[float, float]:
     """Time of day and processor time of one run of the command line."""
     environment = {**os.environ, "STAGECAD_CACHE": str(cache), "PYTHONPYCACHEPREFIX": str(cache.parent / "compiled")}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    _count_orphans()
     start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     run = subprocess.run(
         [sys.executable, "-m", "workbench.cli", *arguments],
@@ -47,8 +50,22 @@ def seconds(arguments: list[str], cache: Path) -> tuple[float, float]:
     )
     if run.returncode != 0:
         sys.exit(f"stagecad {' '.join(arguments)}: {run.stderr}")
+    elapsed = time.perf_counter() - start
+    with contextlib.suppress(ChildProcessError):
+        while True:
+            os.waitpid(-1, 0)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.perf_counter() - start, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return elapsed, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+PR_SET_CHILD_SUBREAPER = 36
+"""Option of prctl(2): processes whose parent has ended become children of this one."""
+
+
+def _count_orphans() -> None:
+    """Count the processor time of the processes that one of a run has forked, and that end after it (Linux)."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def sheet_seconds(runs: int) -> dict[str, float]:
