@@ -190,20 +190,21 @@ class _Pool:
                         kind = schedule.kinds[task.index]
                         if worker is None:
                             # One of another kind need not be started, and has its own kind's libraries.
-                            started = sorted((one for one in schedule.ahead if one.waits), key=lambda a: a.kind != kind)
-                            workers.append(worker := _Worker(self, script, next(iter(started), None)))
+                            free = sorted((one for one in schedule.ahead if one.waits), key=lambda a: a.kind != kind)
+                            workers.append(worker := _Worker(self, script, next(iter(free), None)))
                         worker.kinds.add(kind)
                         worker.begin(task, items[task.index])
                 busy = [(worker, worker.task) for worker in workers if worker.task is not None]
                 answering = wait([worker.pipe for worker, _ in busy], timeout=POLL if self.limit else None)
                 for worker, task in busy:
+                    if worker not in workers:
+                        continue
                     in_time = worker.pipe in answering
                     if not in_time and not worker.is_late():
                         continue
                     answer, worker.task = worker.answer() if in_time else None, None
                     if answer is None and self.method == "spawn":
-                        worker.end()
-                        workers.remove(worker)
+                        waiting[:0] = _end_with_group(worker, workers)
                         waiting.insert(0, self._second_attempt(task, items[task.index], late=not in_time))
                     else:
                         done.add(task.index)
@@ -254,11 +255,13 @@ class _Worker:
     Attributes:
         task: that it computes; None while it is idle.
         kinds: of the items that it has begun.
+        group: the same for all processes that end together (`Ahead.group`).
     """
 
     def __init__(self, pool: _Pool, script: bool, ahead: Ahead | None = None) -> None:
         self.task: _Task | None = None
         self.kinds: set[str] = set()
+        self.group: object = ahead.group if ahead is not None else self
         self._limit = pool.limit
         given = ahead.given(pool) if ahead is not None else None
         self.pipe, self._process = given or started(pool.method, serve, pool, script)
@@ -291,3 +294,13 @@ class _Worker:
         self._process.kill()
         self._process.join()
         self.pipe.close()
+
+
+def _end_with_group(worker: _Worker, workers: list[_Worker]) -> list[_Task]:
+    """End a worker and those that end with it, take them out of the list, and return the tasks that the others had:
+    a process that is about to end takes no further task."""
+    ended = [other for other in workers if other.group is worker.group]
+    for other in ended:
+        other.end()
+        workers.remove(other)
+    return [other.task for other in ended if other.task is not None]

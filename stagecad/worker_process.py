@@ -68,11 +68,12 @@ class Ahead:
 
     Attributes:
         kind: of the items that it is for (`Order.ahead`).
+        group: the same for all of `started_ahead`, which end together.
         waits: whether no pool has it, and it has not been ended.
     """
 
-    def __init__(self, kind: str, pipe: Connection, process: BaseProcess | None) -> None:
-        self.kind = kind
+    def __init__(self, kind: str, group: object, pipe: Connection, process: BaseProcess | None) -> None:
+        self.kind, self.group = kind, group
         self.waits = True
         self._pipe, self._process = pipe, process
 
@@ -143,7 +144,8 @@ def started_ahead(load: Callable[[], Any], kind: str, count: int = 1) -> Generat
     pipe, process = started("spawn", _serve_later, (load, [far for _, far in pairs]))
     for _, far in pairs:
         far.close()
-    found = [Ahead(kind, pipe, process), *(Ahead(kind, near, None) for near, _ in pairs)]
+    group = object()
+    found = [Ahead(kind, group, pipe, process), *(Ahead(kind, group, near, None) for near, _ in pairs)]
     try:
         yield found
     finally:
