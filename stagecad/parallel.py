@@ -261,10 +261,10 @@ class _Worker:
     def __init__(self, pool: _Pool, script: bool, ahead: Ahead | None = None) -> None:
         self.task: _Task | None = None
         self.kinds: set[str] = set()
-        self.group: object = ahead.group if ahead is not None else self
-        self._limit = pool.limit
         given = ahead.given(pool) if ahead is not None else None
+        self.group: object = ahead.group if ahead is not None and given is not None else self
         self.pipe, self._process = given or started(pool.method, serve, pool, script)
+        self._limit = pool.limit
 
     def begin(self, task: _Task, item: Any) -> None:
         self.task, self.began = task, self._clock()

@@ -95,7 +95,7 @@ class Ahead:
             if self._process is not None:
                 self._process.kill()
                 self._process.join()
-            # A copy ends as its pipe is closed.
+            # A forked process ends as its pipe is closed.
             self._pipe.close()
 
 

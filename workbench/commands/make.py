@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
@@ -200,9 +202,11 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahe
 
 
 def _prepare_writing(run: Run) -> None:
-    """Load what the results are written with, and write the text of the parameters, which is then kept."""
+    """Load what the results are written with, and form the text of the parameters, which is kept for its writing."""
     from workbench.machine.parameter_text import parameter_text
 
-    parameter_text(run)
     for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure", "jinja2"):
         import_module(name)
+    # An error is reported where the text is written.
+    with suppress(InputError):
+        parameter_text(run)

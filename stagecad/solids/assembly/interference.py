@@ -232,7 +232,7 @@ def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: 
 
     volumes: dict[str, float] = {}
     by_instances: dict[tuple[str, str, str], dict[str, _Place]] = {}
-    for place in {place.key: place for place in reversed(places)}.values():
+    for place in {place.key: place for place in places}.values():
         by_instances.setdefault((place.one.name, place.one.shape, place.two.name), {})[place.key] = place
     for group in by_instances.values():
         others = [(shape(place.two), place.frame) for place in group.values()]
