@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designcalc.checks import Check
+from designcalc.checks.check import Check
 from designcalc.optimisation.evaluation import Evaluation, Evaluator
 from designcalc.optimisation.search import Best, search
 

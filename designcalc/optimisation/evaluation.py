@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.checks import Check, run_checks
+from designcalc.checks.check import Check
+from designcalc.checks.run import run_checks
 from designcalc.optimisation.masses import changed_masses
 from designcalc.optimisation.space import Free, distance, start_point, values_at
 from stagecad.parameters.errors import InputError

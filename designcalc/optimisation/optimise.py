@@ -26,7 +26,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
 
 CONFLICT_BUDGET = 150
 """Evaluations of each search of a design for a part of the requirements."""

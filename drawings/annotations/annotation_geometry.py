@@ -238,6 +238,11 @@ def _angular(d: AngularDimension, view: View) -> Iterator[Primitive]:
     yield _centred(d.text, _offset(d.arc_at, out, away))
 
 
+def callout_boxes(c: Callout) -> list[Box2]:
+    """Bounding boxes of the lines of a callout, symbols included, paper."""
+    return [callout_box(c, number) for number in range(len(c.lines))]
+
+
 def callout_box(c: Callout, number: int) -> Box2:
     """Bounding box of one line of a callout, symbols included, paper."""
     width, away = symbol_text_width(c.lines[number]), LANDING + GAP

@@ -230,6 +230,7 @@ def describe(part: BuiltPart, design: Any) -> PartDescription:
         reads=parameters_of(part.entry.reads),
         treatment=treatment_of(module, design, part.material),
         brittle=design.materials[part.material].strength_kind == "fracture",
+        mesh=part.mesh,
     )
 
 

@@ -11,8 +11,9 @@ is nowhere in front hides nothing that is visible.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numba
@@ -21,7 +22,7 @@ import numpy as np
 from drawings.views.view import Projection, Segment
 from stagecad.parameters.dimension import Point
 from stagecad.solids.export.mesh import Mesh, triangulated
-from stagecad.solids.modelling.frame import Frame
+from stagecad.solids.modelling.frame import UNMOVED, Frame
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -30,7 +31,8 @@ PIXELS = 2800
 """Number of pixels of the depth buffer along its longer side."""
 DEFLECTION, TURN = 0.5, 0.6
 """Tolerances of the mesher for a shape that has no triangles yet: chord error in mm, angle between facets in rad."""
-
+FINE = (0.05, 0.3)
+"""The same for the views of a part by itself."""
 
 SHORTEST = 4.0
 """Length of a visible stretch of a line below which it is left out, mm."""
@@ -81,15 +83,17 @@ class DepthBuffer:
     front: np.ndarray
 
 
-def depth_buffer(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> DepthBuffer:
-    """The depth buffer of placed shapes, faces numbered in their order."""
+def depth_buffer(
+    pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection, pixels: int = PIXELS
+) -> DepthBuffer:
+    """The depth buffer of placed shapes, faces numbered in their order; `pixels` along its longer side."""
     # Columns to the right, rows downwards, depth away from the eye.
     axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
     first_vertex = np.cumsum([0, *(len(piece.vertices) for piece, _ in pieces)])
     first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
     points = np.concatenate([piece.placed_vertices(frame) @ axes.T for piece, frame in pieces])
     low, high = points.min(axis=0), points.max(axis=0)
-    pixel = float((high - low)[:2].max()) / PIXELS
+    pixel = float((high - low)[:2].max()) / pixels
     width, height = (int(np.ceil(extent / pixel)) + 1 for extent in (high - low)[:2])
     depth, front = np.full((height, width), np.inf, dtype=np.float32), np.full((height, width), -1, dtype=np.int32)
     points = (points - low) / pixel
@@ -114,6 +118,60 @@ def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Proje
         shown = [face for number, face in enumerate(piece.faces, start=begin) if visible[number]]
         found.append(moved(compound_of(shown), frame) if shown else None)
     return found
+
+
+PART_PIXELS = 700
+"""Number of pixels along the longer side of the depth buffer of a single part."""
+EDGE_ON = 1e-6
+"""Cosine between the normal of a triangle and the direction of view up to which it is seen edge-on."""
+
+
+def faces_of_view(shape: MeshedShape, projection: Projection) -> TopoDS_Shape:
+    """The faces of a solid that a view of its visible lines needs, as a compound.
+
+    Left out are faces that are seen from behind or edge-on, since each of their visible edges, or one in front of it,
+    belongs to a face that is seen from the front; and faces that others hide. A face is taken as hidden if it is
+    nowhere in front in the depth buffer, and each vertex and centroid of its triangles is behind all pixels around it.
+    So the thin strip that is visible of a slightly curved face counts.
+
+    Args:
+        shape: a solid, meshed as finely as the view is to be exact.
+        projection: direction of view.
+    """
+    buffer = depth_buffer([(shape, UNMOVED)], projection, PART_PIXELS)
+    corners = ((shape.vertices @ buffer.axes.T - buffer.low) / buffer.pixel)[shape.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # The third axis points away from the eye, and rows count downwards.
+    towards = normals[:, 2] < -EDGE_ON * np.linalg.norm(normals, axis=1)
+    points = np.concatenate([corners[towards], corners[towards].mean(axis=1, keepdims=True)], axis=1)
+    around = np.array([(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)])
+    rows, columns = (
+        np.clip(points[..., axis, None].astype(int) + around[:, step], 0, buffer.depth.shape[step] - 1)
+        for axis, step in ((1, 0), (0, 1))
+    )
+    free = points[..., 2] <= buffer.depth[rows, columns].max(axis=-1)
+    needed = np.zeros(len(shape.faces), dtype=bool)
+    needed[buffer.front[buffer.front >= 0]] = True
+    needed[shape.owners[towards][free.any(axis=1)]] = True
+    return compound_of([face for face, need in zip(shape.faces, needed, strict=True) if need])
+
+
+MANY_FACES = 100
+"""Number of faces of a part up to which hidden-line removal takes less than to find the faces that a view needs."""
+
+
+def faces_of_views(shape: TopoDS_Shape, mesh: Mesh | None) -> Callable[[Projection], TopoDS_Shape]:
+    """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`).
+
+    Args:
+        shape: the solid.
+        mesh: of it, if there is one already.
+    """
+    import cadquery as cq
+
+    if sum(1 for _ in faces_of(shape)) <= MANY_FACES:
+        return lambda projection: shape
+    return partial(faces_of_view, meshed(shape, mesh or triangulated(cq.Shape.cast(shape), *FINE)))
 
 
 def visible_stretches(

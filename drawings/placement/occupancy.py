@@ -23,7 +23,7 @@ from drawings.annotations.annotation import (
     ReferenceArrow,
     SectionMark,
 )
-from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_box, text_box
+from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_boxes, text_box
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.annotations.symbols import BOX_RISE
@@ -250,7 +250,7 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             )
         case Callout():
             # Symbols within the text count as text; the rest is the leader.
-            texts = [callout_box(annotation, number) for number in range(len(annotation.lines))]
+            texts = callout_boxes(annotation)
             near = [enlarged(box, FRAME_REACH) for box in texts]
             outside = [line for line in lines if not any(_is_within(line, box) for box in near)]
             leader = _leader(primitives)

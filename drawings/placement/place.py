@@ -22,6 +22,7 @@ from drawings.annotations.annotation import (
     ReferenceArrow,
     SectionMark,
 )
+from drawings.annotations.annotation_geometry import callout_boxes
 from drawings.annotations.font import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import CLEAR_OF_END
@@ -311,10 +312,16 @@ class _Run:
 
     def _conflict_cost(self, annotation: Annotation, limit: float) -> tuple[float, int]:
         """Cost of a position due to the elements drawn so far, mm, and its conflicts; incomplete above a limit."""
-        occupancy, footprint = self.occupancy, footprint_of(annotation, self.view)
-        conflicts = occupancy.line_conflicts(footprint, limit / CONFLICT)
-        if CONFLICT * conflicts < limit:
-            conflicts += sum(occupancy.text_conflicts(box) for box in footprint.texts)
+        occupancy = self.occupancy
+        # The texts of a callout, of which there are most candidates, are known without its lines.
+        boxes = callout_boxes(annotation) if isinstance(annotation, Callout) else []
+        conflicts = sum(map(occupancy.text_conflicts, boxes))
+        if CONFLICT * conflicts >= limit:
+            return CONFLICT * conflicts, conflicts
+        footprint = footprint_of(annotation, self.view)
+        conflicts += occupancy.line_conflicts(footprint, limit / CONFLICT)
+        if CONFLICT * conflicts < limit and not boxes:
+            conflicts += sum(map(occupancy.text_conflicts, footprint.texts))
         if CONFLICT * conflicts < limit:
             conflicts += occupancy.leader_conflicts(annotation, self.view, footprint)
         cost = CONFLICT * conflicts

@@ -13,6 +13,7 @@ from drawings.annotations.primitives import Primitive
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.dimensioning import SheetDimensions, sheet_dimensions
 from drawings.dimensions.hole_table import HoleTable
+from drawings.pictures.scene import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper
 from drawings.sheets.hole_table import hole_table_box, hole_table_primitives
@@ -33,6 +34,8 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 if TYPE_CHECKING:
     import cadquery as cq
     from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
+
+    from stagecad.solids.export.mesh import Mesh
 
 
 TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
@@ -89,22 +92,31 @@ def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -
 
 
 def part_views(
-    shape: TopoDS_Shape, plans: Sequence[SheetPlan], holes: Sequence[ThreadedHole] = (), *, exact: bool = True
+    shape: TopoDS_Shape,
+    plans: Sequence[SheetPlan],
+    holes: Sequence[ThreadedHole] = (),
+    mesh: Mesh | None = None,
+    *,
+    exact: bool = True,
 ) -> tuple[tuple[View, ...], ...]:
     """The views of each sheet of a part, not yet placed; a projection that several sheets show is computed once.
 
     Args:
         shape: the solid.
         holes: its tapped holes.
+        mesh: of the solid, if there is one already.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
     axes = axes_of(shape)
     drawn = with_simple_curves(shape) if exact else shape
     outside = {(plan.projection, plan.hidden) for sheet in plans for plan in sheet.views if not plan.cut}
-    projected = {
-        (name, hidden): project(drawn, PROJECTIONS[name], hidden=hidden, exact=exact, simple=True)
-        for name, hidden in outside
-    }
+    seen_from = faces_of_views(drawn, mesh) if exact else lambda projection: drawn
+
+    def projection_of(name: str, hidden: bool) -> dict[Layer, tuple[Curve, ...]]:
+        faces = drawn if hidden else seen_from(PROJECTIONS[name])
+        return project(faces, PROJECTIONS[name], hidden=hidden, exact=exact, simple=True)
+
+    projected = {(name, hidden): projection_of(name, hidden) for name, hidden in outside}
 
     def view(plan: ViewPlan, sheet_scale: float) -> View:
         scale, projection, label, clip = plan.scale or sheet_scale, PROJECTIONS[plan.projection], "", None
@@ -149,6 +161,7 @@ class PartDescription:
         reads: names of the parameters of the part.
         treatment: of the material.
         brittle: whether the material is, so that edges are not broken by hand.
+        mesh: of the solid, if there is one already.
     """
 
     name: str
@@ -162,6 +175,7 @@ class PartDescription:
     reads: tuple[str, ...] = ()
     treatment: str = "-"
     brittle: bool = False
+    mesh: Mesh | None = None
 
 
 def part_sheets(
@@ -177,7 +191,8 @@ def part_sheets(
     changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in sheet_plans(part.name, design)]
     plans = tuple(plan for plan, _ in changed)
     verifier = verifier or DimensionVerifier(part.solid)
-    views = part_views(part.solid.wrapped, plans, threaded_holes(part.dimensions, verifier), exact=exact)
+    holes = threaded_holes(part.dimensions, verifier)
+    views = part_views(part.solid.wrapped, plans, holes, part.mesh, exact=exact)
     sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(
         replace(sheet, unapplied=(*problems, *sheet.unapplied))

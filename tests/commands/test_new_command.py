@@ -41,7 +41,7 @@ def test_part_is_drawn_after_consent(capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_check_of_a_project_runs_after_consent(capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
-    from designcalc.checks import OWN
+    from designcalc.checks.run import OWN
 
     assert stagecad(["new", "machine", "mill"]) == 0
     monkeypatch.chdir("mill")

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from sim.experiments.stage import stage_drive
 from sim.stage.studies.positioning import LOOPS, move_to
 from stagecad.parameters.load import load_design

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from designcalc.checks import run_checks
 from designcalc.checks.analysis.report import counted, shown_margin
+from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules.registry import violations
 from workbench.cli import run as stagecad

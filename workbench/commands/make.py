@@ -15,7 +15,7 @@ from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
     from stagecad.solids.assembly.machine import Machine

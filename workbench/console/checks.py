@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
-from designcalc.checks import Check
 from designcalc.checks.analysis.grid import GridPoint
 from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.analysis.sweep import Point, Range, changing_checks
 from designcalc.checks.analysis.tolerance import ToleranceStudy
+from designcalc.checks.check import Check
 from designcalc.machine.tolerance_chains import Chain
 from workbench.console.tables import plain_table
 from workbench.options import Run

@@ -11,7 +11,7 @@ from workbench.console.tables import plain_table
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from workbench.machine.comparison import MarginChange, MassChange, SheetChange, VolumeChange
 
 

@@ -13,7 +13,7 @@ from workbench.machine.levels import level_rows, never_met, price_rows
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
     from designcalc.optimisation.reached_levels import Levels

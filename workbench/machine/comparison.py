@@ -13,7 +13,7 @@ from workbench.machine.parameter_json import difference_json
 from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import MassProperties
     from stagecad.solids.assembly.machine import Machine
@@ -140,7 +140,7 @@ def compare_designs(
         margins: compare the margins of the checks.
         progress: called with what is done.
     """
-    from designcalc.checks import run_checks
+    from designcalc.checks.run import run_checks
 
     parameters = diff(*designs)
     if folder is None:

@@ -13,7 +13,7 @@ from workbench.machine.own_part import OwnPart, built_solid, called, draw_part, 
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from stagecad.parameters.design import Design
     from stagecad.solids.assembly.declared import DeclaredMachine, DeclaredSolid
     from stagecad.solids.assembly.machine_declaration import DeclaredPart, MachineDeclaration
@@ -159,7 +159,7 @@ def draw(built: BuiltMachine, folder: Path) -> list[dict[str, Any]]:
 def checks(run: Run, built: BuiltMachine) -> list[Check]:
     """The user's own checks; they may read parameters and mass of each part, `carriage.length` and `carriage.mass`,
     and the mass of the whole, `machine.mass`."""
-    from designcalc.checks import OWN, run_checks
+    from designcalc.checks.run import OWN, run_checks
     from stagecad.parameters.file import Entry
 
     design, machine = run.design, built.machine

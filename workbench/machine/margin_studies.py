@@ -30,8 +30,8 @@ def evaluated_checks(run: Run, masses: BodyMasses | None) -> list[Check]:
 
 def evaluated(source: DesignSource, design: Design, masses: BodyMasses | None) -> list[Check]:
     """Like `evaluated_checks`, for the design that `source` gives."""
-    from designcalc.checks import run_checks
     from designcalc.checks.analysis.proposals import evaluate_proposals
+    from designcalc.checks.run import run_checks
 
     register(source.own)
     load = partial(source.design, rules=False)

@@ -12,7 +12,7 @@ from workbench.machine.design_source import DesignSource, source_of
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
     from designcalc.optimisation.reached_levels import Levels
@@ -134,7 +134,7 @@ def seeded_search(
 
 def verified_checks(evaluator: Evaluator, outcome: Outcome, solids: bool) -> list[Check]:
     """Checks of the design found, with the masses of its own solids."""
-    from designcalc.checks import run_checks
+    from designcalc.checks.run import run_checks
     from stagecad.solids.assembly.machine import body_masses
 
     assert outcome.design is not None

@@ -38,7 +38,7 @@ def register(files: Sequence[str], trust: bool = False) -> None:
 
 
 def _add(subject: str, function: Any, name: str) -> None:
-    from designcalc.checks import OWN
+    from designcalc.checks.run import OWN
 
     OWN[name] = (subject, function)
     _registered[name] = subject

@@ -70,6 +70,29 @@ def _left_title(axes: Any, text: str) -> None:
     axes.set_title(text, fontsize=9, loc="left", y=1.0)
 
 
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _decades(axis: Any) -> None:
+    """Lines and labels at the decades of a logarithmic axis alone.
+
+    They are read more easily than ticks between them, of which there would be dozens. A power of ten is written in
+    plain characters: a formula takes longer to lay out.
+    """
+    from matplotlib.ticker import FuncFormatter, NullLocator
+
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(value)))
+    axis.grid(color="0.92", lw=0.6)
+    axis.axes.set_axisbelow(True)
+
+
+def power_of_ten(value: float) -> str:
+    """A power of ten as the label of a tick: 0.01, 1, 1000, 10⁴."""
+    exponent = round(np.log10(value))
+    return f"{value:g}" if -3 <= exponent <= 3 else f"10{str(exponent).translate(SUPERSCRIPTS)}"
+
+
 def _width_of_labels(figure: Any) -> float:
     """Width of the longest label of the vertical axes, inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -232,6 +255,7 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
         axes.axvline(1e9 * r(f"requirements.{one.key}"), color="tab:red", ls="--", lw=1)
         axes.invert_yaxis()
         axes.set_xscale("log")
+        _decades(axes.xaxis)
         axes.set_xlim(max(min(sizes) / 3, 1e-3))
         axes.tick_params(labelsize=8)
         _left_title(axes, f"{one.name}, {one.direction}")
@@ -277,9 +301,8 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
         for axes in (left, right):
             axes.tick_params(labelsize=8)
             axes.set_xlim(1e-2, 1e5)
-            # Over seven decades, lines at the decades are read more easily than ticks between them.
-            axes.minorticks_off()
-            axes.grid(color="0.92", lw=0.6)
+            _decades(axes.xaxis)
+            _decades(axes.yaxis)
     for axes in panels[-1]:
         axes.set_xlabel("frequency, Hz", fontsize=9)
     _left_title(panels[0, 1], f"from {lowest:.3g} Hz upwards; dashed: limit")

@@ -14,9 +14,9 @@ from workbench.options import finite
 from workbench.report.html import embedded, render
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
     from designcalc.checks.alternatives import Suspension
     from designcalc.checks.budget import Budget
+    from designcalc.checks.check import Check
     from designcalc.errors.dynamic_budget import DynamicBudget
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses

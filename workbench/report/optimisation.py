@@ -9,7 +9,7 @@ from designcalc.checks.analysis.report import counted, shown, shown_limit, shown
 from workbench.machine.levels import level_rows, never_met, price_rows
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from designcalc.optimisation.optimise import Outcome
     from designcalc.optimisation.reached_levels import Levels
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks import run_checks
 from designcalc.checks.analysis.sweep import Range
 from designcalc.checks.check import Check
+from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.parameters.units import as_json, to_si

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from designcalc.checks import run_checks
 from designcalc.checks.analysis.tolerance import scaled_masses
 from designcalc.checks.check import Change, Check
+from designcalc.checks.run import run_checks
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses

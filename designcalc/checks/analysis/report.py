@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from designcalc.checks.alternatives import Suspension
-from designcalc.checks.budget import Budget
-from designcalc.checks.check import Check
-from designcalc.errors.dynamic_budget import DynamicBudget
 from stagecad.parameters.units import as_json, format_quantity
+
+if TYPE_CHECKING:
+    from designcalc.checks.alternatives import Suspension
+    from designcalc.checks.budget import Budget
+    from designcalc.checks.check import Check
+    from designcalc.errors.dynamic_budget import DynamicBudget
 
 VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
 """Verdicts in the order of the report, the worst first."""

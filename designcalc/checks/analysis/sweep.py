@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from designcalc.checks import run_checks
 from designcalc.checks.check import Check
+from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.parameters.units import from_si, parse_quantity, to_si

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.checks import SUBJECTS, run_checks
+from designcalc.checks.run import SUBJECTS, run_checks
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_error
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
-from stagecad.solids.assembly.pair_measurement import common_volume, least_distance, piece_near, relative_frame
+from stagecad.solids.assembly.pair_measurement import common_volumes, least_distance, relative_frame
 from stagecad.solids.modelling.frame import Box, Frame, near, transformed_box
 from stagecad.solids.modelling.registry import ASSEMBLY
 
@@ -231,13 +231,13 @@ def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: 
         return shapes[instance.shape]
 
     volumes: dict[str, float] = {}
-    by_instances: dict[tuple[str, str, str], dict[str, _Place]] = {}
+    by_shape: dict[str, dict[str, _Place]] = {}
     for place in {place.key: place for place in places}.values():
-        by_instances.setdefault((place.one.name, place.one.shape, place.two.name), {})[place.key] = place
-    for group in by_instances.values():
+        by_shape.setdefault(place.one.shape, {})[place.key] = place
+    for group in by_shape.values():
         others = [(shape(place.two), place.frame) for place in group.values()]
-        one = piece_near(shape(next(iter(group.values())).one), others)
-        volumes |= {key: common_volume(one, two, frame) for key, (two, frame) in zip(group, others, strict=True)}
+        one = shape(next(iter(group.values())).one)
+        volumes |= dict(zip(group, common_volumes(one, others), strict=True))
     clearance = None
     free = [place for place in places if place.at_rest and volumes[place.key] <= TOUCH]
     if free and frozenset((free[0].one.part, free[0].two.part)) in INTENDED:

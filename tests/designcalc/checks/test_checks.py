@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designcalc.checks import SUBJECTS, run_checks
 from designcalc.checks.alternatives import ranking
 from designcalc.checks.analysis.report import corrections, markdown, requirements
 from designcalc.checks.analysis.sweep import changing_checks, read_range, run_point, table
 from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
 from designcalc.checks.budget import budgets
 from designcalc.checks.check import Check, Comparison
+from designcalc.checks.run import SUBJECTS, run_checks
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design

@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from designcalc.checks import run_checks
 from designcalc.checks.analysis.grid import combinations, grid_table, run_grid_point
 from designcalc.checks.analysis.sweep import read_range
+from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from designcalc.checks import run_checks
 from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.check import Change, change
+from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules.registry import violations

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from designcalc.checks import contact, run_checks
+from designcalc.checks import contact
+from designcalc.checks.run import run_checks
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import rail

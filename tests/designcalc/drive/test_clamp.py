@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from designcalc.machine.clamp import clamp_finger, clamp_gap, grip
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.errors import InputError

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from designcalc.machine.assembly_values import assembly_values
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.load import load_design

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from designcalc.contact.pulsed import peak_of_mean, pressed_force, pulse_harmonics
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load

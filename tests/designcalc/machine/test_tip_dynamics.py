@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from designcalc.checks import run_checks
 from designcalc.checks.actuator import SLIP_SHARE
+from designcalc.checks.run import run_checks
 from designcalc.drive.friction_drive import resonance
 from designcalc.machine import tip_dynamics as tip
 from designcalc.machine.inputs import DesignInputs

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from designcalc.optimisation.conflicts import irreducible
 from designcalc.optimisation.evaluation import Evaluator
 from designcalc.optimisation.optimise import optimise, required_checks

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from designcalc.optimisation import requirement_levels as module
 from designcalc.optimisation.reached_levels import Levels, Price, Together
 from designcalc.optimisation.requirement_levels import requirement_levels

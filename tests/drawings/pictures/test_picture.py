@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from drawings.pictures.picture import Picture, Piece, picture
-from drawings.pictures.scene import meshed, moved, visible_faces
+from drawings.pictures.scene import FINE, MANY_FACES, faces_of_view, faces_of_views, meshed, moved, visible_faces
 from drawings.views.bounding_box import extreme_points
-from drawings.views.projection import hidden_lines
+from drawings.views.projection import hidden_lines, project
 from drawings.views.view import PROJECTIONS, Curve
+from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 
 ISO = PROJECTIONS["iso"]
@@ -68,3 +69,57 @@ def test_a_piece_behind_another_has_no_visible_face() -> None:
     below = visible_faces([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"])
     assert below[0] is None
     assert below[1] is not None
+
+
+@pytest.fixture(scope="module")
+def block() -> cq.Shape:
+    """A block with a fillet, an undercut, bores that cross, counterbores, a pocket, and a foot crowned by 6 um."""
+    body = (
+        cq.Workplane()
+        .box(60, 40, 30)
+        .faces(">Y")
+        .edges("<Z")
+        .fillet(3.0)
+        .faces(">Z")
+        .workplane()
+        .rect(40, 20)
+        .cutBlind(-6)
+    )
+    body = body.faces("<X").workplane().hole(8.0).faces("<Y").workplane().hole(6.0)
+    body = body.faces(">Z").workplane().rarray(44, 8, 2, 4).cboreHole(2.0, 3.0, 1.0, 4.0)
+    body = body.cut(cq.Workplane().box(60, 40, 3).translate((50, 0, -8)))
+    foot = (
+        cq.Workplane()
+        .box(10, 10, 4)
+        .translate((0, 0, -17))
+        .intersect(cq.Workplane().sphere(2000.0).translate((0, 0, 2000.0 - 18.99)))
+    )
+    solid = body.union(foot).solids().val()
+    assert isinstance(solid, cq.Shape)
+    return solid
+
+
+@pytest.mark.parametrize("direction", sorted(PROJECTIONS))
+def test_the_faces_of_a_view_give_its_lines(block: cq.Shape, direction: str) -> None:
+    projection = PROJECTIONS[direction]
+    faces = faces_of_view(meshed(block.wrapped, triangulated(block, *FINE)), projection)
+    assert len(cq.Shape.cast(faces).Faces()) < len(block.Faces())
+    lines, every = (project(shape, projection, hidden=False)["VISIBLE"] for shape in (faces, block.wrapped))
+    assert numbers(lines).shape == numbers(every).shape
+    assert numbers(lines) == pytest.approx(numbers(every), abs=2e-4)
+
+
+def test_a_strip_narrower_than_a_pixel_is_not_left_out(block: cq.Shape) -> None:
+    # Seen from the front, the sphere of the foot is 6 um high below the lower edge of the foot's front face.
+    faces = faces_of_view(meshed(block.wrapped, triangulated(block, *FINE)), PROJECTIONS["front"])
+    assert "SPHERE" in {face.geomType() for face in cq.Shape.cast(faces).Faces()}
+
+
+def test_a_part_of_few_faces_is_drawn_as_it_is(block: cq.Shape) -> None:
+    assert len(block.Faces()) <= MANY_FACES
+    assert faces_of_views(block.wrapped, None)(ISO) is block.wrapped
+    plate = cq.Workplane().box(100, 100, 5).faces(">Z").workplane().rarray(9, 9, 10, 10).hole(3.0).solids().val()
+    assert isinstance(plate, cq.Shape)
+    seen = faces_of_views(plate.wrapped, None)(PROJECTIONS["top"])
+    assert len(cq.Shape.cast(seen).Faces()) == 1
+    assert len(project(seen, PROJECTIONS["top"], hidden=False)["VISIBLE"]) == 100 + 4

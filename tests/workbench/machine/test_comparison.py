@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
 from stagecad.solids.artefacts.store import ArtefactStore

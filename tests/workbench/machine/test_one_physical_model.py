@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import stagecad.solids.assembly.machine
-from designcalc.checks import run_checks
 from designcalc.checks.analysis.report import markdown, shown
+from designcalc.checks.run import run_checks
 from designcalc.machine.assembly_values import assembly_values
 from designcalc.machine.inputs import DesignInputs
 from sim.stage.from_design import flexible_machine, stage_machine

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from designcalc.checks import run_checks
+from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.api.machine.live_checks import LiveChecks

@@ -97,7 +97,7 @@ def checks(design: Design | None = None, solids: bool = True, proposals: bool = 
         solids: take the masses from the solids, which are made where the cache lacks them, or from plain volumes.
         proposals: evaluate the changes that failed checks propose, which takes some seconds.
     """
-    from designcalc.checks import run_checks
+    from designcalc.checks.run import run_checks
     from stagecad.blas_threads import one_thread
     from workbench.commands.check import masses_of_solids
     from workbench.machine.margin_studies import evaluated_checks

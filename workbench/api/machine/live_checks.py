@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks import SUBJECTS, run_checks
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
 from designcalc.checks.analysis.tolerance import scaled_masses
 from designcalc.checks.check import Check
+from designcalc.checks.run import SUBJECTS, run_checks
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

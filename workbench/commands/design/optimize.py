@@ -14,7 +14,7 @@ from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options, without_rules
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check
+    from designcalc.checks.check import Check
     from designcalc.optimisation.evaluation import Evaluator
     from designcalc.optimisation.optimise import Outcome
     from stagecad.parameters.mass_properties import BodyMasses

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from stagecad.solids.assembly.pair_measurement import common_volume, least_distance, piece_near, relative_frame
+from stagecad.solids.assembly.pair_measurement import common_volume, common_volumes, least_distance, relative_frame
 from stagecad.solids.modelling.frame import Frame
 
 C, S = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
@@ -43,20 +43,52 @@ def test_common_volume_of_a_pin_in_a_plate(solids) -> None:
     assert common_volume(plate, pin, Frame(shift=(0.0, 0.0, -5.0))) == 0.0
 
 
-def test_the_piece_near_others_has_the_same_common_volumes() -> None:
+@pytest.fixture(scope="module")
+def drilled():
+    """A plate of 200 x 40 x 10 with 20 holes of 6 mm, 9 mm apart."""
     import cadquery as cq
 
     holes = cq.Workplane().box(200, 40, 10, centered=False).faces(">Z").workplane(origin=(0, 20, 0))
-    plate = holes.pushPoints([(10 + 9 * k, 0) for k in range(20)]).hole(6).solids().val()
+    return holes.pushPoints([(10 + 9 * k, 0) for k in range(20)]).hole(6).solids().val()
+
+
+RING = math.pi * (3.5**2 - 3.0**2) * 10
+"""Common volume of the plate and a pin of 7 mm in one of its holes, mm^3."""
+
+
+@pytest.mark.parametrize("holes", [(0,), (3, 0, 19), tuple(range(20))])
+def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]) -> None:
+    import cadquery as cq
+
     pin = cq.Solid.makeCylinder(3.5, 30)
-    places = [(pin, Frame(shift=(19.0 + by, 20.0, -5.0))) for by in (0.0, 0.2, 1.5)]
-    piece = piece_near(plate, places)
-    assert len(piece.Faces()) < len(plate.Faces()) / 2
-    for other, frame in places:
-        assert common_volume(piece, other, frame) == pytest.approx(common_volume(plate, other, frame), rel=1e-9)
-    # In one place, or where the others reach over most of it, the solid is taken as it is.
-    assert piece_near(plate, places[:1]) is plate
-    assert piece_near(plate, [*places, (pin, Frame(shift=(190.0, 20.0, -5.0)))]) is plate
+    others = [(pin, Frame(shift=(10.0 + 9 * hole, 20.0, -5.0))) for hole in holes]
+    beside = (pin, Frame(shift=(10.0, 60.0, -5.0)))
+    volumes = common_volumes(drilled, [*others, beside])
+    assert volumes == pytest.approx([RING] * len(holes) + [0.0], rel=1e-9)
+
+
+def test_common_volumes_of_one_that_is_cut_into_several_pieces(drilled) -> None:
+    import cadquery as cq
+
+    # Two grooves of 2 mm leave five layers, of which three are the plate's and two are air.
+    layers = [cq.Solid.makeBox(200, 40, 2, cq.Vector(0, 0, z)) for z in (0.0, 4.0, 8.0)]
+    solid = cq.Compound.makeCompound(layers)
+    block = cq.Solid.makeBox(5, 5, 30)
+    others = [(block, Frame(shift=(x, 2.0, -5.0))) for x in (10.0, 30.0)]
+    assert common_volumes(solid, others) == pytest.approx([5 * 5 * 6.0] * 2, rel=1e-9)
+
+
+def test_common_volumes_of_overlapping_others_are_those_of_each_alone(drilled) -> None:
+    import cadquery as cq
+
+    pin = cq.Solid.makeCylinder(3.5, 30)
+    near = [(pin, Frame(shift=(19.0 + by, 20.0, -5.0))) for by in (0.0, 0.2, 1.5)]
+    alone = [common_volume(drilled, other, frame) for other, frame in near]
+    assert alone[0] == pytest.approx(RING, rel=1e-9) and alone[2] > 1.5 * RING
+    # With the first three, a piece of the plate is taken; with the last too, the plate.
+    assert common_volumes(drilled, near) == pytest.approx(alone, rel=1e-9)
+    far = (pin, Frame(shift=(181.0, 20.0, -5.0)))
+    assert common_volumes(drilled, [*near, far]) == pytest.approx([*alone, RING], rel=1e-9)
 
 
 @pytest.mark.parametrize(
