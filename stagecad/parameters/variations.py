@@ -80,14 +80,27 @@ class Variations:
             text = f"{value!r} {unit}".strip() if number else value
             tolerance = self._entries[key].tolerance
             given[key] = FileEntry(text, f"{self._source.file}: {key}", tolerance, origin)
-        touched = self.dependents(list(values))
-        resolver = Resolver(given, self._source.keys, self._source.materials, self._source.file)
+        return self._of(replace(self._source, given=given), list(values))
+
+    def of(self, source: Source) -> Design:
+        """The design of other entries of the same keys, as with one more override.
+
+        Raises:
+            InputError: an invalid value or formula, or a key that is missing.
+        """
+        before = self._source.given
+        return self._of(source, [key for key in self._source.keys if source.given.get(key) != before.get(key)])
+
+    def _of(self, source: Source, changed: Sequence[str]) -> Design:
+        """The design of a source that differs in the given entries of some keys."""
+        touched = self.dependents(changed)
+        resolver = Resolver(source.given, source.keys, source.materials, source.file)
         resolver.entries.update((key, entry) for key, entry in self._entries.items() if key not in touched)
         for key in touched:
             resolver.entry(key)
-        return self._replaced(resolver.entries, touched)
+        return self._replaced(resolver.entries, touched, source)
 
-    def _replaced(self, entries: Mapping[str, Entry], touched: set[str]) -> Design:
+    def _replaced(self, entries: Mapping[str, Entry], touched: set[str], source: Source) -> Design:
         new: dict[str, dict[str, Any]] = {}
         for key in touched:
             table, _, name = key.rpartition(".")
@@ -100,9 +113,8 @@ class Variations:
                 named[below] = replace(named[below], **values)
             else:
                 tables[top] = _with(tables[top], below, values)
-        ordered = tuple(entries[key] for key in self._source.keys)
+        ordered = tuple(entries[key] for key in source.keys)
         materials = Materials(tuple(named.items()))
-        source = self._source
         return Design(**tables, materials=materials, entries=ordered, file=source.file, overrides=source.overrides)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from workbench.options import Run
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
+    from stagecad.parameters.file import ParameterFile
 
 
 @dataclass(frozen=True)
@@ -39,11 +41,20 @@ class DesignSource:
             return load_design(None, overrides, rules=rules)
         return design_from_text(self.text, self.name, overrides, rules=rules, folder=self.folder)
 
+    def further_override(self) -> Callable[[str], Design]:
+        """What gives the design with one more override `KEY=VALUE`, without regard to rules."""
+        from stagecad.parameters.load import further_override
+
+        return further_override(self._file(), self.overrides)
+
+    def _file(self) -> ParameterFile:
+        from stagecad.parameters.file import parse_parameter_text, read_parameter_file
+
+        return read_parameter_file() if self.text is None else parse_parameter_text(self.text, self.name, self.folder)
+
     def contents(self) -> str:
         """Hash of the text, of the project's tables of hardware, and of the overrides."""
-        from stagecad.parameters.file import parse_parameter_text
-
-        tables = () if self.text is None else parse_parameter_text(self.text, self.name, self.folder).tables
+        tables = () if self.text is None else self._file().tables
         return hashlib.sha256(repr((self.text, tables, self.overrides)).encode()).hexdigest()
 
 

@@ -34,8 +34,7 @@ def evaluated(source: DesignSource, design: Design, masses: BodyMasses | None) -
     from designcalc.checks.run import run_checks
 
     register(source.own)
-    load = partial(source.design, rules=False)
-    return evaluate_proposals(run_checks(design, masses), design, masses, load)
+    return evaluate_proposals(run_checks(design, masses), design, masses, source.further_override())
 
 
 def swept_point(source: DesignSource, swept: Range, base: Design, solids: bool, value: float) -> Point:

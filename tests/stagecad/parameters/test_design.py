@@ -11,8 +11,8 @@ import pytest
 from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import packaged_text
-from stagecad.parameters.load import design_from_text, diff, load_design, write_values
+from stagecad.parameters.file import packaged_text, read_parameter_file
+from stagecad.parameters.load import design_from_text, diff, further_override, load_design, write_values
 from stagecad.parameters.tables.iso286 import is_class
 from stagecad.parameters.tables.machine import schema
 
@@ -226,3 +226,33 @@ def test_a_bad_value_leaves_the_file_as_it_was(tmp_path: Path, key: str, value: 
         write_values(file, {key: (value, origin)})
     assert file.read_text("utf-8") == packaged_text()
     assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize(
+    "override",
+    [
+        "stage.length=232 mm",
+        "actuator.piezo_spacing=60 mm",
+        "holder.diameter==actuator.piezo_spacing + 30 mm",
+        "piezo.length=20 mm",
+        "materials.sus416.density=7800 kg/m^3",
+        "stage.material=sus416",
+        "drawing.revision=B",
+    ],
+)
+def test_a_further_override_gives_the_design_that_is_loaded_with_it(override: str) -> None:
+    first = ("stage.thickness=12.5 mm", "actuator.tip_height=20.5 mm")
+    changed = further_override(read_parameter_file(), first)(override)
+    assert changed == load_design(overrides=(*first, override), rules=False)
+
+
+@pytest.mark.parametrize(
+    "override",
+    ["stage.length=1 kg", "stage.lenght=1 mm", "stage.length=-1 mm", "stage.length=", "stage.length==stage.length"],
+)
+def test_a_further_override_is_refused_as_any_other(override: str) -> None:
+    with pytest.raises(InputError) as expected:
+        load_design(overrides=(override,), rules=False)
+    with pytest.raises(InputError) as found:
+        further_override(read_parameter_file())(override)
+    assert str(found.value) == str(expected.value)
