@@ -204,9 +204,12 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahe
 def _prepare_writing(run: Run) -> None:
     """Load what the results are written with, and form the text of the parameters, which is kept for its writing."""
     from workbench.machine.parameter_text import parameter_text
+    from workbench.report.html import compiled
+    from workbench.report.machine import TEMPLATE
 
-    for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure", "jinja2"):
+    for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure"):
         import_module(name)
+    compiled(TEMPLATE)
     # An error is reported where the text is written.
     with suppress(InputError):
         parameter_text(run)

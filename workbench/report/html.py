@@ -7,11 +7,20 @@ import hashlib
 import os
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 
 def render(template: str, **values: Any) -> str:
     """A page from a packaged template; an unknown name in the template is an error."""
+    return compiled(template).render(**values)
+
+
+@cache
+def compiled(template: str) -> Template:
+    """A packaged template; compiling it takes longer than to fill it in."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -21,7 +30,7 @@ def render(template: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template).render(**values)
+    return environment.get_template(template)
 
 
 @cache

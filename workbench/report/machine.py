@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from workbench.options import Run
 
 REPORT = "report.html"
+TEMPLATE = "machine.html"
 SIMULATIONS = {
     "tip": "Tip path of the actuator",
     "presliding": "Presliding",
@@ -61,7 +62,7 @@ def write_report(run: Run, results: MachineResults) -> Path:
     target = run.out / REPORT
     document, pictures = results.parts, results.pictures
     page = render(
-        "machine.html",
+        TEMPLATE,
         title=run.design.file,
         assembly=embedded(pictures["assembly"]),
         exploded=embedded(pictures["assembly_exploded"]),

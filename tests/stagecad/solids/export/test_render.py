@@ -11,7 +11,9 @@ import cadquery as cq
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.special import ndtr
 
+from stagecad.solids.export import rasteriser
 from stagecad.solids.export.mesh import Mesh, mesh_of
 from stagecad.solids.export.render import picture
 from stagecad.solids.modelling.frame import IDENTITY, Frame
@@ -94,3 +96,15 @@ def test_a_surface_is_darker_behind_a_contour_and_the_background_is_not(cube: Me
     beside, away = image[middle, edge + 4], image[middle, edge + 60]
     assert beside.sum() < away.sum() - 20
     assert np.all(image[2] == image[2, 0]) and image[2, 0].min() > 230
+
+
+@pytest.mark.parametrize("sigma", [3.0, 12.0, 23.3])
+def test_a_wide_blur_is_that_of_the_full_resolution(sigma: float) -> None:
+    # A step of 1: its exact blur is the normal distribution of the distance.
+    values = np.zeros((301, 407), dtype=np.float32)
+    values[:, 200:] = 1.0
+    blurred = rasteriser._blurred(values, sigma)
+    assert blurred.shape == values.shape
+    expected = ndtr((np.arange(407) - 199.5) / sigma)
+    assert np.abs(blurred - expected).max() < 0.015
+    assert np.abs(blurred[0] - blurred[150]).max() < 1e-5
