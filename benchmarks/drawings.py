@@ -35,15 +35,18 @@ SHEET = 3.0
 """Target of a sheet by itself, s."""
 
 
-def seconds(arguments: list[str], cache: Path) -> tuple[float, float]:
-    """Time of day and processor time of one run of the command line."""
+def seconds(arguments: list[str], cache: Path, source: Path | None = None) -> tuple[float, float]:
+    """Time of day and processor time of one run of the command line, of the program in the folder `source`."""
     environment = {**os.environ, "STAGECAD_CACHE": str(cache), "PYTHONPYCACHEPREFIX": str(cache.parent / "compiled")}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    if source is not None:
+        environment["PYTHONPATH"] = str(source)
     _count_orphans()
     start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     run = subprocess.run(
         [sys.executable, "-m", "workbench.cli", *arguments],
         env=environment,
+        cwd=source,
         capture_output=True,
         text=True,
         check=False,

@@ -2,6 +2,11 @@
 the processor time of each stage.
 
     python -m benchmarks.make
+    python -m benchmarks.make --beside COMMIT [--runs N]
+
+With `--beside`, the program as it was at a commit of this repository is the peer: both make each change N times
+(default 3), in alternation, and the ratio of the median times is printed. The speed of a shared machine may differ by a
+factor of two from one minute to the next, so that a time by itself says little.
 
 Times are of fresh processes with a cache of their own. Beside the time of day stands the processor time of all
 processes together, which depends less on other work. The stages are run one after the other in one process, with an
@@ -10,7 +15,13 @@ empty cache and after the first change; what the stages load and compile is in t
 
 from __future__ import annotations
 
+import argparse
+import io
 import os
+import shutil
+import statistics
+import subprocess
+import tarfile
 import tempfile
 import time
 from collections import Counter
@@ -52,8 +63,38 @@ def stage_seconds(folder: Path, change: str) -> dict[str, tuple[int, float, int,
     return {kind: (counts[0][kind], times[0][kind], counts[1][kind], times[1][kind]) for kind in KINDS}
 
 
+def beside(commit: str, runs: int) -> None:
+    """Print the times of the program and of an earlier one, and their ratio, for an empty cache and each change."""
+    here = Path(__file__).resolve().parents[1]
+    archive = subprocess.run(["git", "archive", commit], cwd=here, capture_output=True, check=True).stdout
+    with tempfile.TemporaryDirectory() as folder:
+        peer = Path(folder) / "peer"
+        with tarfile.open(fileobj=io.BytesIO(archive)) as files:
+            files.extractall(peer, filter="data")
+        made, used = {peer: Path(folder) / "cache of peer", here: Path(folder) / "cache"}, Path(folder) / "used"
+        make = ["make", "--out", str(Path(folder) / "build")]
+        print(f"{'stagecad make':34} {commit[:12] + ' [s]':>16} {'now [s]':>9} {'ratio':>7}")
+        empty = {source: seconds(make, cache, source)[0] for source, cache in made.items()}
+        print(f"{'empty cache':34} {empty[peer]:16.2f} {empty[here]:9.2f} {empty[here] / empty[peer]:7.2f}", flush=True)
+        for change in CHANGES:
+            times: dict[Path, list[float]] = {source: [] for source in made}
+            for source in [*made] * runs:
+                shutil.copytree(made[source], used)
+                times[source].append(seconds([*make, "--set", change], used, source)[0])
+                shutil.rmtree(used)
+            before, now = (statistics.median(times[source]) for source in (peer, here))
+            print(f"{change:34} {before:16.2f} {now:9.2f} {now / before:7.2f}", flush=True)
+
+
 def main() -> None:
     """Measure and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--beside", metavar="COMMIT", help="of the program that is the peer")
+    parser.add_argument("--runs", type=int, default=3, metavar="N", help="of each change, with --beside")
+    options = parser.parse_args()
+    if options.beside:
+        beside(options.beside, options.runs)
+        return
     with tempfile.TemporaryDirectory() as folder:
         cache, make = Path(folder) / "cache", ["make", "--out", str(Path(folder) / "build")]
         # With a cache that is not used again, so that the interpreter's own compiled files are there.
