@@ -120,10 +120,10 @@ def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Proje
     return found
 
 
-PART_PIXELS = 700
+PART_PIXELS = 1400
 """Number of pixels along the longer side of the depth buffer of a single part."""
 EDGE_ON = 1e-6
-"""Cosine between the normal of a triangle and the direction of view up to which it is seen edge-on."""
+"""Cosine between the normal of a triangle and the direction of view up to which it is seen edge-on: rounding errors."""
 
 
 def faces_of_view(shape: MeshedShape, projection: Projection) -> TopoDS_Shape:
@@ -132,7 +132,8 @@ def faces_of_view(shape: MeshedShape, projection: Projection) -> TopoDS_Shape:
     Left out are faces that are seen from behind or edge-on, since each of their visible edges, or one in front of it,
     belongs to a face that is seen from the front; and faces that others hide. A face is taken as hidden if it is
     nowhere in front in the depth buffer, and each vertex and centroid of its triangles is behind all pixels around it.
-    So the thin strip that is visible of a slightly curved face counts.
+    So the strip of a slightly curved face that is narrower than a pixel counts. Not found is a face of which only a
+    stretch between its vertices is visible, through a gap that is narrower than a pixel.
 
     Args:
         shape: a solid, meshed as finely as the view is to be exact.

@@ -48,9 +48,9 @@ def common_volume(one: cq.Shape, two: cq.Shape, frame: Frame) -> float:
 def common_volumes(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> list[float]:
     """Common volumes of a solid and each of several others, mm^3.
 
-    Others whose bounding boxes are apart are intersected with the solid in one operation: its time grows with the
-    number of faces of the solid. A piece of the result belongs to the other whose box contains its centre of mass.
-    Where several operations are needed, each is with the piece of the solid near the others.
+    Others whose bounding boxes are apart are intersected with the solid in one operation, since its time grows with the
+    number of faces of the solid. A solid of the result belongs to the other whose box contains its centre of mass.
+    Several operations are made with the piece of the solid within the box of all others.
 
     Args:
         one: the solid.
