@@ -20,7 +20,7 @@ from rich.table import Table
 from scipy.optimize import least_squares
 
 from sim.effects.catalogue import library
-from sim.library.effect import Axis, Effect, Parameter
+from sim.effects.effect import Axis, Effect, Parameter
 
 STEP = 0.01
 ROWS = 2000

@@ -14,8 +14,8 @@ import matplotlib as mpl
 import numpy as np
 
 from sim.effects.catalogue import library
+from sim.effects.effect import Axis, Effect
 from sim.effects.model import Model, compose
-from sim.library.effect import Axis, Effect
 from stagecad.parameters.atomic import atomic_write_text
 
 mpl.use("svg")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sim.effects.catalogue import library
-from sim.library.effect import Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 from stagecad.parameters.atomic import atomic_write_text
 
 PAGE = Path(__file__).parent / "effects.md"

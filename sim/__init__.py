@@ -2,10 +2,10 @@
 
 from sim.effects.catalogue import find, library
 from sim.effects.custom import load_all_custom, load_custom
+from sim.effects.effect import Axis, Effect, Parameter, Scan, rotary_unit
 from sim.effects.model import Model, compose
 from sim.integration import drive
 from sim.integration.simulate import Simulation, SimulationError, simulate
-from sim.library.effect import Axis, Effect, Parameter, Scan, rotary_unit
 
 __all__ = [
     "Axis",

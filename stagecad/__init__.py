@@ -12,9 +12,9 @@ __version__ = "0.1.0"
 _MODULES = {
     "Design": "workbench.api.machine.design",
     "load_design": "workbench.api.machine.design",
-    "Effect": "sim.library.effect",
-    "Parameter": "sim.library.effect",
-    "Scan": "sim.library.effect",
+    "Effect": "sim.effects.effect",
+    "Parameter": "sim.effects.effect",
+    "Scan": "sim.effects.effect",
     "Model": "workbench.api.measurement.statement",
     "Record": "workbench.api.measurement.statement",
     "Rig": "workbench.api.measurement.statement",

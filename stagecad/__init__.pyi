@@ -1,6 +1,6 @@
-from sim.library.effect import Effect as Effect
-from sim.library.effect import Parameter as Parameter
-from sim.library.effect import Scan as Scan
+from sim.effects.effect import Effect as Effect
+from sim.effects.effect import Parameter as Parameter
+from sim.effects.effect import Scan as Scan
 from stagecad.parameters.errors import InputError as InputError
 from workbench.api.machine.design import Design as Design
 from workbench.api.machine.design import load_design as load_design

@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from sim.effects.catalogue import rigid_friction
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.consistency import consistency_warnings

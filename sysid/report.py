@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import rotary_unit
+from sim.effects.effect import rotary_unit
 from stagecad.parameters.units import as_json
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis

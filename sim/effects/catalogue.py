@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import sim.effects
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
 
 PUBLIC = (

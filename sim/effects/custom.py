@@ -20,7 +20,7 @@ from types import ModuleType
 from typing import Any
 
 from sim.effects.catalogue import library, valid_name
-from sim.library.effect import Axis, Effect, Parameter
+from sim.effects.effect import Axis, Effect, Parameter
 from stagecad.parameters.errors import InputError, nearest
 
 ROWS = 7

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sim.effects.catalogue import find
-from sim.library.effect import Axis, Effect
+from sim.effects.effect import Axis, Effect
 from stagecad.parameters.errors import InputError, nearest
 
 

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.integration.arrowhead import assemble
+from sim.integration.compiled.views import OverViews, Part, Zeros
 from sim.integration.dense_output import (
     HISTORY,
     KEPT_STEPS,
@@ -52,7 +53,6 @@ from sim.integration.problem import (
 from sim.integration.right_hand_side import drive_at, friction_terms, rates_of_change
 from sim.integration.rodas5p import STAGES, STEP, dense_coefficients, evaluate
 from sim.numerics.compilation import INLINED
-from sim.numerics.views import OverViews, Part, Zeros
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 REPORT_HEAD = 4

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.effects.effect import Axis, Effect
 from sim.effects.model import Model
-from sim.integration import kernels
+from sim.effects.time_domain import AddedOscillator, Backlash, DelayedSpeed, FirstOrderLag, TransportDelay
+from sim.integration.compiled import kernels
 from sim.integration.drive import Drive, delayed
 from sim.integration.input_compression import compressed
 from sim.integration.problem import FORCE, FRICTION, WORKS, Body, Input, Laws, Layout, Problem, Tolerance
-from sim.library.effect import Axis, Effect
-from sim.library.time_domain import AddedOscillator, Backlash, DelayedSpeed, FirstOrderLag, TransportDelay
 from stagecad.parameters.errors import InputError
 
 SCALE = 1e-3

@@ -15,11 +15,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.integration.kernel_source import QUANTITIES
+from sim.integration import compiled
+from sim.integration.compiled.kernel_source import QUANTITIES
+from sim.integration.compiled.views import Zeros
 from sim.numerics.compilation import INLINED, compile_function
-from sim.numerics.views import Zeros
 
-SOURCES = [str(path) for path in sorted(Path(__file__).parent.glob("*.py"))]
+SOURCES = [
+    str(path)
+    for path in sorted(Path(__file__).parent.glob("*.py")) + sorted(Path(compiled.__file__).parent.glob("*.py"))
+]
 """Files that the compiled integrator depends on."""
 
 SLOPES = len(QUANTITIES)
@@ -188,7 +192,7 @@ class Terms(NamedTuple):
     """Values of the laws at one instant, written in place.
 
     Args:
-        axis: arguments of the effects' laws, in the order of `sim.library.effect.Axis`.
+        axis: arguments of the effects' laws, in the order of `sim.effects.effect.Axis`.
         laws: value and slopes of level, factor and force of one effect, then slopes of the product of the factors.
         elements: rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g of each element, (elements, 8).
         total: level, force of the friction state model, of the effects, of the parallel elements, (4,).

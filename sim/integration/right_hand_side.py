@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from sim.integration.kernel_calls import call_effect, call_elements
+from sim.integration.compiled.kernel_calls import call_effect, call_elements
 from sim.integration.problem import COLUMNS, FORCE, FRICTION, SLOPES, VALUES, inlined
 
 

@@ -17,10 +17,10 @@ import math
 import numpy as np
 
 from sim.integration.arrowhead import factorise, solve
+from sim.integration.compiled.views import Part
 from sim.integration.dense_output import delayed_speed
 from sim.integration.problem import BRANCH, VALUES, inlined
 from sim.integration.right_hand_side import friction_terms, rates_of_change
-from sim.numerics.views import Part
 
 STAGES = 8
 GAMMA = 0.21193756319429014

@@ -29,8 +29,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.integration.compiled.views import OverViews
 from sim.numerics.compilation import INLINED, compile_function
-from sim.numerics.views import OverViews
 from sim.stage import bending, slip_elements
 from sim.stage import state as state_module
 from sim.stage.state import Constants, State

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.diagnosis.held_out import Gain, HeldOut, held_out
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parallel import fork_map
 from sysid.estimation.driven_stage_search import truncated
 from sysid.estimation.reference_fit import ReferenceFit

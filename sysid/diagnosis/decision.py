@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from sim.library.effect import Coordinate
+from sim.effects.effect import Coordinate
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.constants import (
     CLEAR_MARGIN,

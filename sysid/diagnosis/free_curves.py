@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from sim.library.effect import Axis, Coordinate, Effect, Parameter
+from sim.effects.effect import Axis, Coordinate, Effect, Parameter
 from sysid.experiment.unknowns import Prior
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord

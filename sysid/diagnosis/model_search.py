@@ -17,7 +17,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parallel import fork_map
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
 from sysid.diagnosis.candidate_screening import Progress, ScreeningResult, screen_all

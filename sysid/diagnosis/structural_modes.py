@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.effects.catalogue import find_where
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import LEAST_GAIN
 from sysid.diagnosis.decision import Decision

@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from sim.effects.catalogue import find, rigid_friction
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.least_squares import least_squares
 from sysid.prediction.friction_drive.friction import CONTACT

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import weighted_residual
 from sysid.prediction.force_balance.record import ForceBalanceRecord

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from sim.library.effect import Parameter
+from sim.effects.effect import Parameter
 from sysid.estimation.fit import FittedModel
 
 

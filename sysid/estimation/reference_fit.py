@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.estimation.driven_stage_search import lowest_minimum
 from sysid.estimation.driven_stage_starts import rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber

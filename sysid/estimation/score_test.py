@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import nnls
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.misfit import weighted_residual

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, synchronised_starts
 from sysid.estimation.driven_stage_starts import slipping_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian

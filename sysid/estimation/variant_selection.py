@@ -13,8 +13,8 @@ from typing import TypeAlias
 import numpy as np
 
 from sim.effects.catalogue import find, laws_of
+from sim.effects.effect import Effect
 from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_stretches
-from sim.library.effect import Effect
 from sim.numerics.elasto_plastic import elements_along
 from stagecad.parallel import fork_map
 from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronised_starts

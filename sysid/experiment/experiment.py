@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.consent import custom_files, give_consent
 from sysid.experiment.known import DesignValues, Known, known_axes, read_known

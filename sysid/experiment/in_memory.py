@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.experiment.experiment import Experiment, read_experiment
 from sysid.experiment.history import Revision
 from sysid.experiment.known import DesignValues

@@ -10,7 +10,7 @@ from typing import Any
 
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
-from sim.library.effect import Effect, Parameter, rotary_unit
+from sim.effects.effect import Effect, Parameter, rotary_unit
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension

@@ -18,7 +18,7 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.constants import LEAST_GAIN, LEAST_SIGNIFICANCE
 from sysid.estimation.fit import FittedModel

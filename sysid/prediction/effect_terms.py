@@ -9,8 +9,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect
-from sim.library.time_domain import Backlash
+from sim.effects.effect import Axis, Effect
+from sim.effects.time_domain import Backlash
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 Values = Mapping[str, float]

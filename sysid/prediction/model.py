@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 from sysid.experiment.unknowns import Unknown
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.channel_scales import scaled

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.effects.catalogue import PUBLIC, find, library
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import in_contact, public_name
 from sysid.prediction.problem import Problem

@@ -9,7 +9,7 @@ from typing import Literal
 
 from sim.effects.catalogue import find, rounding_effects
 from sim.effects.custom import load_all_custom
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment

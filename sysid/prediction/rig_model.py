@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.known import Known
 from sysid.experiment.record import Record

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.prediction.effect_terms import Values, split_channel, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.prediction.effect_terms import Values

@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.effects.effect import Effect
 from sim.integration.simulate import SimulationError
-from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record

@@ -8,7 +8,7 @@ import json
 import pytest
 
 from designcalc.checks.run import run_checks
-from sim.experiments.stage import stage_drive
+from sim.friction_stage.studies import stage_drive
 from sim.stage.studies.positioning import LOOPS, move_to
 from stagecad.parameters.load import load_design
 from stagecad.solids.assembly.machine import body_masses

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.effects.catalogue import library
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find, library
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.estimation.misfit import misfit
 from sysid.experiment.experiment import Experiment, load_experiment

@@ -224,7 +224,7 @@ def _thesis_experiment(name: str, design: Design, models: Sequence[str], report:
 
 
 def _stage(design: Design, studies: Sequence[str], report: ProgressCallback) -> Simulation:
-    from sim.experiments.stage import STUDIES, stage_drive
+    from sim.friction_stage.studies import STUDIES, stage_drive
     from stagecad.parallel import fork_map
     from stagecad.solids.assembly.machine import body_masses
 

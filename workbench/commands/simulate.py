@@ -255,7 +255,7 @@ def _experiment(
 
 def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output, progress: Any) -> dict[str, Any]:
     """Run the studies of the stage, write their tables and figures; their features."""
-    from sim.experiments.stage import STUDIES, stage_drive
+    from sim.friction_stage.studies import STUDIES, stage_drive
     from stagecad.parallel import fork_map, parallel_map
     from stagecad.solids.assembly.machine import body_masses
 

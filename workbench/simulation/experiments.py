@@ -145,7 +145,7 @@ def simulate_selection(design: Design, selection: Selection, masses: BodyMasses 
     results: dict[str, Any] = {}
     for name in selection.names:
         if name == "stage":
-            from sim.experiments.stage import STUDIES, run_serially, stage_drive
+            from sim.friction_stage.studies import STUDIES, run_serially, stage_drive
             from stagecad.solids.assembly.machine import body_masses
 
             drive = stage_drive(design, masses or body_masses(design))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from sim.effects.sensor import sensor_delay
-from sim.library.time_domain import TransportDelay
+from sim.effects.time_domain import TransportDelay
 
 _OF_CURVES = replace(
     sensor_delay.EFFECT.variants[0],

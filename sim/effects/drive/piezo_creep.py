@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter, Scan
+from sim.effects.effect import Effect, Parameter, Scan
 
 
 def _logarithmic(signal: Any, step: float, p: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter, Scan
+from sim.effects.effect import Effect, Parameter, Scan
 
 PLAYS = 15
 _THRESHOLDS = np.linspace(0.1, 1.0, 8)

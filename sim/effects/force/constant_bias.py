@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.library.effect import Axis, Effect, Parameter
+from sim.effects.effect import Axis, Effect, Parameter
 
 
 def force(axis: Axis, p: Any) -> Any:

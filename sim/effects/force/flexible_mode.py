@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter, Scan
-from sim.library.time_domain import AddedOscillator
+from sim.effects.effect import Effect, Parameter, Scan
+from sim.effects.time_domain import AddedOscillator
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:

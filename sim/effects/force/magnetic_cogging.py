@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.effect import Axis, Effect, Parameter, Scan
 from sim.effects.friction.position_dependent_friction import SECOND_HARMONIC
-from sim.library.effect import Axis, Effect, Parameter, Scan
 
 
 def force(axis: Axis, p: Any) -> Any:

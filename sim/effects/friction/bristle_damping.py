@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.friction_state import parallel_elements
+from sim.effects.effect import Axis, Effect, Parameter, Scan
+from sim.effects.friction_state_model import parallel_elements
 from sim.numerics.elasto_plastic import Elements
 
 SPREAD = 8

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sim.effects.effect import Axis, Effect, Parameter
 from sim.effects.friction_state.coulomb import core
-from sim.library.effect import Axis, Effect, Parameter
 
 
 def level(axis: Axis, p: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect, Parameter
+from sim.effects.effect import Axis, Effect, Parameter
 
 
 def _factor(axis: Axis, p: Any) -> Any:

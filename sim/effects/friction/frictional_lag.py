@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.time_domain import DelayedSpeed
+from sim.effects.effect import Axis, Effect, Parameter, Scan
+from sim.effects.time_domain import DelayedSpeed
 
 
 def _memory(axis: Axis, p: Any) -> Axis:

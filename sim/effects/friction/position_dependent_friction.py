@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.effects.effect import Axis, Effect, Parameter, Scan
 
 SECOND_HARMONIC = (
     Parameter(

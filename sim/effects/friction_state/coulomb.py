@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 RELAXATION = 1e-4

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.effect import Effect, Parameter, Scan
 from sim.effects.friction_state.lugre import RELEASE, level, scale, stored
-from sim.library.effect import Effect, Parameter, Scan
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.effect import Effect, Parameter
 from sim.effects.friction_state.lugre import DAMPING, FORCE, RELEASE, STIFFNESS, level, scale, stored
-from sim.library.effect import Effect, Parameter
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 SUBSTEP = 0.05

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.effect import Axis, Effect, Parameter, Scan
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 CANUDAS = "Canudas de Wit, Olsson, Astrom, Lischinsky 1995, IEEE Trans. Automatic Control 40(3), pp. 419-425"

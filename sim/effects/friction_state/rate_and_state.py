@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.effect import Axis, Effect, Parameter, Scan
 from sim.effects.friction_state.lugre import FORCE, RELEASE, STIFFNESS, scale, stored
-from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 from sim.numerics.record_operators import contact_age
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.effect import Effect, Parameter, Scan
 from sim.effects.sensor.sensor_lag import LONGEST, LONGEST_ROWS
-from sim.library.effect import Effect, Parameter, Scan
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:

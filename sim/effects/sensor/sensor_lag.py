@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter, Scan
+from sim.effects.effect import Effect, Parameter, Scan
 
 LONGEST, LONGEST_ROWS = 0.05, 50.0
 """Longest plausible lag or delay of a logger, s, and in rows: filters of amplifiers and buses take milliseconds."""

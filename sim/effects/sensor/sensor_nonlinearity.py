@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sim.library.effect import Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:

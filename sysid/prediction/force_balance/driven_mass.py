@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record

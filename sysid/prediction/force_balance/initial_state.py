@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root_scalar
 
-from sim.library.effect import Axis, Effect
+from sim.effects.effect import Axis, Effect
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 FIRST_ROWS = 50

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sim.numerics.elasto_plastic import position_behind_gap, springs_of
 from sysid.prediction.channel_scales import scale_ratio
 from sysid.prediction.effect_terms import (

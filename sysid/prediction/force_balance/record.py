@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.library.effect import Axis
+from sim.effects.effect import Axis
 from sysid.prediction.force_balance.stick_event_times import SlipPhases
 from sysid.prediction.prepared_record import CommonRecord
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from sim.effects.effect import Effect
 from sim.effects.model import Model
 from sim.integration.drive import Drive, force, held_force, pulled_spring
 from sim.integration.simulate import simulate
-from sim.library.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.rig_model import Start

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 from sim.numerics.elasto_plastic import Elements, Springs, displace_to, elements_along, springs_of
 from sysid.signals.masks import runs

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.effects.effect import Axis, Effect
 from sim.effects.model import Model
 from sim.integration.driven_stage.inputs import FrictionLimit, TipMotion, VelocityTable, velocity_independent
 from sim.integration.driven_stage.midpoint import NO_BRISTLES
-from sim.library.effect import Axis, Effect
 from sim.numerics.elasto_plastic import Elements
 from stagecad.parameters.errors import InputError
 from sysid.prediction.effect_terms import TERMS, Values, axis_force, friction_level, values_of

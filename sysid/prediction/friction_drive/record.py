@@ -26,11 +26,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sim.effects.effect import Axis, Effect
 from sim.integration.driven_stage.event_driven import simulate_event_driven
 from sim.integration.driven_stage.inputs import DrivenStage, Nudging, TipMotion
 from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
 from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
-from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record

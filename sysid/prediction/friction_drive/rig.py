@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.effects.catalogue import find
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.prediction.actuator_tip import LENGTHS

@@ -7,10 +7,10 @@ import pytest
 
 from sim.effects.catalogue import find, library
 from sim.effects.custom import load_all_custom, load_custom
+from sim.effects.effect import Axis
 from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import SimulationError, simulate
-from sim.library.effect import Axis
 from stagecad.parameters.errors import InputError
 
 CUBIC = '''\
@@ -64,7 +64,7 @@ def test_a_users_effect_takes_its_place_among_the_built_in_ones(tmp_path):
 
 def test_a_constant_may_be_written_as_one_number(tmp_path):
     custom = load_custom(write(tmp_path, one("lambda a, p: p.c", 'Parameter("c", "N", 1.0, 0.0, 9.0, "m", "s")')))
-    from sim.library.effect import Axis
+    from sim.effects.effect import Axis
 
     axis = Axis(*[np.ones(5)] * 10)
     assert custom[0].force(axis, custom[0].values()).shape == (5,)

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.effects.catalogue import find, library
+from sim.effects.effect import Axis, Effect
 from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import simulate
-from sim.library.effect import Axis, Effect
 
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
 CORES = [name for name, effect in library().items() if effect.friction_state is not None]

@@ -11,8 +11,9 @@ import pytest
 
 from sim import compose, simulate
 from sim.effects.catalogue import find, library
-from sim.integration import drive, kernels
-from sim.library.effect import Axis, Effect
+from sim.effects.effect import Axis, Effect
+from sim.integration import drive
+from sim.integration.compiled import kernels
 
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
 POINT = Axis(

@@ -9,7 +9,8 @@ import pytest
 
 from sim import compose, simulate
 from sim.effects.catalogue import library
-from sim.integration import drive, kernels
+from sim.integration import drive
+from sim.integration.compiled import kernels
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
 

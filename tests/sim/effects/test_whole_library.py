@@ -10,8 +10,9 @@ import pytest
 
 from sim import compose, simulate
 from sim.effects.catalogue import ORDER, find, library
-from sim.integration import drive, kernels
-from sim.library.effect import Axis, Effect
+from sim.effects.effect import Axis, Effect
+from sim.integration import drive
+from sim.integration.compiled import kernels
 from stagecad.parameters.errors import InputError
 
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]

@@ -11,10 +11,10 @@ import pytest
 
 from sim.effects.catalogue import find
 from sim.effects.model import compose
-from sim.integration import drive, integrator, kernels
+from sim.integration import drive, integrator
+from sim.integration.compiled import kernels, views
 from sim.integration.drive import Drive
 from sim.integration.simulate import SimulationError, simulate
-from sim.numerics import views
 from stagecad.parameters.errors import InputError
 
 NO_FORCE = drive.force([0.0, 1.0], [0.0, 0.0])

@@ -17,7 +17,7 @@ from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import pad_positions, pad_spring_stiffness
 from designcalc.machine.stage_plate import give_at_tip, payload_feet
 from designcalc.machine.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
-from sim.stage.from_design import driven_alone, driven_by_three, flexible_machine
+from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
 from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_with_load

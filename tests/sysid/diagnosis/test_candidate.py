@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
 from sysid.diagnosis.held_out import HeldOut
 from sysid.estimation.fit import fit_model

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
-from sim.library.effect import Coordinate, Effect
+from sim.effects.effect import Coordinate, Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.constants import NOISE_FACTOR
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide, equivalent

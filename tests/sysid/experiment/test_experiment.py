@@ -95,7 +95,7 @@ def test_model_effects_variants_sensors_and_settings(tmp_path):
 
 def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
     (tmp_path / "mine.py").write_text(
-        "from sim.library.effect import Effect, Parameter\n"
+        "from sim.effects.effect import Effect, Parameter\n"
         "def force(axis, p):\n    return p.strength * axis.position**3\n"
         'effect = Effect("cubic_spring", "stiffens", force=force,\n'
         '    parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])\n'

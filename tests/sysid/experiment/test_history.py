@@ -14,7 +14,7 @@ import pytest
 
 import sysid.experiment.history as ladder
 from sim.effects.catalogue import library
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, history_lock, read_history, undo

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find, library
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate import Reference
 from sysid.diagnosis.held_out import HeldOut

@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.effects.catalogue import find, library
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from sysid.compare import compare
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model

@@ -12,7 +12,7 @@ from designcalc.checks.analysis.report import markdown, shown
 from designcalc.checks.run import run_checks
 from designcalc.machine.assembly_values import assembly_values
 from designcalc.machine.inputs import DesignInputs
-from sim.stage.from_design import flexible_machine, stage_machine
+from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.identification.design_values import design_values
 from workbench.options import Run

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.library.effect import Effect
+from sim.effects.effect import Effect
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.memory import MemoryTable

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from sim.numerics import views
-from sim.numerics.views import OverViews, Part, Zeros
+from sim.integration.compiled import views
+from sim.integration.compiled.views import OverViews, Part, Zeros
 
 
 class Inner(NamedTuple):

@@ -1,6 +1,6 @@
 """Source of the kernels of built-in laws: small generated modules that unpack pointers into a law's named arguments.
 
-`sim.integration.kernels` describes what each kernel reads and writes.
+`sim.integration.compiled.kernels` describes what each kernel reads and writes.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from sim.library.effect import Axis, Effect
-from sim.library.friction_state import FrictionStateModel
+from sim.effects.effect import Axis, Effect
+from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics import compilation
 from sim.numerics.elasto_plastic import smooth_element
 from stagecad.parameters.atomic import atomic_write_text
@@ -49,7 +49,7 @@ class Kernel:
 
 _EFFECT_TEXT = """\
 from numba import carray, njit
-from sim.library.effect import Axis
+from sim.effects.effect import Axis
 from sim.effects.catalogue import find
 
 EFFECT = find({name!r})

@@ -14,8 +14,8 @@ CALL = """\
 import ctypes
 import numpy as np
 from sim.effects.catalogue import find
-from sim.integration.kernel_source import compile_effect
-from sim.library.effect import Axis
+from sim.integration.compiled.kernel_source import compile_effect
+from sim.effects.effect import Axis
 
 kernel = compile_effect(find("viscous"), [])
 axis = np.array([2.0 if name == "velocity" else 0.0 for name in Axis._fields])

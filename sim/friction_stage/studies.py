@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from sim.stage.from_design import driven_alone, driven_by_three, flexible_machine
+from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
 from sim.stage.machine import StageMachine
 from sim.stage.studies import STUDY_NAMES
 from sim.stage.studies.coupling import coupling_study

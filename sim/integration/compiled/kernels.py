@@ -1,7 +1,7 @@
 """Every effect and friction state model behind one C signature each, which the integrator calls by address.
 
-A built-in law is compiled by numba, once (`sim.integration.kernel_source`). A user's own law, or one that numba cannot
-compile, is called back in Python through the same signature.
+A built-in law is compiled by numba, once (`kernel_source`). A user's own law, or one that numba cannot compile, is
+called back in Python through the same signature.
 
     effect(axis, p, out, slopes):  for the laws level, factor, force: out[law, 0] value, out[law, 1..5] slopes by
                                    position, velocity, travelled, contact age and time
@@ -21,7 +21,9 @@ from typing import Any
 import numpy as np
 
 from sim.effects.catalogue import find, library
-from sim.integration.kernel_source import (
+from sim.effects.effect import Axis, Effect, Parameter
+from sim.effects.friction_state_model import FrictionStateModel
+from sim.integration.compiled.kernel_source import (
     COLUMNS,
     DIFFERENCE,
     LAWS,
@@ -32,8 +34,6 @@ from sim.integration.kernel_source import (
     compile_elements,
     compile_state,
 )
-from sim.library.effect import Axis, Effect, Parameter
-from sim.library.friction_state import FrictionStateModel
 from stagecad.parameters.errors import InputError
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)

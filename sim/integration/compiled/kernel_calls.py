@@ -1,6 +1,6 @@
 """Calls of kernels through their addresses, for compiled code: an effect's, and a group of elements'.
 
-Arrays are passed by the address of an entry; `sim.integration.kernels` describes what each kernel reads and
+Arrays are passed by the address of an entry; `sim.integration.compiled.kernels` describes what each kernel reads and
 writes. Importing this module imports numba.
 """
 

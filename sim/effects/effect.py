@@ -23,7 +23,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
-from sim.library.time_domain import TimeDomain
+from sim.effects.time_domain import TimeDomain
 from stagecad.parameters.errors import InputError, nearest
 
 Coordinate = Literal[
