@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from stagecad.friction_stage.parts.base_clamp import Clamp, clamps
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.load import load_design
-from stagecad.solids.parts.base_clamp import Clamp, clamps
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference" / "clamp.toml"
 BOX = ((-55.0, 70.0), (10.0, 98.0))

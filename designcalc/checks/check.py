@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal, SupportsFloat
 
-from designcalc.machine.inputs import DesignInputs, Input
+from designcalc.checks.inputs import DesignInputs, Input
 from stagecad.parameters.units import as_json, format_quantity
 
 Verdict = Literal["passes", "fails", "out_of_range", "undecidable"]

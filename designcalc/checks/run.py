@@ -6,7 +6,9 @@ from collections.abc import Callable, Container
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks import (
+from designcalc.checks.check import Check, CheckFunction, at_most
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.checks import (
     actuator,
     alternatives,
     budget,
@@ -21,9 +23,7 @@ from designcalc.checks import (
     teeth,
     thermal,
 )
-from designcalc.checks.bearing import pads, plate, smoothness, ways, wear
-from designcalc.checks.check import Check, CheckFunction, at_most
-from designcalc.machine.inputs import DesignInputs
+from designcalc.friction_stage.checks.bearing import pads, plate, smoothness, ways, wear
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:

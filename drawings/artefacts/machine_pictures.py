@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.assembly.assemble import Instance
+from stagecad.friction_stage.assembly.machine import MOVING
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
-from stagecad.solids.assembly.assemble import Instance
-from stagecad.solids.assembly.machine import MOVING
 
 if TYPE_CHECKING:
     from drawings.pictures.picture import Picture

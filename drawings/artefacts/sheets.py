@@ -16,25 +16,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.artefacts.machine_pictures import stored_picture
+from stagecad.friction_stage.assembly.assemble import assemble
+from stagecad.friction_stage.assembly.machine import part_mass
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.mass_properties import combined
-from stagecad.parameters.tables.machine import schema
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part
 from stagecad.solids.artefacts.source_digest import versions
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.assemble import assemble
-from stagecad.solids.assembly.machine import part_mass
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_definition, part_names
 
 if TYPE_CHECKING:
+    from drawings.friction_stage.assembly_dimensions import MachineSize
+    from drawings.friction_stage.procedure.figures import ProcedureValues
     from drawings.pictures.picture import Picture
-    from drawings.procedure.figures import ProcedureValues
     from drawings.sheets.assembly import AssemblyDescription
-    from drawings.sheets.assembly_dimensions import MachineSize
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
-    from stagecad.solids.assembly.assemble import Instance
+    from stagecad.friction_stage.assembly.assemble import Instance
     from stagecad.solids.modelling.verification import DimensionVerifier
 
 FORMATS = ("dxf", "svg", "pdf", "png")
@@ -56,8 +56,8 @@ _MODULES = {
     PROCEDURE: (
         "drawings.sheets.assembly",
         "drawings.pictures.machine",
-        "drawings.procedure.procedure",
-        "drawings.procedure.sheet",
+        "drawings.friction_stage.procedure.procedure",
+        "drawings.friction_stage.procedure.sheet",
     ),
 }
 
@@ -265,8 +265,8 @@ def _machine_sheet(
     Raises:
         ValueError: the procedure without its calculated values.
     """
-    from drawings.procedure.procedure import procedure
-    from drawings.procedure.sheet import procedure_sheet
+    from drawings.friction_stage.procedure.procedure import procedure
+    from drawings.friction_stage.procedure.sheet import procedure_sheet
     from drawings.sheets.assembly import assembly_sheet, title_of
 
     instances = assemble(parts, design)
@@ -283,7 +283,7 @@ def _machine_sheet(
 def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> AssemblyDescription:
     """The machine as its sheets need it."""
     from drawings.sheets.assembly import AssemblyDescription
-    from stagecad.solids.assembly.accessories import accessories
+    from stagecad.friction_stage.assembly.accessories import accessories
     from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 
     masses = {name: part_mass(part, design) for name, part in parts.items()}
@@ -300,7 +300,7 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
 
 def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> MachineSize:
     """Bounding box of all parts at the middle of travel, from the corners of each part's own box; and the travel."""
-    from drawings.sheets.assembly_dimensions import MachineSize
+    from drawings.friction_stage.assembly_dimensions import MachineSize
 
     corners = []
     for instance in instances:

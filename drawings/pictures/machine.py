@@ -16,12 +16,12 @@ from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE
 from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved, visible_stretches
 from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
+from stagecad.friction_stage.assembly.machine import CARRIED, MOVING
 from stagecad.parameters.dimension import Point
-from stagecad.solids.assembly.machine import CARRIED, MOVING
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, near, subtract
 
 if TYPE_CHECKING:
-    from stagecad.solids.assembly.assemble import Instance
+    from stagecad.friction_stage.assembly.assemble import Instance
 
 EYE_BELOW = Projection(
     FROM_BELOW,

@@ -11,18 +11,25 @@ from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMa
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
 from drawings.annotations.primitives import Primitive, Stroke, Text
+from drawings.friction_stage.assembly_dimensions import (
+    DIMENSIONED,
+    FIRST,
+    SIDE,
+    MachineSize,
+    overall_dimensions,
+    travel_range,
+)
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
-from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, MachineSize, overall_dimensions, travel_range
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View
-from stagecad.solids.assembly.machine import CARRIED
+from stagecad.friction_stage.assembly.machine import CARRIED
 
 if TYPE_CHECKING:
-    from stagecad.solids.assembly.accessories import Accessory
+    from stagecad.friction_stage.assembly.accessories import Accessory
     from stagecad.solids.assembly.bill_of_materials import Row
 
 SIZES: tuple[Paper, ...] = ("A1", "A0")

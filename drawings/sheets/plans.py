@@ -15,9 +15,9 @@ from typing import Any
 
 from drawings.sheets.frame import Paper
 from drawings.views.view import PROJECTIONS, Cut
-from stagecad.parameters.derived import Derived
+from stagecad.friction_stage.parameters.derived import Derived
+from stagecad.friction_stage.parts.base_clamp import clamps
 from stagecad.parameters.dimension import FaceRequirement, Point
-from stagecad.solids.parts.base_clamp import clamps
 
 
 @dataclass(frozen=True)

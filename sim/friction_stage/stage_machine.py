@@ -7,16 +7,23 @@ import math
 
 import numpy as np
 
+from designcalc.checks.inputs import DesignInputs
 from designcalc.errors.sensors import count_size
-from designcalc.machine.body import moving_body, with_ballast
-from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import gravity, load, moved_mass, preload
-from designcalc.machine.pads import mean_film, pad_positions
-from designcalc.machine.position_loop import BANDS, air_error, suspension
-from designcalc.machine.stage_plate import bending_modes
-from designcalc.machine.teeth import magnets
-from designcalc.machine.tip_contact import contact_stiffness
-from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness, sway, sway_limit
+from designcalc.friction_stage.physics.body import moving_body, with_ballast
+from designcalc.friction_stage.physics.loads import gravity, load, moved_mass, preload
+from designcalc.friction_stage.physics.pads import mean_film, pad_positions
+from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
+from designcalc.friction_stage.physics.stage_plate import bending_modes
+from designcalc.friction_stage.physics.teeth import magnets
+from designcalc.friction_stage.physics.tip_contact import contact_stiffness
+from designcalc.friction_stage.physics.tip_dynamics import (
+    PIEZOS,
+    inertia_on_piezos,
+    mass_on_piezos,
+    stack_stiffness,
+    sway,
+    sway_limit,
+)
 from sim.stage.machine import Bending, Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
 from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
@@ -30,7 +37,7 @@ HIGHEST_MODE = 24e3
 
 
 def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
-    """The simulated machine: its numbers are those of `designcalc.machine`, which the checks read as well.
+    """The simulated machine; its numbers are those of `designcalc.friction_stage.physics`, as for the checks.
 
     Without teeth the preload is a dead weight in the middle of the stage, and nothing guides the stage.
     """

@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from stagecad.parameters.derived import Derived
+from stagecad.friction_stage.parameters.derived import Derived
+from stagecad.friction_stage.parameters.machine import Tables, nearest_key
+from stagecad.friction_stage.parameters.physics import Material
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
-from stagecad.parameters.tables.iso286 import deviations, is_class
-from stagecad.parameters.tables.machine import Tables, nearest_key
-from stagecad.parameters.tables.physics import Material
+from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.units import to_si
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.iso286 import in_range, is_class
+from stagecad.parameters.project_tables import HARDWARE, ProjectTable, read_project_tables
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
-from stagecad.parameters.tables.iso286 import in_range, is_class
-from stagecad.parameters.tables.project_tables import HARDWARE, ProjectTable, read_project_tables
 from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import from_si, parse_uncertain, quoted
 
@@ -79,7 +79,7 @@ class ByRow:
 
 def packaged_text() -> str:
     """Text of the packaged thesis design."""
-    return files("stagecad.parameters").joinpath("thesis.toml").read_text("utf-8")
+    return files("stagecad.friction_stage.parameters").joinpath("thesis.toml").read_text("utf-8")
 
 
 def read_parameter_file(path: str | Path | None = None) -> ParameterFile:

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from stagecad.friction_stage.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.hardware import NO_ROW
+from stagecad.friction_stage.parameters.machine import MATERIALS, nearest_key, schema
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, ViolationsError
 from stagecad.parameters.file import (
@@ -21,12 +23,10 @@ from stagecad.parameters.file import (
     read_parameter_file,
     require_origin,
 )
+from stagecad.parameters.project_tables import HARDWARE, ROW, ProjectTable, kinds, slot_kinds
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
 from stagecad.parameters.schema import Declaration
-from stagecad.parameters.tables.hardware import NO_ROW
-from stagecad.parameters.tables.machine import MATERIALS, nearest_key, schema
-from stagecad.parameters.tables.project_tables import HARDWARE, ROW, ProjectTable, kinds, slot_kinds
 from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
 

@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from stagecad.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.hardware import NO_ROW
+from stagecad.friction_stage.parameters.machine import nearest_key
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import (
     ByRow,
@@ -20,8 +22,6 @@ from stagecad.parameters.file import (
 )
 from stagecad.parameters.formula import SIGN, FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.schema import Declaration
-from stagecad.parameters.tables.hardware import NO_ROW
-from stagecad.parameters.tables.machine import nearest_key
 from stagecad.parameters.units import quoted, to_si, unit_dimension
 
 

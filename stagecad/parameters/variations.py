@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, get_type_hints
 
+from stagecad.friction_stage.parameters.machine import MATERIALS, Tables
+from stagecad.friction_stage.parameters.physics import Material
 from stagecad.parameters.design import Design, Materials
 from stagecad.parameters.file import Entry, FileEntry
 from stagecad.parameters.resolve import Resolver
 from stagecad.parameters.schema import Declaration, declarations
-from stagecad.parameters.tables.machine import MATERIALS, Tables
-from stagecad.parameters.tables.physics import Material
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.errors import LONGEST, InputError
 from stagecad.parameters.file import packaged_text
 from stagecad.parameters.load import load_design
-from stagecad.parameters.tables.machine import schema
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers import isolated
 from sysid.experiment.record import load_records

@@ -225,8 +225,8 @@ def _thesis_experiment(name: str, design: Design, models: Sequence[str], report:
 
 def _stage(design: Design, studies: Sequence[str], report: ProgressCallback) -> Simulation:
     from sim.friction_stage.studies import STUDIES, stage_drive
+    from stagecad.friction_stage.assembly.machine import body_masses
     from stagecad.parallel import fork_map
-    from stagecad.solids.assembly.machine import body_masses
 
     for study in studies:
         if study not in STUDIES:

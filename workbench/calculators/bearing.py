@@ -9,11 +9,11 @@ from workbench.calculators.catalogue import Calculator, Option, Values, constant
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
 
 
 def _contact(r: DesignInputs, given: Values) -> float:
-    from designcalc.checks.bearing.smoothness import spot
+    from designcalc.friction_stage.checks.bearing.smoothness import spot
 
     return spot(r)
 
@@ -80,8 +80,8 @@ def _levitation(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _suspensions(run: Run, v: Values) -> dict[str, Any]:
-    from designcalc.checks.alternatives import ranking
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.checks.alternatives import ranking
     from stagecad.parameters.units import as_json
 
     rows = [

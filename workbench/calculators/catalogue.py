@@ -11,7 +11,7 @@ from stagecad.parameters.units import as_json
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
 
 Values = dict[str, Any]
 
@@ -46,8 +46,8 @@ def from_material(part: str, quantity: str) -> Callable[[DesignInputs, Values], 
 
 
 def from_model(module: str, function: str) -> Callable[[DesignInputs, Values], float]:
-    """A default computed by a function of `designcalc.machine`, whose module is imported when it is needed."""
-    return lambda r, given: getattr(import_module(f"designcalc.machine.{module}"), function)(r)
+    """A default computed by a function of `designcalc.friction_stage.physics`, imported when it is needed."""
+    return lambda r, given: getattr(import_module(f"designcalc.friction_stage.physics.{module}"), function)(r)
 
 
 def same_as(name: str) -> Callable[[DesignInputs, Values], float]:
@@ -136,9 +136,9 @@ def _rail(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _teeth(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.magnetic_teeth import teeth_field
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.teeth import CIRCUITS, circuit
+    from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 
     field = teeth_field(v["pitch"], v["tooth_width"], v["gap"], v["groove_depth"])
     ratio = as_json(field.lateral_over_normal, "")

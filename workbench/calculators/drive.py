@@ -20,7 +20,7 @@ from workbench.calculators.catalogue import (
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
 
 
 def _drive(run: Run, v: Values) -> dict[str, Any]:
@@ -47,19 +47,19 @@ def _drive(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _rise(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.tip_dynamics import usable_ellipse
+    from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 
     return usable_ellipse(r)[1]
 
 
 def _side_force(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.loads import tip_load
+    from designcalc.friction_stage.physics.loads import tip_load
 
     return r("drive.friction") * tip_load(r)
 
 
 def _tilt(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.tip_dynamics import tilt_amplitude
+    from designcalc.friction_stage.physics.tip_dynamics import tilt_amplitude
 
     return tilt_amplitude(r)
 
@@ -84,9 +84,9 @@ def _stack(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _tip_over(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.pads import pad_positions
+    from designcalc.friction_stage.physics.pads import pad_positions
 
     places = pad_positions(DesignInputs(run.design))
     share = tip_force_limit(places, (0.0, 0.0), (-v["position"], 0.0))
@@ -107,7 +107,7 @@ def _of_finger(name: str) -> Callable[[DesignInputs, Values], float]:
     """A number of the design's clamp finger."""
 
     def default(r: DesignInputs, given: Values) -> float:
-        from designcalc.machine.clamp import clamp_finger
+        from designcalc.friction_stage.physics.clamp import clamp_finger
 
         return float(getattr(clamp_finger(r), name))
 
@@ -116,9 +116,9 @@ def _of_finger(name: str) -> Callable[[DesignInputs, Values], float]:
 
 def _clamp(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.bearing.fastener import preload_of_torque
+    from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.height_adjustment import clamp_shift
-    from designcalc.machine.clamp import clamp_finger
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.friction_stage.physics.clamp import clamp_finger
 
     changed = {name: v[name] for name in ("neck", "screw_lever", "press_lever", "modulus", "poisson")}
     finger = replace(clamp_finger(DesignInputs(run.design)), **changed)

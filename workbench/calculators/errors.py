@@ -40,8 +40,8 @@ def _alignment(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _budget(run: Run, v: Values) -> dict[str, Any]:
-    from designcalc.checks.budget import budgets
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.checks.budget import budgets
 
     found: dict[str, Any] = {}
     for one in budgets(DesignInputs(run.design)):
@@ -56,8 +56,8 @@ def _budget(run: Run, v: Values) -> dict[str, Any]:
 
 def _dynamic_budget(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.checks.analysis.report import dynamic_document
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.position_loop import dynamic_budgets
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 
     return dynamic_document(dynamic_budgets(DesignInputs(run.design)), 1 / run.design.loop.observation)
 

@@ -16,7 +16,7 @@ from workbench.calculators.errors import ERROR_CALCULATORS
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
 
 ALL = {**CALCULATORS, **DRIVE_CALCULATORS, **BEARING_CALCULATORS, **ERROR_CALCULATORS}
 """All calculators by their name."""
@@ -76,7 +76,7 @@ def _written(name: str, calculator: Calculator, arguments: Sequence[str]) -> dic
 
 def _values(run: Run, name: str, calculator: Calculator, written: Mapping[str, str]) -> Values:
     """SI values of all options: as written, else from the design."""
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
 
     values: Values = {}
     inputs: DesignInputs | None = None

@@ -80,7 +80,7 @@ def command(
     if wanted or tolerance or asked["chains"]:
         document = {"checks": document}
     if asked["chains"]:
-        from designcalc.machine.tolerance_chains import chains as chains_of
+        from designcalc.friction_stage.physics.tolerance_chains import chains as chains_of
         from workbench.console.checks import print_chains
 
         found = chains_of(design)
@@ -150,7 +150,7 @@ def _gridded(
 
 def masses_of_solids(run: Run) -> BodyMasses | None:
     """Masses of the solids, which are made when missing; None where they cannot be made."""
-    from stagecad.solids.assembly.machine import body_masses
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     try:
         return body_masses(run.design)

@@ -16,9 +16,9 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
+    from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-    from stagecad.solids.assembly.machine import Machine
     from stagecad.worker_process import Ahead
 
 
@@ -55,7 +55,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     """Write all results from the store, and the report."""
     from designcalc.checks.analysis.report import counted
-    from drawings.procedure.procedure import procedure
+    from drawings.friction_stage.procedure.procedure import procedure
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
@@ -207,7 +207,7 @@ def _prepare_writing(run: Run) -> None:
     from workbench.report.html import compiled
     from workbench.report.machine import TEMPLATE
 
-    for name in ("designcalc.checks.analysis.report", "drawings.procedure.procedure"):
+    for name in ("designcalc.checks.analysis.report", "drawings.friction_stage.procedure.procedure"):
         import_module(name)
     compiled(TEMPLATE)
     # An error is reported where the text is written.

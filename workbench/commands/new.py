@@ -120,7 +120,7 @@ def hardware(run: Run, kind: str) -> None:
 
     `[hardware]` of the parameter file names it; a part chooses a row by its key `row`.
     """
-    from stagecad.parameters.tables.project_tables import HARDWARE, ROW, kinds
+    from stagecad.parameters.project_tables import HARDWARE, ROW, kinds
     from workbench.machine.hardware_table import table_text
 
     if kind not in kinds():

@@ -9,8 +9,8 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
+    from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.mass_properties import MassProperties
-    from stagecad.solids.assembly.machine import Machine
 
 MANIFEST = "parts_manifest.json"
 BILL = "bill_of_materials"
@@ -48,8 +48,8 @@ def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
 def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any]:
     import json
 
+    from stagecad.friction_stage.assembly.accessories import accessories
     from stagecad.solids.artefacts.outputs import write_manifest, write_stored, write_text
-    from stagecad.solids.assembly.accessories import accessories
     from stagecad.solids.assembly.bill_of_materials import csv_text
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.modelling.registry import ASSEMBLY

@@ -256,8 +256,8 @@ def _experiment(
 def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output, progress: Any) -> dict[str, Any]:
     """Run the studies of the stage, write their tables and figures; their features."""
     from sim.friction_stage.studies import STUDIES, stage_drive
+    from stagecad.friction_stage.assembly.machine import body_masses
     from stagecad.parallel import fork_map, parallel_map
-    from stagecad.solids.assembly.machine import body_masses
 
     drive = stage_drive(run.design, body_masses(run.design))
     # A forked process has the compiled kernels; a new one would load them, for each study.

@@ -11,7 +11,7 @@ from designcalc.checks.analysis.report import counted, shown, shown_limit, shown
 from designcalc.checks.analysis.sweep import Point, Range, changing_checks
 from designcalc.checks.analysis.tolerance import ToleranceStudy
 from designcalc.checks.check import Check
-from designcalc.machine.tolerance_chains import Chain
+from designcalc.friction_stage.physics.tolerance_chains import Chain
 from workbench.console.tables import plain_table
 from workbench.options import Run
 

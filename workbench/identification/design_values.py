@@ -12,7 +12,7 @@ from sysid.experiment.known import DesignValue
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
@@ -47,14 +47,14 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
 
     def value(name: str) -> DesignValue:
         if name == "mass":
-            from designcalc.machine.loads import moved_mass
+            from designcalc.friction_stage.physics.loads import moved_mass
 
             mass = moved_mass(_inputs(run))
             return DesignValue(mass, MASS_DEVIATION * mass)
         if name == "contact_stiffness":
             # Its elliptic integrals come from a library that takes a third of a second to load.
-            from designcalc.machine.loads import load
-            from designcalc.machine.tip_contact import contact_stiffness
+            from designcalc.friction_stage.physics.loads import load
+            from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 
             r = _inputs(run)
             contact = contact_stiffness(r, load(r))
@@ -82,8 +82,8 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
 
 def _inputs(run: Run) -> DesignInputs:
     """The design with the masses of its solids, as checks and simulation of the stage read it."""
-    from designcalc.machine.inputs import DesignInputs
-    from stagecad.solids.assembly.machine import body_masses
+    from designcalc.checks.inputs import DesignInputs
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     return DesignInputs(run.design, body_masses(run.design))
 

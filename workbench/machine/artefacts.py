@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from drawings.procedure.figures import ProcedureValues
+    from drawings.friction_stage.procedure.figures import ProcedureValues
+    from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.assembly.machine import Machine
 
 VALUES = "procedure_values.json"
 Result = TypeVar("Result")
@@ -45,7 +45,7 @@ def built_machine(run: Run, store: Any = None) -> Machine:
 
     The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
     """
-    from stagecad.solids.assembly.machine import build_machine, find_machine
+    from stagecad.friction_stage.assembly.machine import build_machine, find_machine
     from stagecad.solids.modelling.registry import part_names
 
     machine = find_machine(run.design, store)
@@ -60,18 +60,18 @@ def built_machine(run: Run, store: Any = None) -> Machine:
 
 def procedure_values(store: ArtefactStore, design: Design) -> ProcedureValues:
     """The values of a design from the masses of its own solids, for `drawings.artefacts.tasks.build_all_sheets`."""
-    from stagecad.solids.assembly.machine import body_masses
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     return stored_values(store, design, body_masses(design))
 
 
 def stored_values(store: ArtefactStore, design: Design, masses: BodyMasses) -> ProcedureValues:
     """The values from the store, or computed if they are not there; the field between the teeth takes a second."""
-    from drawings.procedure.figures import ProcedureValues
+    from drawings.friction_stage.procedure.figures import ProcedureValues
 
     def calculate(tracked: Any, folder: Path) -> None:
-        from designcalc.machine.assembly_values import assembly_values
-        from designcalc.machine.inputs import DesignInputs
+        from designcalc.checks.inputs import DesignInputs
+        from designcalc.friction_stage.physics.assembly_values import assembly_values
 
         (folder / VALUES).write_text(json.dumps(assembly_values(DesignInputs(tracked, masses))), "utf-8")
 

@@ -14,9 +14,9 @@ from workbench.options import ProgressCallback
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
+    from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import MassProperties
-    from stagecad.solids.assembly.machine import Machine
 
 ROUNDING = 1e-9
 """Relative difference of two numbers that is not a difference."""
@@ -149,8 +149,8 @@ def compare_designs(
         progress("margins", 0, 0)
         before, after = (run_checks(design) for design in designs)
         return DesignComparison(names, parameters, margin_changes(before, after))
+    from stagecad.friction_stage.assembly.machine import build_machine
     from stagecad.parameters.mass_properties import BodyMasses
-    from stagecad.solids.assembly.machine import build_machine
 
     def advance(name: str) -> None:
         progress(name, 0, 0)

@@ -11,7 +11,7 @@ from stagecad.parameters.units import from_si, to_si
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.tables.project_tables import Kind
+    from stagecad.parameters.project_tables import Kind
 
 _UNITS = {"m": "um", "m^2": "mm^2", "kg": "g", "Pa": "MPa", "F": "uF"}
 """Units of the columns whose keys are kept in others."""
@@ -19,7 +19,7 @@ _UNITS = {"m": "um", "m^2": "mm^2", "kg": "g", "Pa": "MPa", "F": "uF"}
 
 def table_text(design: Design, kind: str) -> str:
     """The table of a kind with one row for each piece of hardware in the design."""
-    from stagecad.parameters.tables.project_tables import NAME, SOURCE, kinds
+    from stagecad.parameters.project_tables import NAME, SOURCE, kinds
 
     declared = kinds()[kind]
     columns = [column for column, one in declared.columns.items() if not one.computed]

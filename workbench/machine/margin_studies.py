@@ -40,7 +40,7 @@ def evaluated(source: DesignSource, design: Design, masses: BodyMasses | None) -
 def swept_point(source: DesignSource, swept: Range, base: Design, solids: bool, value: float) -> Point:
     """The checks at one value of a sweep, with the masses of its own solids (or of plain volumes)."""
     from designcalc.checks.analysis.sweep import run_point
-    from stagecad.solids.assembly.machine import body_masses
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     return run_point(swept, value, source.design, base, body_masses if solids else _no_solids)
 
@@ -71,7 +71,7 @@ def grid_point(
 ) -> GridPoint:
     """The checks at one point of a grid, with the masses of its own solids (or of plain volumes)."""
     from designcalc.checks.analysis.grid import run_grid_point
-    from stagecad.solids.assembly.machine import body_masses
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     return run_grid_point(ranges, values, source.design, base, body_masses if solids else _no_solids)
 

@@ -135,7 +135,7 @@ def seeded_search(
 def verified_checks(evaluator: Evaluator, outcome: Outcome, solids: bool) -> list[Check]:
     """Checks of the design found, with the masses of its own solids."""
     from designcalc.checks.run import run_checks
-    from stagecad.solids.assembly.machine import body_masses
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     assert outcome.design is not None
     design = evaluator.design(outcome.design.values)

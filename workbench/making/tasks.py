@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
 from drawings.artefacts.tasks import slowest_first
+from stagecad.friction_stage.assembly.assemble import assemble
+from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.solids.artefacts.part import BuiltPart, build_part, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.built_assembly import build_assembly
 from stagecad.solids.assembly.interference import stored_interferences
-from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
@@ -57,8 +57,8 @@ LOADING = "libraries"
 """A task without a result: loads what drawings, checks and figures use, while the first solids are made."""
 LIBRARIES = (
     "designcalc.checks.analysis.tolerance",
-    "designcalc.machine.assembly_values",
-    "drawings.procedure.sheet",
+    "designcalc.friction_stage.physics.assembly_values",
+    "drawings.friction_stage.procedure.sheet",
     "drawings.export.lint",
     "matplotlib.backends.backend_agg",
     "matplotlib.figure",

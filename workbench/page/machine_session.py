@@ -10,12 +10,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry, packaged_text
 from stagecad.parameters.load import changed_text
 from stagecad.parameters.rules.registry import violations
-from stagecad.parameters.tables.machine import schema
 from workbench.api.machine.design import Design, load_design
 from workbench.api.machine.differences import diff
 from workbench.api.machine.live_checks import LiveChecks, LiveResult, check_row

@@ -108,8 +108,8 @@ def rail_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | N
     from dataclasses import replace
 
     from designcalc.bearing.bolted_rail import best_spacing_ratio, total_stiffness
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.pads import rail
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.physics.pads import rail
 
     r = DesignInputs(design, masses)
     way, diameter = rail(r), r("screws.way.diameter")
@@ -159,9 +159,9 @@ def teeth_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | 
 @check_figure(6.4, 4.0)
 def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
+    from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.tip_ellipse import speed_of
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.tip_dynamics import tip_resonance, usable_ellipse
+    from designcalc.friction_stage.physics.tip_dynamics import tip_resonance, usable_ellipse
 
     r = DesignInputs(design, masses)
     travel, first, wanted = usable_ellipse(r)[0], tip_resonance(r), r("requirements.speed")
@@ -186,10 +186,10 @@ def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | 
 @check_figure(6.4, 4.0)
 def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
+    from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.loads import gravity, load_centre, preload_ratio
-    from designcalc.machine.pads import pad_positions
+    from designcalc.friction_stage.physics.loads import gravity, load_centre, preload_ratio
+    from designcalc.friction_stage.physics.pads import pad_positions
 
     r = DesignInputs(design, masses)
     half, places, centre = r("stage.travel") / 2, pad_positions(r), load_centre(r)
@@ -216,8 +216,8 @@ def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str 
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.checks.bearing.smoothness import lapped_surface, spot
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.checks.bearing.smoothness import lapped_surface, spot
 
     r = DesignInputs(design, masses)
     surface, side = lapped_surface(r), spot(r)
@@ -239,8 +239,8 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     """Contributions to the error budgets at the payload."""
     from matplotlib.figure import Figure
 
-    from designcalc.checks.budget import budgets
-    from designcalc.machine.inputs import DesignInputs
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.checks.budget import budgets
 
     r = DesignInputs(design, masses)
     found = budgets(r)
@@ -269,9 +269,9 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
     from matplotlib.figure import Figure
 
-    from designcalc.checks.position_loop import limit_key
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.position_loop import dynamic_budgets
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.checks.position_loop import limit_key
+    from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 
     r = DesignInputs(design, masses)
     found, lowest = dynamic_budgets(r), 1 / r("loop.observation")

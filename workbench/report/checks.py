@@ -14,10 +14,10 @@ from workbench.options import finite
 from workbench.report.html import embedded, render
 
 if TYPE_CHECKING:
-    from designcalc.checks.alternatives import Suspension
-    from designcalc.checks.budget import Budget
     from designcalc.checks.check import Check
     from designcalc.errors.dynamic_budget import DynamicBudget
+    from designcalc.friction_stage.checks.alternatives import Suspension
+    from designcalc.friction_stage.checks.budget import Budget
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
 
@@ -38,10 +38,10 @@ def write_check_files(
         folder: destination.
         figures: PNG by title, to be put into the page.
     """
-    from designcalc.checks.alternatives import ranking
-    from designcalc.checks.budget import budgets
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.position_loop import dynamic_budgets
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.checks.alternatives import ranking
+    from designcalc.friction_stage.checks.budget import budgets
+    from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 
     ranked = ranking(DesignInputs(design, masses))
     found = budgets(DesignInputs(design, masses))

@@ -16,7 +16,7 @@ from workbench.report.reduced_sheet import SMALL, reduced_sheet
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
-    from drawings.procedure.procedure import Procedure
+    from drawings.friction_stage.procedure.procedure import Procedure
     from stagecad.solids.assembly.interference import Interference
     from workbench.options import Run
 

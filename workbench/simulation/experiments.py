@@ -67,9 +67,9 @@ def moving_mass(design: Design, given: str | None) -> float:
         return design.friction.mass
     if given != "design":
         return parse_mass(given)
-    from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.loads import moved_mass
-    from stagecad.solids.assembly.machine import body_masses
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.physics.loads import moved_mass
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     return moved_mass(DesignInputs(design, body_masses(design)))
 
@@ -146,7 +146,7 @@ def simulate_selection(design: Design, selection: Selection, masses: BodyMasses 
     for name in selection.names:
         if name == "stage":
             from sim.friction_stage.studies import STUDIES, run_serially, stage_drive
-            from stagecad.solids.assembly.machine import body_masses
+            from stagecad.friction_stage.assembly.machine import body_masses
 
             drive = stage_drive(design, masses or body_masses(design))
             results[name] = {study: STUDIES[study](drive, run_serially) for study in selection.studies}

@@ -148,7 +148,7 @@ def run_monte_carlo(run: Run, selection: Selection, count: int, seed: int, sched
 
 def _common(run: Run, selection: Selection, parameters: tuple[UncertainParameter, ...]) -> _Common:
     """Common data of all samples, with the masses of the design's own solids, so that no sample builds solids."""
-    from stagecad.solids.assembly.machine import body_masses
+    from stagecad.friction_stage.assembly.machine import body_masses
 
     if selection.mass == "design" and selection.friction_experiments:
         selection = replace(selection, mass=f"{moving_mass(run.design, 'design')!r} kg")

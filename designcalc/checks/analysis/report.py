@@ -11,10 +11,10 @@ import numpy as np
 from stagecad.parameters.units import as_json, format_quantity
 
 if TYPE_CHECKING:
-    from designcalc.checks.alternatives import Suspension
-    from designcalc.checks.budget import Budget
     from designcalc.checks.check import Check
     from designcalc.errors.dynamic_budget import DynamicBudget
+    from designcalc.friction_stage.checks.alternatives import Suspension
+    from designcalc.friction_stage.checks.budget import Budget
 
 VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
 """Verdicts in the order of the report, the worst first."""

@@ -14,7 +14,7 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.tables.machine import schema
+from stagecad.friction_stage.parameters.machine import schema
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -59,7 +59,7 @@ def rule(check: Check) -> Check:
 def all_rules() -> dict[str, Check]:
     """Every rule by name."""
     for module in _MODULES:
-        import_module(f"stagecad.parameters.rules.{module}")
+        import_module(f"stagecad.friction_stage.rules.{module}")
     return dict(_RULES)
 
 

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stagecad.friction_stage.assembly.accessories import Accessory
+from stagecad.friction_stage.assembly.assemble import Instance, count
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.artefacts.part import BuiltPart
-from stagecad.solids.assembly.accessories import Accessory
-from stagecad.solids.assembly.assemble import Instance, count
 from stagecad.solids.modelling.registry import MADE, PURCHASED
 
 HEADINGS = ("item", "part", "description", "part number", "quantity", "material", "mass each [kg]", "mass [kg]")

@@ -9,9 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.assembly.assemble import Instance, assemble
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.assemble import Instance, assemble
 from stagecad.solids.modelling.frame import Frame
 from stagecad.solids.modelling.placed_shape import PlacedShape
 from stagecad.solids.modelling.registry import ASSEMBLY
@@ -99,7 +99,7 @@ def placed_shapes(
 
 def shapes_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> dict[str, cq.Shape]:
     """The exact solid of each `Instance.shape`: that of the part, or a spring at its length in the assembly."""
-    from stagecad.solids.purchased import spring
+    from stagecad.friction_stage.purchased import spring
 
     shapes: dict[str, cq.Shape] = {}
     for instance in instances:

@@ -9,10 +9,10 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.assembly.assemble import Instance, count
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.mass_properties import MassProperties, combined
-from stagecad.solids.assembly.assemble import Instance, count
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.assembly.interference import CLASH, CONTACT, TOUCH
 from stagecad.solids.assembly.pair_measurement import common_volume, relative_frame

@@ -9,10 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_assembly import EXPLODED, meshes_of, placed_shapes, shapes_of
-from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
 from stagecad.solids.modelling.placed_shape import PlacedShape
 from stagecad.solids.modelling.registry import ASSEMBLY

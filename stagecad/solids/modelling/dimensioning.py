@@ -22,7 +22,7 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
     View,
 )
-from stagecad.parameters.tables.iso286 import is_class
+from stagecad.parameters.iso286 import is_class
 
 THREAD_DESIGNATION = {
     "m3": "M3x0.5",

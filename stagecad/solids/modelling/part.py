@@ -1,7 +1,6 @@
 """Interface of a part definition: the contract between the parts, their cache, the assembly and the drawings.
 
-A part is one module of `stagecad.solids.parts` or `stagecad.solids.purchased`, named after the part (or an object in a
-module for several parts, as the screws), that has
+A part is one module named after it (or an object in a module for several parts, as the screws), that has
 
 - ``NAME``: the part's name everywhere (files, tables, command line).
 - ``build(design) -> cadquery.Solid``: the solid, one valid closed solid, millimetres, in part coordinates.
@@ -35,9 +34,9 @@ in the functions that make geometry: ``material``, ``datums``, ``dimensions`` th
   a piezo's foot, a way's underside), it points out of the material as well.
 - So a mate is always the same: origins together, normals opposed, x directions parallel.
 
-The assembly (`stagecad.solids.assembly.assemble`) relies on these names, all in part coordinates. On base, way, stage
-and holder a datum named after another part and a number or side (``way_screw_3``, ``magnet_1``, ``tooth_bar_left``) is
-the seat of one of that part: there are as many in the assembly as there are such datums.
+The assembly (`stagecad.friction_stage.assembly.assemble`) relies on these names, in part coordinates. On base, way,
+stage and holder a datum named after another part and a number or side (``way_screw_3``, ``magnet_1``,
+``tooth_bar_left``) is the seat of one of that part: there are as many in the assembly as there are such datums.
 
 =============  =======================================================================================================
 part           datums (numbers count from 1)

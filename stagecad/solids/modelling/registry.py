@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, cast
 
-from stagecad.parameters.derived import Derived
+from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.solids.modelling.part import Part
 
@@ -50,8 +50,8 @@ def part_names(design: Any) -> tuple[str, ...]:
 def module_name(name: str) -> str:
     """Dotted name of the module that defines a part."""
     if name in MADE:
-        return f"stagecad.solids.parts.{name}"
-    return f"stagecad.solids.purchased.{'screws' if name in CAP_SCREWS else name}"
+        return f"stagecad.friction_stage.parts.{name}"
+    return f"stagecad.friction_stage.purchased.{'screws' if name in CAP_SCREWS else name}"
 
 
 def part_definition(name: str) -> Part:

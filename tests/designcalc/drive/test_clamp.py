@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from designcalc.checks.inputs import DesignInputs
 from designcalc.checks.run import run_checks
-from designcalc.machine.clamp import clamp_finger, clamp_gap, grip
-from designcalc.machine.inputs import DesignInputs
+from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
+from designcalc.checks.inputs import DesignInputs
 from designcalc.errors import dynamic_budget as db
 from designcalc.errors.thermal import floor_motion
-from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.position_loop import BANDS, dynamic_budgets, position_loop, suspension
+from designcalc.friction_stage.physics.position_loop import BANDS, dynamic_budgets, position_loop, suspension
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 
@@ -102,8 +102,8 @@ def test_a_resting_stage_is_held_by_tip_and_pads():
     """Stiffness of the presliding curve at rest by a small step on it; and a loop that its resonance makes unstable."""
     r = DesignInputs(load_design(None, ()))
     held, step = suspension(r), 1e-12
-    from designcalc.machine.loads import load, moved_mass
-    from designcalc.machine.tip_dynamics import holding_stiffness
+    from designcalc.friction_stage.physics.loads import load, moved_mass
+    from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness
 
     force = 0.06 * load(r) * (1 - (1 - step / 0.5e-6) ** 2)
     whole = force / step + holding_stiffness(r)

@@ -22,6 +22,7 @@ from drawings.pmi.ap242 import ap242_bytes, pmi_of, write_ap242
 from drawings.pmi.step_text import with_properties
 from drawings.sheets.part import part_views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement, sheet_plans
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -31,9 +32,8 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
+from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.load import load_design
-from stagecad.parameters.tables.iso286 import deviations, is_class
-from stagecad.parameters.tables.machine import schema
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of
 from stagecad.solids.modelling.registry import MADE, part_definition

@@ -30,11 +30,11 @@ from drawings.sheets.sheet import Sheet
 from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
 from drawings.views.view import Cut, Segment
+from stagecad.friction_stage.assembly.assemble import assemble
+from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
-from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.modelling.frame import transformed_box
 from tests.drawings.drawn import document_of
 

@@ -13,7 +13,7 @@ from drawings.artefacts.sheets import PICTURES, build_sheets
 from drawings.dimensions.definition import definition, notes_on_shape
 from drawings.export.lint import lint
 from drawings.sheets.part import part_sheets
-from stagecad.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design

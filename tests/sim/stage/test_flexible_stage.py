@@ -13,10 +13,10 @@ from scipy.linalg import eigvalsh
 from stage_machines import FOUR_PADS, example, ideal_piezos
 
 from designcalc.bearing.plate import Plate, SupportedPlate
-from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.pads import pad_positions, pad_spring_stiffness
-from designcalc.machine.stage_plate import give_at_tip, payload_feet
-from designcalc.machine.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.pads import pad_positions, pad_spring_stiffness
+from designcalc.friction_stage.physics.stage_plate import give_at_tip, payload_feet
+from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
 from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
 from sim.stage.simulation import StageSimulation, drive_stage

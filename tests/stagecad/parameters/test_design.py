@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, read_parameter_file
+from stagecad.parameters.iso286 import is_class
 from stagecad.parameters.load import design_from_text, diff, further_override, load_design, write_values
-from stagecad.parameters.tables.iso286 import is_class
-from stagecad.parameters.tables.machine import schema
 
 
 @pytest.fixture(scope="module")

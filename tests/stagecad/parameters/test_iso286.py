@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.load import design_from_text, load_design
-from stagecad.parameters.tables.iso286 import deviations, is_class
 
 
 @pytest.mark.parametrize(

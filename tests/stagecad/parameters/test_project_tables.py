@@ -8,7 +8,7 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
-from stagecad.parameters.tables.project_tables import kinds
+from stagecad.parameters.project_tables import kinds
 from workbench.machine.hardware_table import table_text
 
 PIEZOS = """name,part_number,description,material,diameter [mm],length [mm],end_radius [mm],stroke [um],\

@@ -7,10 +7,10 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
-from stagecad.parameters.tables.machine import schema
 
 THESIS = load_design()
 LENGTHS = [entry.key for entry in THESIS.entries if entry.unit == "mm"]

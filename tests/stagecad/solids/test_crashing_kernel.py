@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from stagecad.friction_stage.assembly.machine import Machine, build_machine
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import CRASHED, build_parts
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.interference import build_interferences
-from stagecad.solids.assembly.machine import Machine, build_machine
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 CRASH = """
@@ -23,7 +23,7 @@ import multiprocessing, os, sys, time
 if "--multiprocessing-fork" in sys.argv or "spawn_main" in " ".join(sys.orig_argv):
     import stagecad.solids.artefacts.part as part
     import stagecad.solids.assembly.interference as interference
-    import stagecad.solids.assembly.machine as machine
+    import stagecad.friction_stage.assembly.machine as machine
     crash = lambda *rest, **named: os.kill(os.getpid(), 11)
     machine.build_assembly = interference.find_interferences = crash
     build = lambda store, name, design: crash() if name == "tip" else time.sleep(100.0)

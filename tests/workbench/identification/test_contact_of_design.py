@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import workbench.identification.design_values
-from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import load
-from designcalc.machine.tip_contact import contact_stiffness
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.loads import load
+from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 from sysid.experiment.known import DesignValue
 from workbench.identification.design_values import design_values
 from workbench.options import Run

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import workbench.identification.design_values
-from designcalc.machine.inputs import DesignInputs
+from designcalc.checks.inputs import DesignInputs
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue
@@ -101,7 +101,8 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: 
 
 def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
     packaged = (
-        Path(workbench.identification.design_values.__file__).parents[2] / "stagecad" / "parameters" / "thesis.toml"
+        Path(workbench.identification.design_values.__file__).parents[2]
+        / "stagecad/friction_stage/parameters/thesis.toml"
     )
     before = packaged.read_bytes()
     for params in ([], ["--params", str(packaged)]):

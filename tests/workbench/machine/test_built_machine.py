@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress
 
-import stagecad.solids.assembly.machine
+import stagecad.friction_stage.assembly.machine
 import stagecad.solids.modelling.registry
 from stagecad.solids.artefacts.outputs import DamagedError, write_stored
 from stagecad.solids.artefacts.store import ArtefactStore
@@ -22,9 +22,9 @@ from workbench.machine.artefacts import built_machine, with_repair
 def test_the_wait_is_told_on_a_terminal_before_the_kernel_begins(monkeypatch, cached, terminal, told):
     found, made, notes = object(), object(), []
     monkeypatch.setattr(
-        stagecad.solids.assembly.machine, "find_machine", lambda design, store: found if cached else None
+        stagecad.friction_stage.assembly.machine, "find_machine", lambda design, store: found if cached else None
     )
-    monkeypatch.setattr(stagecad.solids.assembly.machine, "build_machine", lambda design, store, advance: made)
+    monkeypatch.setattr(stagecad.friction_stage.assembly.machine, "build_machine", lambda design, store, advance: made)
     monkeypatch.setattr(stagecad.solids.modelling.registry, "part_names", lambda design: ("tip",))
     run: Any = SimpleNamespace(
         design=None,

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import stagecad.solids.assembly.machine
+import stagecad.friction_stage.assembly.machine
 from designcalc.checks.analysis.report import markdown, shown
+from designcalc.checks.inputs import DesignInputs
 from designcalc.checks.run import run_checks
-from designcalc.machine.assembly_values import assembly_values
-from designcalc.machine.inputs import DesignInputs
+from designcalc.friction_stage.physics.assembly_values import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.identification.design_values import design_values
@@ -39,7 +39,7 @@ PULL = 78.7
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkeypatch):
-    monkeypatch.setattr(stagecad.solids.assembly.machine, "body_masses", lambda design: MASSES)
+    monkeypatch.setattr(stagecad.friction_stage.assembly.machine, "body_masses", lambda design: MASSES)
     run = Run(None, overrides, Path("build"), None)
     design = run.design
     checks = {check.name: check for check in run_checks(design, MASSES)}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from designcalc.machine.assembly_values import assembly_values
-from designcalc.machine.inputs import DesignInputs
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.assembly_values import assembly_values
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from stagecad.solids.artefacts.store import ArtefactStore

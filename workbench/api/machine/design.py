@@ -68,7 +68,7 @@ class Design(Result):
     def run(self, out: str | Path = "build") -> Run:
         """The common options of the commands, for this design."""
         # The packaged file by its path: without one the commands take stage.toml of the working folder.
-        path = self.path or Path(str(files("stagecad.parameters").joinpath("thesis.toml")))
+        path = self.path or Path(str(files("stagecad.friction_stage.parameters").joinpath("thesis.toml")))
         run = Run(path, self.overrides, Path(out), None, rules=self.rules, text=self.text)
         run.__dict__["design"] = self.values
         return run

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from designcalc.checks.check import Check
-    from stagecad.solids.assembly.machine import Machine
+    from stagecad.friction_stage.assembly.machine import Machine
 
 
 class Checks(Result):

@@ -179,8 +179,8 @@ def optimize(
     """
     from designcalc.optimisation.optimise import optimise, required_checks
     from designcalc.optimisation.space import free_parameters
+    from stagecad.friction_stage.assembly.machine import body_masses
     from stagecad.parameters.rules.registry import violations
-    from stagecad.solids.assembly.machine import body_masses
     from workbench.machine.design_source import source_of
     from workbench.machine.optimisation import evaluator_of, verified_checks
 

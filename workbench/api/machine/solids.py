@@ -13,9 +13,9 @@ from workbench.options import ProgressCallback
 if TYPE_CHECKING:
     import pandas as pd
 
+    from stagecad.friction_stage.assembly.assemble import Instance
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.part import BuiltPart
-    from stagecad.solids.assembly.assemble import Instance
 
 
 class Solids(Result):
@@ -34,7 +34,7 @@ class Solids(Result):
 
     @cached_property
     def _masses(self) -> dict[str, Any]:
-        from stagecad.solids.assembly.machine import part_mass
+        from stagecad.friction_stage.assembly.machine import part_mass
 
         return {name: part_mass(part, self.design.values).as_json() for name, part in self.parts.items()}
 
@@ -99,10 +99,10 @@ def solids(design: Design | None = None, progress: ProgressCallback | None = Non
     Raises:
         InputError: a part that the CAD kernel cannot make.
     """
+    from stagecad.friction_stage.assembly.assemble import assemble
+    from stagecad.friction_stage.assembly.machine import body_masses
     from stagecad.solids.artefacts.part import build_parts
     from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.assembly.assemble import assemble
-    from stagecad.solids.assembly.machine import body_masses
     from stagecad.solids.modelling.registry import part_names
 
     design = design or load_design()

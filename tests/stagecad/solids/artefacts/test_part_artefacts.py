@@ -10,12 +10,12 @@ from typing import Any
 import cadquery as cq
 import pytest
 
-from stagecad.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.derived import COMPUTED
+from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
-from stagecad.parameters.tables.machine import schema
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier

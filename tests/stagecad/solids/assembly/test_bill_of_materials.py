@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
+from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import csv_text
-from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.modelling.registry import PURCHASED
 from workbench.cli import run
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly import interference
 from stagecad.solids.assembly.interference import Interference, build_interferences, clashes, find_interferences
-from stagecad.solids.assembly.machine import Machine
 
 pytestmark = pytest.mark.xdist_group("interference")
 

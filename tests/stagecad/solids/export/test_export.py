@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.solids.assembly.machine import Machine
+from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.modelling.frame import Frame

@@ -1,0 +1,232 @@
+"""Sliding bearing: loads, pressure, pv, friction, preload, stiffness."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import root_scalar
+
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.body import moving_body
+from designcalc.friction_stage.physics.loads import gravity, load, weight
+from designcalc.friction_stage.physics.loads import preload as acting_preload
+from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_forces, pads_stiffness
+from designcalc.friction_stage.physics.teeth import CIRCUITS, magnets
+from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, usable_ellipse
+from stagecad.parameters.design import Design
+
+_FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
+
+
+def checks(design: Design) -> list[CheckFunction]:
+    """Every check of the sliding bearing."""
+    return [
+        lightest_pad,
+        pressure,
+        pv,
+        indentation,
+        proportions,
+        stiction,
+        preload,
+        normal,
+        pitch,
+        *([yaw] if design.teeth.fitted else []),
+    ]
+
+
+def lightest_pad(r: DesignInputs) -> Check:
+    loads = pad_forces(r)
+    return Check(
+        "lightest pad load over the mean",
+        at_least(float(np.min(loads) / np.mean(loads)), 0.5, ""),
+        source="statics of the plate on its pads",
+        formula="min N/mean N",
+        substituted=", ".join(show(float(n), "N") for n in loads),
+        proposal="pads nearer to equal shares of the load",
+    )
+
+
+def pressure(r: DesignInputs) -> Check:
+    heaviest = heaviest_pad(r)
+    contact = film(r, heaviest)
+    peak, allowed = float(contact.peak_pressure), r("bearing.allowable_pressure")
+    return Check(
+        "pad pressure",
+        at_most(peak, allowed, "Pa"),
+        source=_FILM,
+        formula="p0 = (1.5 to 2) F/(pi a^2) <= p_allowed",
+        substituted=f"F = {show(heaviest, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
+        f"{show(float(contact.radius), 'm')}",
+        proposal="a flatter crown, or a lighter pad load",
+        changes=change("pads.crown_radius", crown_for(r, heaviest, allowed), "m", up=True) if r.advise else (),
+    )
+
+
+def crown_for(r: DesignInputs, load: float, allowed: float) -> float:
+    """Crown radius at which the peak pressure equals the allowed one, m; the present one where it is below."""
+    here = r("pads.crown_radius")
+
+    def excess(logarithm: float) -> float:
+        return float(film(r, load, math.exp(logarithm)).peak_pressure) / allowed - 1
+
+    return _crown(excess, here)
+
+
+def crown_for_mean(r: DesignInputs, load: float, allowed: float) -> float:
+    """Crown radius at which the mean pressure equals the allowed one, m; the present one where it is below."""
+
+    def excess(logarithm: float) -> float:
+        return load / (np.pi * float(film(r, load, math.exp(logarithm)).radius) ** 2) / allowed - 1
+
+    return _crown(excess, r("pads.crown_radius"))
+
+
+def _crown(excess: Callable[[float], float], here: float) -> float:
+    low, high = math.log(here), math.log(1e9 * here)
+    if excess(low) <= 0:
+        return here
+    return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-6).root))
+
+
+def pv(r: DesignInputs) -> Check:
+    heaviest = heaviest_pad(r)
+    contact = film(r, heaviest)
+    mean = heaviest / (np.pi * float(contact.radius) ** 2)
+    speed, allowed = r("requirements.speed"), r("bearing.allowable_pv")
+    crown = crown_for_mean(r, heaviest, allowed / speed) if r.advise else r("pads.crown_radius")
+    sag = r("pads.length") ** 2 / (8 * crown)
+    return Check(
+        "PTFE pressure times speed",
+        at_most(mean * speed, allowed, "W/m^2"),
+        source="pv limit of the film",
+        formula="F/(pi a^2) v <= (pv)_allowed",
+        substituted=f"{show(mean, 'Pa')} x {show(speed, 'm/s')} = {mean * speed:.3g} W/m^2",
+        proposal=f"a flatter crown ({show(crown, 'm')}, {show(sag, 'm')} of sag over the pad), or full speed for "
+        f"{100 * allowed / (mean * speed):.2g} % of the time",
+        changes=change("pads.crown_radius", crown, "m", up=True) if sag > 0.1e-6 else (),
+        requirement="Table 1: speed",
+    )
+
+
+def indentation(r: DesignInputs) -> Check:
+    contact = film(r, heaviest_pad(r))
+    thickness = r("bearing.film_thickness")
+    return Check(
+        "indentation of the PTFE film",
+        at_most(float(contact.indentation), 0.25 * thickness, "m"),
+        source=_FILM,
+        formula="delta = p0 t/M <= t/4",
+        substituted=f"{show(float(contact.indentation), 'm')} of {show(thickness, 'm')}",
+        proposal="a larger crown radius",
+        note="also the range of the film's formula",
+    )
+
+
+def proportions(r: DesignInputs) -> Check:
+    length, width = r("pads.length"), r("pads.width")
+    return Check(
+        "pads twice as long as wide",
+        at_most(abs(length / width - 2), 0.1, ""),
+        source="thesis 2.3.2, rule of Slocum (1992)",
+        formula="|length/width - 2| <= 0.1",
+        substituted=f"{show(length, 'm')}/{show(width, 'm')}",
+        proposal=f"length of {show(2 * width, 'm')}",
+    )
+
+
+def stiction(r: DesignInputs) -> Check:
+    """At break-away the stage jumps by twice the drop of friction over the stiffness that pulls it."""
+    static, dynamic, hold = r("bearing.static_friction"), r("bearing.dynamic_friction"), holding_stiffness(r)
+    drop = max(static - dynamic, 0.0) * load(r)
+    reach = usable_ellipse(r)[0] / 2
+    return Check(
+        "jump of the stage as it breaks away",
+        at_most(2 * drop / hold, reach, "m"),
+        source="undamped slip of a mass pulled slowly through a spring; the tip's lean must bring the stage back",
+        formula="2 (mu_s - mu_d) N/K <= X/2",
+        substituted=f"2 x {show(drop, 'N')}/{show(hold, 'N/m')} = {show(2 * drop / hold, 'm')}; mu_s/mu_d = "
+        f"{static / dynamic:.3g}",
+        proposal="run in for some thousand cycles; a filled PTFE grade whose static and dynamic friction are alike",
+        thesis="thesis 2.3.2: PTFE with static within 10-20 % of dynamic friction",
+        requirement="Table 1: resolution",
+    )
+
+
+def preload(r: DesignInputs) -> Check:
+    wanted = r("preload.ratio") * weight(r)
+    force = acting_preload(r)
+    return Check(
+        "preload against the required share of the load",
+        at_least(force, wanted, "N"),
+        source="thesis 2.3.2: 10 % of the applied load",
+        formula="F >= ratio x (m + m_payload) g",
+        substituted=f"{show(force, 'N')} against {show(wanted, 'N')}",
+        proposal=f"preload of {show(wanted, 'N')}",
+    )
+
+
+def normal(r: DesignInputs) -> Check:
+    """Deflection of the pads by a payload that is a tenth heavier."""
+    springs = pads_stiffness(r)
+    more = 0.1 * r("payload.mass") * gravity(r)
+    sink = more / springs.normal
+    return Check(
+        "deflection of the pads under a tenth of the payload",
+        at_most(sink, r("requirements.resolution_coarse"), "m"),
+        source=_FILM,
+        formula="0.1 m_payload g/K_z <= 10 nm",
+        substituted=f"{show(more, 'N')} on {show(springs.normal, 'N/m')}: {show(sink, 'm')}",
+        proposal="more preload, or a larger crown radius",
+        requirement="Table 1: smoothness",
+    )
+
+
+def pitch(r: DesignInputs) -> Check:
+    springs = pads_stiffness(r)
+    lever = moving_body(r).centre_of_mass[2]
+    force = load(r) * r("drive.friction")
+    tilt = force * lever / springs.pitch
+    half = r("stage.travel") / 2
+    drop = tilt * half
+    return Check(
+        "pitch of the stage under its drive force",
+        at_most(drop, r("requirements.smoothness"), "m"),
+        source="pads as springs; the tip pushes below the centre of mass of stage and payload",
+        formula="theta = mu N h/K_pitch; height error theta x travel/2 at the middle of the base",
+        substituted=f"h = {show(lever, 'm')}, K_pitch = {springs.pitch:.3g} N m/rad, K_roll = {springs.roll:.3g}, K_z "
+        f"= {show(springs.normal, 'N/m')}: {show(tilt, 'rad')}",
+        proposal="pads farther apart along the travel (stiffness grows as the square), or measure with no drive",
+        changes=change(
+            "pads.spacing_along",
+            r("pads.spacing_along") * np.sqrt(drop / r("requirements.smoothness")),
+            "m",
+            up=True,
+        ),
+        requirement="Table 1: smoothness",
+    )
+
+
+def yaw(r: DesignInputs) -> Check:
+    """Yaw by unequal friction of the pads on both sides, against the lateral stiffness of the teeth."""
+    reach = r("tooth_iron.length")
+    hold = CIRCUITS * magnets(r).lateral_stiffness
+    # Each iron is a line of lateral springs along the travel: about its middle k L^2/12.
+    turn = hold * reach**2 / 12
+    unlike = 0.1 * r("bearing.dynamic_friction") * load(r)
+    moment = unlike * r("pads.spacing_across") / 2
+    angle = moment / turn
+    limit = r("requirements.straightness") / (r("stage.length") / 2)
+    return Check(
+        "yaw held by the teeth",
+        at_most(angle, limit, "rad"),
+        source="lateral stiffness of the teeth spread along the irons, against friction that differs by a tenth across",
+        formula="theta = 0.1 mu N (w/2)/(K_x L^2/12) <= straightness/(half the stage's length)",
+        substituted=f"K_x = {show(hold, 'N/m')}, L = {show(reach, 'm')}: {show(angle, 'rad')}",
+        proposal="longer irons and magnets (both stiffness and lever grow), a guide, or a tip that pushes through the "
+        "middle of friction",
+        changes=change("tooth_iron.length", reach * np.cbrt(angle / limit), "m", up=True),
+        thesis="magnets are stated to align the stage about its axis of motion; this is their stiffness",
+    )

@@ -1,0 +1,248 @@
+"""Bearing ways on their bolts: stiffness, spacing, and what one nanometre of smoothness allows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
+from designcalc.bearing.fastener import (
+    UnifiedThread,
+    head_pressure,
+    screw_waves,
+    strip_area_of_bed,
+    strip_area_of_screw,
+)
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.inputs import DesignInputs
+from designcalc.errors.thermal import preload_change
+from designcalc.friction_stage.physics.loads import moved_mass
+from designcalc.friction_stage.physics.pads import rail
+from designcalc.friction_stage.physics.plate_vibration import at_feet
+from designcalc.friction_stage.physics.screws import screw_preload
+from stagecad.parameters.design import Design
+
+_APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
+
+
+def checks(design: Design) -> list[CheckFunction]:
+    """Every check of the bolted ways."""
+    return [
+        spacing,
+        stiffness,
+        force_ripple,
+        engagement,
+        stripping,
+        screw_stress,
+        edge_margin,
+        head,
+        heat_of_joint,
+        bolt_dimple,
+        warp,
+    ]
+
+
+def _ratios(r: DesignInputs) -> tuple[float, float]:
+    diameter = r("screws.way.diameter")
+    return r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
+
+
+def spacing(r: DesignInputs) -> Check:
+    way = rail(r)
+    M, tau = _ratios(r)
+    best = best_spacing_ratio(way, tau)
+    reached = float(total_stiffness(way, M, tau)) / float(total_stiffness(way, best, tau))
+    return Check(
+        "bolt spacing against its optimum",
+        at_least(reached, 0.95, ""),
+        source=_APPENDIX,
+        formula="K(M)/K(M_best), K = N/[1/K_bs + 1/(J (K_joint + K_bolt))], M = spacing/Db",
+        substituted=f"M = {M:.3g}, best {best:.3g} with the real materials",
+        proposal=f"bolt spacing of {show(best * way.bolt_diameter, 'm')}",
+        note=f"optimum at M = {best:.3g}; the curve is flat about it",
+    )
+
+
+def stiffness(r: DesignInputs) -> Check:
+    way = rail(r)
+    M, tau = _ratios(r)
+    K = float(total_stiffness(way, M, tau))
+    steel = r("materials.steel.youngs_modulus")
+    sheet = replace(way, rail_modulus=steel, bed_modulus=steel, bolt_modulus=steel, poisson=0.3)
+    printed = float(total_stiffness(sheet, M, tau))
+    return Check(
+        "bearing way stiffness",
+        at_least(K, r("bearing_way.wanted_stiffness"), "N/m"),
+        source=_APPENDIX,
+        formula="K = N/[1/K_bs + 1/(J (K_joint + K_bolt))], N = L/(M Db)",
+        substituted=f"M = {M:.3g}, t/Db = {tau:.3g}: {show(K, 'N/m')}; bolt joint "
+        f"{show(float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter, 'N/m')}",
+        proposal="a stiffer bed, or a thicker way",
+        thesis=f"the sheet takes steel throughout: {show(printed, 'N/m')}; way, base and screws as specified "
+        f"give {show(K, 'N/m')}",
+        note="one-sided cantilever: a lower bound for a way bedded over its width",
+    )
+
+
+def force_ripple(r: DesignInputs) -> Check:
+    way = rail(r)
+    M, tau = _ratios(r)
+    smooth = r("requirements.smoothness")
+    ripple = moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction")
+    feet = at_feet(r, ripple)
+    moved = float((feet.static + feet.vibration).max())
+    K = 1 / (1 / (2 * float(total_stiffness(way, M, tau))) + moved / ripple)
+    return Check(
+        "smoothness against the tip's own pulsation",
+        at_most(ripple, K * smooth, "N"),
+        source="elastic deflection of ways, pads and stage at the payload by what the tip takes off them each cycle, "
+        "and their vibration by its pulses, by the modes of the plate on its pads",
+        formula="m a/mu <= K x 1 nm, 1/K = 1/K_ways + (static deflection + vibration)/(m a/mu)",
+        substituted=f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; feet moved by "
+        f"{show(float(feet.static.max()), 'm')} and shaken by {show(float(feet.vibration.max()), 'm')}; "
+        f"{show(K, 'N/m')} x {show(smooth, 'm')} = {show(K * smooth, 'N')}",
+        proposal=f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take "
+        "smoothness with the drive at rest",
+        thesis="1 nm smoothness with a tip that pulses with the weight: one way's 150-190 N/um allow 0.15-0.19 N",
+        requirement="Table 1: smoothness",
+    )
+
+
+def engagement(r: DesignInputs) -> Check:
+    diameter, long = r("screws.way.diameter"), r("screws.way.length")
+    depth = long - r("bearing_way.flange_thickness")
+    return Check(
+        "thread engagement of the way's screws",
+        at_least(depth / diameter, 1.0, ""),
+        source="rule of one diameter in steel-like beds",
+        formula="(screw length - flange)/Db >= 1",
+        substituted=f"({show(long, 'm')} - {show(depth and long - depth, 'm')})/{show(diameter, 'm')} = "
+        f"{depth / diameter:.3g}",
+        proposal=f"flange of at most {show(long - diameter, 'm')}",
+    )
+
+
+def _thread(r: DesignInputs) -> UnifiedThread:
+    return UnifiedThread(r("screws.way.diameter"), r("screws.way.pitch"))
+
+
+def stripping(r: DesignInputs) -> Check:
+    thread, force = _thread(r), screw_preload(r, "way")
+    depth = r("screws.way.length") - r("bearing_way.flange_thickness")
+    # shear strength 0.577 of yield (von Mises)
+    bed = 0.577 * r.material("base", "strength") * strip_area_of_bed(thread, depth)
+    screw = 0.577 * r("screws.way.proof_stress") * strip_area_of_screw(thread, depth)
+    hold = min(bed, screw)
+    return Check(
+        "stripping of the way's threads",
+        at_most(force, hold / 2, "N"),
+        source="ASME B1.1 shear areas; factor 2",
+        formula="F = T/(K d) <= 0.577 Sy A_s/2",
+        substituted=f"F = {show(force, 'N')}; bed {show(bed, 'N')}, screw {show(screw, 'N')}",
+        proposal=f"torque of at most {show(hold / 2 / force * r('screws.way.torque'), 'N*m')}",
+    )
+
+
+def screw_stress(r: DesignInputs) -> Check:
+    thread, force = _thread(r), screw_preload(r, "way")
+    stress = force / thread.stress_area
+    return Check(
+        "preload stress of the way's screws",
+        at_most(stress, 0.5 * r("screws.way.proof_stress"), "Pa"),
+        source="ASME B1.1 stress area; thesis 2.3.2: torque not exceedingly high, so half of yield",
+        formula="F/A_t <= Sy/2",
+        substituted=f"{show(force, 'N')}/{thread.stress_area * 1e6:.3g} mm^2",
+        proposal="less torque",
+    )
+
+
+def edge_margin(r: DesignInputs) -> Check:
+    edge, hole = r("bearing_way.bolt_edge"), r("bearing_way.bolt_hole")
+    wall = edge - hole / 2
+    return Check(
+        "ceramic remaining beside the way's bolt holes",
+        at_least(wall, 0.25 * hole, "m"),
+        source="practice for ceramics: a quarter of the hole at least, compressed by the head",
+        formula="a - d/2 >= d/4",
+        substituted=f"{show(edge, 'm')} - {show(hole / 2, 'm')} = {show(wall, 'm')}",
+        proposal=f"bolt line at {show(0.75 * hole, 'm')} or more from the edge",
+        thesis="a = 10 mm leaves no room for a counterbore in the SiC: the heads sit on an outer ledge",
+    )
+
+
+def head(r: DesignInputs) -> Check:
+    force = screw_preload(r, "way")
+    pressure = head_pressure(force, r("screws.way.head_diameter"), r("bearing_way.bolt_hole"))
+    return Check(
+        "pressure under the screw heads on the way",
+        at_most(pressure, r.material("bearing_way", "strength") / 2, "Pa"),
+        source="mean pressure; half the bending strength, far below the compressive strength of the ceramic",
+        formula="F/(pi/4 (Dh^2 - d^2)) <= Sb/2",
+        substituted=f"{show(force, 'N')} -> {show(pressure, 'Pa')}",
+        proposal="a washer, or less torque",
+    )
+
+
+def heat_of_joint(r: DesignInputs) -> Check:
+    way = rail(r)
+    _, tau = _ratios(r)
+    flange = r("bearing_way.flange_thickness")
+    joint = float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter
+    change = abs(
+        preload_change(
+            flange,
+            r.material("screws.way", "expansion"),
+            r.material("bearing_way", "expansion"),
+            joint,
+            way.joint_ratio * joint,
+        )
+    )
+    force, span = screw_preload(r, "way"), r("environment.storage_change")
+    return Check(
+        "way's bolt preload in store and transport",
+        at_most(span * change, 0.2 * force, "N"),
+        source="springs of bolt and clamped parts in series",
+        formula="(alpha_bolt - alpha_way) t dT/(1/k_b + 1/k_j) <= F/5",
+        substituted=f"{span:.3g} K: {show(span * change, 'N')} of {show(force, 'N')}",
+        proposal="longer bolts (more compliance)",
+    )
+
+
+def bolt_dimple(r: DesignInputs) -> Check:
+    way, force = rail(r), screw_preload(r, "way")
+    _, tau = _ratios(r)
+    springs = joint_stiffness(way, tau)
+    dimple = force / (float(springs.flange_compression) * way.bolt_diameter)
+    limit = r("bearing.way_straightness")
+    return Check(
+        "dimple of the way under its screws",
+        at_most(dimple, limit, "m"),
+        source="compression of the flange's cone, " + _APPENDIX,
+        formula="F/(E Db pi/ln[5(0.5+2t/Db)/(2.5+2t/Db)]) <= straightness",
+        substituted=f"{show(force, 'N')}: {show(dimple, 'm')} at the ledge, less on the lapped face next to it",
+        proposal=f"torque of at most {show(limit / dimple * r('screws.way.torque'), 'N*m')}, and lap the way bolted "
+        "down",
+        requirement="Table 1: smoothness",
+        note="the same torque on every screw keeps the warp even",
+    )
+
+
+def warp(r: DesignInputs) -> Check:
+    """The row of screws causes waves of its pitch in the running face under the pads."""
+    way, force = rail(r), screw_preload(r, "way")
+    pitch = r("bearing_way.bolt_spacing")
+    line = r("base.way_gap") / 2 + r("bearing_way.width") - r("bearing_way.bolt_edge")
+    away = line - r("pads.spacing_across") / 2
+    wave = float(screw_waves(force, pitch, away, way.rail_modulus, way.poisson))
+    limit = r("requirements.smoothness")
+    return Check(
+        "waves of the way's screws under the pads",
+        at_most(wave, limit, "m"),
+        source="row of forces on a half-space: an upper bound, for the bed beneath takes the same forces (Boussinesq; "
+        "Johnson (1985), section 3.2)",
+        formula="4 F (1 - nu^2)/(pi E p) K0(2 pi d/p) <= 1 nm",
+        substituted=f"F = {show(force, 'N')}, p = {show(pitch, 'm')}, d = {show(away, 'm')}: {show(wave, 'm')}",
+        proposal=f"torque of {show(r('screws.way.torque') * limit / wave, 'N*m')}, a closer pitch (waves decay "
+        "sooner), or lap the way bolted down",
+        thesis="a uniform stiffness along the way is required; this is the variation by the screws",
+        requirement="Table 1: smoothness",
+    )

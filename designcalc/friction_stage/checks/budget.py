@@ -1,0 +1,197 @@
+"""Error budgets at the payload: resolution, smoothness, straightness, repeatability, each contribution named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designcalc.bearing.bolted_rail import total_stiffness
+from designcalc.bearing.sliding import averaged_roughness
+from designcalc.checks.check import Check, CheckFunction, at_most, show
+from designcalc.checks.inputs import DesignInputs
+from designcalc.drive.friction_drive import resonance
+from designcalc.errors.error_budget import Contribution, budget
+from designcalc.errors.sensors import filtered_noise
+from designcalc.errors.thermal import floor_motion
+from designcalc.friction_stage.physics.body import moving_body
+from designcalc.friction_stage.physics.loads import load, moved_mass, tip_load
+from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness, rail
+from designcalc.friction_stage.physics.plate_vibration import at_payload
+from designcalc.friction_stage.physics.position_loop import air_error
+from designcalc.friction_stage.physics.stage_plate import payload_place
+from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
+from stagecad.parameters.design import Design
+
+Array = NDArray[np.float64]
+AXES = {"along": 0, "across": 1, "normal": 2}
+
+
+@dataclass(frozen=True)
+class Budget:
+    """One budget: its subject, the direction in which it is judged, and its contributions."""
+
+    name: str
+    direction: str
+    key: str
+    """of its limit"""
+    requirement: str
+    rows: tuple[tuple[Contribution, Array], ...]
+    """contributions with the displacement of the payload by each, m, the largest in the direction first"""
+    total: Array
+    """per direction, m"""
+
+    @property
+    def axis(self) -> int:
+        return AXES[self.direction]
+
+
+def _pads_height(r: DesignInputs, height: float) -> float:
+    """Mean of the pads' heights that are each off by `height` at random, m."""
+    return height / np.sqrt(r("pads.count"))
+
+
+def _vibration(r: DesignInputs, stiffness: float, damping: str) -> float:
+    first = resonance(stiffness, moved_mass(r))
+    return float(floor_motion(r("environment.floor_velocity"), first, r(damping)))
+
+
+def _roughness(r: DesignInputs) -> float:
+    """Height error of one pad by the lapped way's roughness, m."""
+    radius = film(r, heaviest_pad(r)).radius
+    return float(averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), radius))
+
+
+def resolution(r: DesignInputs) -> list[Contribution]:
+    """Smallest step along the travel, in closed loop with the stage at rest."""
+    noise = filtered_noise(
+        r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
+    )
+    step = 2 * r("actuator.tip_height") / r("actuator.piezo_spacing") * r("piezo.stroke") / 2 ** r("amplifier.bits")
+    floor = _vibration(r, holding_stiffness(r), "piezo.damping_ratio")
+    return [
+        Contribution("sensor noise", "capacitive probe behind its filter", (float(noise), 0, 0)),
+        Contribution("count of the converter", "one count on both piezos", (step / np.sqrt(12), 0, 0)),
+        Contribution("floor", "stage held by the tip", (floor, 0, 0)),
+        Contribution("amplifier noise", "two amplifiers through the tip's lever", (tip_noise(r), 0, 0)),
+    ]
+
+
+def smoothness(r: DesignInputs) -> list[Contribution]:
+    """Error normal to the motion, shorter than the travel, at the least required acceleration."""
+    rough, wave = _roughness(r), r("bearing.way_waviness") / np.sqrt(2)
+    lever = r("pads.spacing_along")
+    pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
+    way = rail(r)
+    M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
+    corner = at_payload(r, pulse)
+    bent = float(corner.static[0]) + pulse / (2 * float(total_stiffness(way, M, tau)))
+    shaken = float(corner.vibration[0])
+    floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
+    turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
+    return [
+        Contribution("roughness", "averaged by each pad", (0, 0, _pads_height(r, rough))),
+        Contribution("roughness, pitch", "pads unlike", rotation=(0, rough * np.sqrt(2) / lever, 0)),
+        Contribution("waves of the way", "lapped way; the pads follow them", (0, 0, _pads_height(r, wave))),
+        Contribution("waves of the way, pitch", "pads unlike", rotation=(0, wave * np.sqrt(2) / lever, 0)),
+        Contribution("floor", "stage on its pads", (0, 0, floor)),
+        Contribution(
+            "the tip's pulsation", "change of the load bends stage, pads and ways", (0, 0, bent), random=False
+        ),
+        Contribution("the tip's pulsation, modes", "its pulses shake the plate", (0, 0, shaken), random=False),
+        Contribution("the tip's pulsation, pitch", "its side force", rotation=(0, turn, 0), random=False),
+    ]
+
+
+def straightness(r: DesignInputs) -> list[Contribution]:
+    """Error normal to the motion over the travel."""
+    bow, length = r("bearing.way_straightness"), r("bearing_way.length")
+    share = (r("stage.travel") / length) ** 2  # of a bow over the way's length, what the travel covers
+    turn = 4 * bow / length * r("stage.travel") / length
+    return [
+        Contribution("bow of the ways", "lapped way", (0, 0, bow * share), random=False),
+        Contribution("bow of the ways, pitch", "slope of the bow", rotation=(0, turn, 0), random=False),
+        Contribution(
+            "ways unlike",
+            "half a bow over the pads' width",
+            rotation=(bow / 2 / r("pads.spacing_across"), 0, 0),
+        ),
+        Contribution("waves of the way", "lapped way", (0, 0, _pads_height(r, r("bearing.way_waviness")))),
+    ]
+
+
+def repeatability(r: DesignInputs) -> list[Contribution]:
+    """Repeatability of a position along the travel after a change of temperature."""
+    change = r("environment.temperature_change")
+    growth = r.material("base", "expansion") * r("stage.travel") / 2 * change
+    plate = r.material("stage", "expansion") * r("stage.length") / 2 * change
+    friction = r("bearing.static_friction") * load(r)
+    bow, length = r("bearing.way_straightness"), r("bearing_way.length")
+    linearity = r("sensors.probe.linearity") * r("sensors.probe.range")
+    # A tenth of the pitch is not repeatable: the pads settle differently on their film.
+    turn = 0.1 * 4 * bow / length
+    slip = friction / holding_stiffness(r)
+    air = air_error(r)
+    pulled = r("payload.cable_force") / holding_stiffness(r)
+    return [
+        Contribution("growth of the base", "half the travel from its middle", (growth, 0, 0), random=False),
+        Contribution("growth of the stage", "target on its end face", (plate, 0, 0), random=False),
+        Contribution("wind-up by the pads' friction", "tip and contact deflect before the stage moves", (slip, 0, 0)),
+        Contribution("refractive index of the air", "interferometer over its dead path and the travel", (air, 0, 0)),
+        Contribution("cables", "change of their force over the travel", (pulled, 0, 0)),
+        Contribution("linearity of the probe", "over its range", (linearity, 0, 0)),
+        Contribution("pitch that does not come back", "payload off the line of measurement", rotation=(0, turn, 0)),
+    ]
+
+
+_KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs], list[Contribution]]]] = {
+    "resolution": ("along", "resolution_coarse", "Table 1: resolution", resolution),
+    "smoothness": ("normal", "smoothness", "Table 1: smoothness", smoothness),
+    "straightness": ("normal", "straightness", "Section 2.3.2: straightness (Table 1 has none)", straightness),
+    "repeatability": (
+        "along",
+        "repeatability",
+        "Section 2.3.2: repeatability (Table 1 has none)",
+        repeatability,
+    ),
+}
+"""Budgets by name: the direction that is judged, the key of the limit, the requirement, the contributions."""
+
+
+def worked_out(r: DesignInputs, name: str) -> Budget:
+    """One budget at the payload."""
+    direction, key, requirement, parts = _KINDS[name]
+    rows, total = budget(parts(r), payload_place(r))
+    axis = AXES[direction]
+    # Rotations reach across their own axis in second order: below 1e-5 of the total they are omitted.
+    rows = [row for row in rows if abs(row[1][axis]) > 1e-5 * total[axis]]
+    rows.sort(key=lambda row: -abs(row[1][axis]))
+    return Budget(name, direction, key, requirement, tuple(rows), total)
+
+
+def budgets(r: DesignInputs) -> list[Budget]:
+    """All budgets."""
+    return [worked_out(r, name) for name in _KINDS]
+
+
+def checks(design: Design) -> list[CheckFunction]:
+    """One check for each budget."""
+    return [*(partial(total_error, name=name) for name in _KINDS)]
+
+
+def total_error(r: DesignInputs, name: str) -> Check:
+    found = worked_out(r, name)
+    largest = found.rows[0][0]
+    _, rest = budget([cause for cause, _ in found.rows[1:]], payload_place(r))
+    return Check(
+        f"error budget at the payload: {name}",
+        at_most(float(found.total[found.axis]), r(f"requirements.{found.key}"), "m"),
+        source="homogeneous transforms; random errors by squares, systematic ones by size",
+        formula=f"sum |e_i| + sqrt(sum e_j^2) {found.direction} at the payload",
+        substituted="; ".join(f"{cause.name} {show(abs(float(e[found.axis])), 'm')}" for cause, e in found.rows),
+        proposal=f"start with {largest.name} ({largest.source}): without it {show(float(rest[found.axis]), 'm')}",
+        requirement=found.requirement,
+    )

@@ -1,0 +1,178 @@
+"""The set screw, wedge and spring of the height adjustment."""
+
+from __future__ import annotations
+
+import math
+
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.clamp import clamping_shift, grip
+from designcalc.friction_stage.physics.screws import wedge
+from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from stagecad.parameters.design import Design
+
+
+def checks(design: Design) -> list[CheckFunction]:
+    """The set screw and wedge."""
+    return [
+        sensitivity,
+        self_locking,
+        wedge_angle,
+        wedge_contact,
+        adjustment_range,
+        shim,
+        thickest_shim,
+        return_spring,
+        clamping,
+    ]
+
+
+def sensitivity(r: DesignInputs) -> Check:
+    drive = wedge(r)
+    rise = usable_ellipse(r)[1]
+    key = math.degrees(r("actuator.key_angle"))
+    return Check(
+        "height adjustment within the ellipse",
+        at_most(key * drive.lift_per_degree, rise / 2, "m"),
+        source="wedge on a set screw, turned by hand",
+        formula="key angle x P s/360 <= Y/2",
+        substituted=f"{show(drive.lift_per_turn, 'm')} a turn, {show(drive.lift_per_degree, 'm')} a degree; Y = "
+        f"{show(rise, 'm')}",
+        proposal="a finer slope, or a fine-pitch screw",
+        thesis="the tip height is to be set within the 1-10 um of its ellipse",
+        requirement="Section 2.2: access to payload and adjustments",
+    )
+
+
+def self_locking(r: DesignInputs) -> Check:
+    drive = wedge(r)
+    friction = r("height_pin_1.friction")
+    return Check(
+        "self-locking of the wedge",
+        at_least(friction, 1.5 * drive.locking_friction, ""),
+        source="friction angles of both faces of the wedge",
+        formula="mu >= 1.5 tan(atan(s)/2)",
+        substituted=f"{friction:.3g} against {drive.locking_friction:.3g}",
+        proposal="a flatter slope",
+    )
+
+
+def adjustment_range(r: DesignInputs) -> Check:
+    drive = wedge(r)
+    chain = [r("drawing.tolerance_x_x")] * 4 + [r("drawing.tolerance_x_xx")] * 2
+    stack = sum(chain)
+    return Check(
+        "range of the height adjustment",
+        at_least(drive.range / 2, stack, "m"),
+        source="worst case of the height chain: holder, piezo, two pins at X.X; way and pad at X.XX",
+        formula="s stroke/2 >= sum of tolerances",
+        substituted=f"+-{show(drive.range / 2, 'm')} against +-{show(stack, 'm')}",
+        proposal=f"a stroke of {show(2 * stack / r('height_pin_1.slope'), 'm')}, or tighter pins",
+    )
+
+
+def shim(r: DesignInputs) -> Check:
+    thinnest = r("shim.thinnest")
+    rise = usable_ellipse(r)[1]
+    return Check(
+        "thinnest shim against the ellipse",
+        at_most(thinnest, rise, "m"),
+        source="thesis 2.3.3: a shim sets the gap between tip and stage",
+        formula="thinnest shim <= Y",
+        substituted=f"{show(thinnest, 'm')} against {show(rise, 'm')}",
+        proposal="touch off by the piezos' own signal, or turn the screw "
+        f"{show(thinnest / wedge(r).lift_per_degree, '')} degrees after the shim is out",
+    )
+
+
+def thickest_shim(r: DesignInputs) -> Check:
+    """Lowered by half its range, the tip must leave the thickest shim room to be drawn out."""
+    drive = wedge(r)
+    thickest = r("shim.thickest")
+    return Check(
+        "range of the adjustment against the thickest shim",
+        at_least(drive.range / 2, thickest, "m"),
+        source="thesis 2.3.3: gap of 0.0005 to 0.030 in held by a shim",
+        formula="s stroke/2 >= thickest shim",
+        substituted=f"{show(drive.range / 2, 'm')} below the middle against {show(thickest, 'm')}",
+        proposal="thinner shims, or a longer stroke",
+        changes=change("height_pin_1.stroke", 2 * thickest / r("height_pin_1.slope"), "m", up=True)
+        + change("shim.thickest", float(drive.range) / 2, "m", up=False),
+    )
+
+
+def return_spring(r: DesignInputs) -> Check:
+    """The spring must push pin 1 back against what it carries: holder, piezos, tip, and pin 2 by its friction."""
+    holder = math.pi / 4 * r("holder.diameter") ** 2 * r("holder.height") * r.material("holder", "density")
+    stacks = 3 * math.pi / 4 * r("piezo.diameter") ** 2 * r("piezo.length") * r.material("piezo", "density")
+    load = (holder + stacks + r("tip.mass_limit")) * r("environment.gravity")
+    friction = r("height_pin_1.friction_dry")
+    needed = 2 * friction * load  # both faces of the wedge
+    squeeze = r("spring.free_length") - r("spring.installed_length") - r("height_pin_1.stroke") / 2
+    force = r("spring.rate") * squeeze
+    return Check(
+        "spring that returns the height pin",
+        at_least(force, 2 * needed, "N"),
+        source="Coulomb friction on both faces of the wedge under holder, piezos and tip; factor 2",
+        formula="k (L0 - L - stroke/2) >= 2 x 2 mu m g",
+        substituted=f"{show(force, 'N')} against {show(needed, 'N')} of friction (plain volumes, {show(load, 'N')})",
+        proposal="more compression at the far end of the stroke, by a longer spring or a shorter stroke",
+        changes=change(
+            "spring.free_length", r("spring.free_length") + (2 * needed - force) / r("spring.rate"), "m", up=True
+        ),
+    )
+
+
+def clamping(r: DesignInputs) -> Check:
+    """Shift of the tip when the clamp is tightened after the height is set."""
+    held, shift = grip(r), clamping_shift(r)
+    moved = shift.squeeze + shift.drop
+    rise = usable_ellipse(r)[1]
+    return Check(
+        "shift of the tip's height by clamping",
+        at_most(moved, 0.1 * rise, "m"),
+        source="theorem of mean stress, growth by Poisson's ratio; tilt within the pocket's play",
+        formula="nu S/(pi R E) + h (1 - cos(play/H)) <= Y/10, S = 2 N (1 + cos(phi))",
+        substituted=f"N = {show(held.press, 'N')}: up {show(shift.squeeze, 'm')}, down {show(shift.drop, 'm')} or "
+        f"less; Y = {show(rise, 'm')}",
+        proposal="less torque, or a closer fit of the holder; set the height again after clamping",
+        requirement="Section 2.2: access to payload and adjustments",
+        note=f"sideways the tip may go by {show(shift.sideways, 'm')}: set its place after clamping",
+    )
+
+
+def wedge_angle(r: DesignInputs) -> Check:
+    """The lift per turn follows the slope, whose angle the drawing holds by the zone of its angularity."""
+    slope, length = r("height_pin_1.slope"), r("height_pin_1.length")
+    error = r("drawing.wedge_angularity") / length
+    angle = math.atan(slope)
+    off = math.tan(angle + error) / slope - 1
+    return Check(
+        "lift of the wedge by its angle's tolerance",
+        at_most(off, 0.1, ""),
+        source="face turned within the zone of its angularity over its length; a tenth as rule of thumb",
+        formula="tan(atan(s) + t/L)/s - 1 <= 0.1",
+        substituted=f"{math.degrees(angle):.3g} deg and {math.degrees(error):.3g} deg: {100 * off:.3g} % of "
+        f"{show(wedge(r).lift_per_turn, 'm')} a turn",
+        proposal=f"an angularity of {show(0.1 * slope * length, 'm')} or closer",
+        changes=change("drawing.wedge_angularity", 0.1 * slope * math.cos(angle) ** 2 * length, "m", up=False),
+    )
+
+
+def wedge_contact(r: DesignInputs) -> Check:
+    """Two wedge faces of unlike angles touch at an edge, unless pin 2 can turn in its bore by the difference."""
+    zone, lengths = r("drawing.wedge_angularity"), (r("height_pin_1.length"), r("height_pin_2.diameter"))
+    unlike = sum(zone / length for length in lengths)
+    # Both fits in the middle of their tolerances.
+    middle = {key: 1e-3 * sum(r.design.deviations(key)) / 2 for key in ("base.pin_2_bore", "height_pin_2.diameter")}
+    bore, pin = (r(key) + deviation for key, deviation in middle.items())
+    free = (bore - pin) / r("height_pin_2.length")
+    return Check(
+        "contact of the two wedges over their faces",
+        at_most(unlike, free, "rad"),
+        source="both faces turned within the zones of their angularity; pin 2 turns within the play of its bore",
+        formula="t/L_1 + t/d_2 <= play/length of pin 2",
+        substituted=f"{show(unlike, 'rad')} against {show(free, 'rad')}: otherwise pin 2 stands on an edge",
+        proposal="both wedges ground in one setting, or the foot of pin 2 crowned as its top is",
+        changes=change("drawing.wedge_angularity", free / sum(1 / length for length in lengths), "m", up=False),
+    )

@@ -1,0 +1,176 @@
+"""The sheet of the assembly procedure: a table of steps in two columns, and pictures next to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.font import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT
+from drawings.annotations.primitives import Primitive, Stroke, Text, rectangle
+from drawings.friction_stage.procedure.procedure import PartUse, Procedure, Step
+from drawings.pictures.picture import Picture
+from drawings.sheets.assembly import all_balloons
+from drawings.sheets.frame import CENTRING, PAPERS, Paper, drawing_space
+from drawings.sheets.sheet import Sheet, scale_text, wrapped
+from drawings.sheets.title_block import HEIGHT, TitleBlock
+from drawings.views.bounding_box import view_box
+from drawings.views.view import Box2
+from stagecad.solids.assembly.bill_of_materials import Row
+
+NAME = "procedure"
+
+SCALES = (0.5, 0.25, 0.2, 0.1, 0.05)
+"""Scales of the pictures that a title block states as a ratio of whole numbers."""
+SIZES: tuple[Paper, ...] = ("A2", "A1")
+SIDE, MARGIN, GUTTER = CENTRING + 2.0, 6.0, 8.0
+"""Distance of the table from the sides of the frame, beyond the centring marks, from its top; of the columns, mm."""
+PAD = 2.0
+"""Margin of a text in its cell, mm."""
+NUMBER, REQUIRED = 11.0, 86.0
+"""Widths of the cells for a step's number, and for its parts, tools and torque, mm."""
+HEAD = 8.0
+"""Height of the row of headings, mm."""
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One line of a cell."""
+
+    text: str
+    height: float = SMALL_HEIGHT
+
+    @property
+    def pitch(self) -> float:
+        return LINE_PITCH * self.height
+
+
+def procedure_sheet(
+    procedure: Procedure, title: TitleBlock, pictures: Sequence[Picture] = (), rows: Sequence[Row] = ()
+) -> Sheet:
+    """The sheet, on the smallest paper that holds the table.
+
+    Args:
+        title: title block; its scale becomes that of the pictures.
+        pictures: of the exploded machine, in the second column where the table leaves it free.
+        rows: of the parts list, for balloons in the pictures.
+
+    Raises:
+        ValueError: the table is too long for the largest paper.
+    """
+    for paper in SIZES:
+        table = _Table(procedure.steps, paper)
+        if table.complete:
+            placed = _placed(pictures, table.free) if table.free else []
+            scale = placed[0].view.scale if placed else 1.0
+            return Sheet(
+                NAME,
+                NAME,
+                paper,
+                scale,
+                replace(title, scale=scale_text(scale) if placed else "-"),
+                tuple(one.view for one in placed),
+                tuple(all_balloons(placed, rows)),
+                (),
+                tuple(table.primitives),
+            )
+    raise ValueError(f"the procedure has {len(procedure.steps)} steps, more than a sheet of {SIZES[-1]} holds")
+
+
+class _Table:
+    """The steps in two columns, the second one above the title block.
+
+    Attributes:
+        primitives: lines and texts.
+        complete: whether all steps fit.
+        free: box of the second column where no step is in it.
+    """
+
+    def __init__(self, steps: Sequence[Step], paper: Paper) -> None:
+        x0, y0, x1, y1 = drawing_space(paper)
+        # The gap between the columns is at the centring mark, in the middle of the paper.
+        middle, top = PAPERS[paper][0] / 2, y1 - MARGIN
+        second, width = middle + GUTTER / 2, middle - GUTTER / 2 - x0 - SIDE
+        left = list(steps)
+        self.primitives: list[Primitive] = []
+        self.free: Box2 | None = (second, y0 + HEIGHT + MARGIN, x1 - SIDE, y1 - SIDE)
+        for start, floor in ((x0 + SIDE, y0 + MARGIN), (second, y0 + HEIGHT + MARGIN)):
+            if not left:
+                break
+            if start == second:
+                self.free = None
+            self.primitives += _headings((start, top - HEAD, start + width, top))
+            height = top - HEAD
+            while left:
+                row = _Row(left[0], width)
+                if height - row.height < floor:
+                    break
+                self.primitives += row.primitives(start, height)
+                height -= row.height
+                left.pop(0)
+        self.complete = not left
+
+
+def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
+    """The pictures one below the other in an area, at the largest scale at which they fit."""
+    x0, y0, x1, y1 = area
+    for scale in SCALES:
+        scaled = [replace(one, view=replace(one.view, scale=scale, place=(0.0, 0.0), label="")) for one in pictures]
+        boxes = [view_box(one.view) or (0.0, 0.0, 0.0, 0.0) for one in scaled]
+        gap = (y1 - y0 - sum(box[3] - box[1] for box in boxes)) / (len(boxes) + 1)
+        if gap < BALLOON or any(box[2] - box[0] + 8 * BALLOON > x1 - x0 for box in boxes):
+            continue
+        placed, top = [], y1
+        for one, box in zip(scaled, boxes, strict=True):
+            top -= gap
+            at = ((x0 + x1 - box[0] - box[2]) / 2, top - box[3])
+            placed.append(replace(one, view=replace(one.view, place=at)))
+            top -= box[3] - box[1]
+        return placed
+    return []
+
+
+def _headings(box: Box2) -> Iterator[Primitive]:
+    x0, y0, x1, y1 = box
+    yield rectangle(box, "FRAME")
+    base = y0 + (y1 - y0 - TEXT_HEIGHT) / 2
+    for text, left in (("No.", x0), ("Step", x0 + NUMBER), ("Parts, tools, torque", x1 - REQUIRED)):
+        yield Text(text, (left + PAD, base), TEXT_HEIGHT)
+
+
+class _Row:
+    """A row of the table: one step, its texts in lines."""
+
+    def __init__(self, step: Step, width: float) -> None:
+        self._step, self._width = step, width
+        self._words = [_Line(step.title, TEXT_HEIGHT)]
+        for sentence in step.sentences:
+            self._words += [
+                _Line(text) for text in wrapped(sentence, width - NUMBER - REQUIRED - 2 * PAD, SMALL_HEIGHT)
+            ]
+        self._required: list[_Line] = [_Line(_part(use)) for use in step.parts]
+        for text in ("; ".join(step.tools), f"Torque {step.torque.text}" if step.torque else ""):
+            self._required += [_Line(line) for line in wrapped(text, REQUIRED - 2 * PAD, SMALL_HEIGHT)] if text else []
+
+    @property
+    def height(self) -> float:
+        """Height of the row, mm."""
+        return 2 * PAD + max(sum(line.pitch for line in cell) for cell in (self._words, self._required))
+
+    def primitives(self, left: float, top: float) -> Iterator[Primitive]:
+        """Lines and texts of the row, with its upper left corner at a point."""
+        right, bottom = left + self._width, top - self.height
+        yield rectangle((left, bottom, right, top))
+        for x in (left + NUMBER, right - REQUIRED):
+            yield Stroke(((x, bottom), (x, top)))
+        yield Text(str(self._step.number), (left + NUMBER / 2, top - PAD - TEXT_HEIGHT), TEXT_HEIGHT, "middle")
+        for cell, x in ((self._words, left + NUMBER), (self._required, right - REQUIRED)):
+            base = top - PAD
+            for line in cell:
+                yield Text(line.text, (x + PAD, base - line.height), line.height)
+                base -= line.pitch
+
+
+def _part(use: PartUse) -> str:
+    number = f", {use.part_number}" if use.part_number else ""
+    return f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}"

@@ -1,0 +1,234 @@
+"""Assembly of the machine: every part positioned by mates of its datums, at any travel and height adjustment.
+
+The base is fixed at the origin (x along the travel, y across, z up, its top at z = 0). All other parts are placed by
+mates, so that an error in a part appears in the assembly and in the interference check. The height of an actuator
+follows from its wedge: pin 1 is moved along its bore, pin 2 is lowered in its own bore to the plane of the wedge, and
+carries holder, piezos and tip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stagecad.friction_stage.parameters.derived import Derived
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.modelling.frame import UNMOVED, Frame, Vector, add, dot, mate, scaled, subtract
+
+TRAVEL_ENDS = (-1.0, 0.0, 1.0)
+HEIGHT_ENDS = (-1.0, 0.0, 1.0)
+
+EXPLODED = {
+    "bearing_way": 60.0,
+    "way_screw": 70.0,
+    "clamp_screw_long": 120.0,
+    "clamp_screw_short": 90.0,
+    "spring": 265.0,
+    "height_pin_1": 310.0,
+    "set_screw": 40.0,
+    "height_pin_2": 50.0,
+    "holder": 60.0,
+    "piezo": 45.0,
+    "tip": 40.0,
+    "tooth_bar": 40.0,
+    "bar_screw": 30.0,
+    "stage": 420.0,
+    "tooth_iron": 30.0,
+    "magnet": 50.0,
+    "stop_bar": 60.0,
+    "stop_screw": 40.0,
+    "buffer": 30.0,
+    "lead_clip": 50.0,
+    "sensor_bracket": 60.0,
+    "interferometer": 50.0,
+    "mirror": 40.0,
+}
+"""Displacement of a part from its seat in the exploded view, mm, in addition to that of its parent."""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One instance of a part in the assembly.
+
+    Attributes:
+        name: unique: the part's, with a number or side if there are several.
+        part: name of the part.
+        frame: position in the assembly.
+        exploded: position in the exploded view.
+        compression: of a spring, relative to its installed length at mid-adjustment, mm.
+    """
+
+    name: str
+    part: str
+    frame: Frame
+    exploded: Frame
+    compression: float = 0.0
+
+    @property
+    def shape(self) -> str:
+        """Name of its shape: that of the part; for a compressed spring with the compression."""
+        return self.part if abs(self.compression) < 1e-6 else f"{self.part}@{self.compression:.6f}"
+
+
+def assemble(
+    parts: Mapping[str, BuiltPart], design: Any, travel: float = 0.0, height: float = 0.0
+) -> tuple[Instance, ...]:
+    """All instances of parts in the machine.
+
+    Args:
+        parts: the built parts by name.
+        design: the design (for travel, stroke of the height pin, and number of actuators).
+        travel: position of the stage, -1 and 1 at the ends of its travel.
+        height: position of the height adjustment, -1 lowest, 1 highest.
+    """
+    return tuple(_Builder(parts, design, travel, height).all())
+
+
+class _Builder:
+    def __init__(self, parts: Mapping[str, BuiltPart], design: Any, travel: float, height: float) -> None:
+        self.parts, self.design, self.travel, self.height = parts, design, travel, height
+
+    def datum(self, part: str, name: str) -> Datum:
+        try:
+            return self.parts[part].datums[name]
+        except KeyError:
+            raise ValueError(f"part '{part}' has no datum '{name}', which the assembly needs") from None
+
+    def seats(self, parent: Instance, part: str) -> Iterator[tuple[str, Datum]]:
+        """Seats for `part` on `parent`, in the order of their declaration."""
+        for name, datum in self.parts[parent.part].datums.items():
+            if name.rpartition("_")[0] == part:
+                yield name, datum
+
+    def on(self, parent: Instance, seat: Datum, part: str, own: str, name: str, **more: Any) -> Instance:
+        """`part` with its datum `own` on `seat` of `parent`."""
+        child = self.datum(part, own)
+        out = scaled(parent.frame.direction(seat.normal), EXPLODED[part])
+        frame = mate(child, parent.frame, seat)
+        return Instance(name, part, frame, mate(child, parent.exploded, seat).shifted(out), **more)
+
+    def all(self) -> Iterator[Instance]:
+        base = Instance("base", "base", UNMOVED, UNMOVED)
+        yield base
+        ways = [self.on(base, seat, "bearing_way", "bottom", name) for name, seat in self.seats(base, "bearing_way")]
+        for way in ways:
+            yield way
+            side = way.name.removeprefix("bearing_way")
+            for name, seat in self.seats(way, "way_screw"):
+                yield self.on(way, seat, "way_screw", "seat", name.replace("screw", f"screw{side}"))
+        for screw in ("clamp_screw_long", "clamp_screw_short"):
+            for name, seat in self.seats(base, screw):
+                yield self.on(base, seat, screw, "seat", name)
+        for number in range(1, int(self.design.actuator.fitted) + 1):
+            yield from self.actuator(base, number)
+        stage = self.stage(base, ways[0])
+        yield stage
+        if self.design.teeth.fitted:
+            for name, seat in self.seats(base, "tooth_bar"):
+                bar = self.on(base, seat, "tooth_bar", "seat", name)
+                yield bar
+                side = bar.name.removeprefix("tooth_bar")
+                for screw, hole in self.seats(bar, "bar_screw"):
+                    yield self.on(bar, hole, "bar_screw", "seat", screw.replace("screw", f"screw{side}"))
+            for part in ("tooth_iron", "magnet"):
+                for name, seat in self.seats(stage, part):
+                    yield self.on(stage, seat, part, "seat", name)
+        if Derived(self.design).end_stops:
+            yield from self.end_stops(base)
+            for name, seat in self.seats(stage, "mirror"):
+                yield self.on(stage, seat, "mirror", "seat", name)
+
+    def end_stops(self, base: Instance) -> Iterator[Instance]:
+        """The stop bars with buffers and screws, and on the last one the interferometer with its bracket."""
+        bars = [self.on(base, seat, "stop_bar", "seat", name) for name, seat in self.seats(base, "stop_bar")]
+        for bar in bars:
+            yield bar
+            number = bar.name.removeprefix("stop_bar")
+            for part in ("stop_screw", "buffer"):
+                for name, seat in self.seats(bar, part):
+                    yield self.on(bar, seat, part, "seat", name.replace(part, f"{part}{number}"))
+        back = self.datum("stop_bar", "sensor_bracket")
+        bracket = self.on(bars[-1], back, "sensor_bracket", "seat", "sensor_bracket")
+        yield bracket
+        for name, seat in self.seats(bracket, "bar_screw"):
+            yield self.on(bracket, seat, "bar_screw", "seat", name.replace("screw", "screw_sensor"))
+        for name, seat in self.seats(bracket, "interferometer"):
+            yield self.on(bracket, seat, "interferometer", "seat", name)
+
+    def stage(self, base: Instance, way: Instance) -> Instance:
+        """The stage with its pads' plane on the ways, moved along the travel."""
+        top = way.frame.point(self.datum("bearing_way", "top").origin)
+        shift = self.travel * self.design.stage.travel / 2
+        plane = Datum("pads", (shift, 0.0, top[2]), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+        return self.on(base, plane, "stage", "pads", "stage")
+
+    def actuator(self, base: Instance, number: int) -> Iterator[Instance]:
+        """Wedge, pin, holder, piezos and tip of one actuator, from the bottom up."""
+        bore = self.datum("base", f"pin_1_bore_{number}")
+        shift = scaled(bore.normal, -self.height * self.design.height_pin_1.stroke / 2)
+        seat = Datum("stroke", add(bore.origin, shift), bore.normal, bore.x_direction)
+        wedge = self.on(base, seat, "height_pin_1", "axis", f"height_pin_1_{number}")
+        yield wedge
+        yield self.on(wedge, self.datum("height_pin_1", "screw_end"), "set_screw", "end", f"set_screw_{number}")
+        rest = self.datum("base", f"spring_{number}")
+        shoulder = wedge.frame.point(self.datum("height_pin_1", "spring_end").origin)
+        room = abs(dot(subtract(shoulder, rest.origin), rest.normal))
+        free = subtract(self.datum("spring", "end_2").origin, self.datum("spring", "end_1").origin)
+        compression = dot(free, (0.0, 0.0, 1.0)) - room
+        yield self.on(base, rest, "spring", "end_1", f"spring_{number}", compression=compression)
+
+        pin = self.on(
+            base, self.datum("base", f"pin_2_bore_{number}"), "height_pin_2", "axis", f"height_pin_2_{number}"
+        )
+        drop = self._down_to(pin, wedge)
+        pin = Instance(pin.name, pin.part, pin.frame.shifted(drop), pin.exploded)
+        yield pin
+        pocket = self.datum("base", f"pocket_{number}")
+        up = pocket.normal
+        crown = pin.frame.point(self.datum("height_pin_2", "top").origin)
+        rise = dot(subtract(crown, pocket.origin), up)
+        foot = Datum("foot", add(pocket.origin, scaled(up, rise)), up, pocket.x_direction)
+        holder = self.on(base, foot, "holder", "bottom", f"holder_{number}")
+        lift = scaled(up, EXPLODED["height_pin_2"] + self.datum("height_pin_2", "top").origin[2] - rise)
+        holder = Instance(holder.name, holder.part, holder.frame, holder.exploded.shifted(lift))
+        yield holder
+        piezos = []
+        for name, bored in self.seats(holder, "piezo"):
+            piezos.append(self.on(holder, bored, "piezo", "foot", f"{name.replace('_', f'_{number}_')}"))
+            yield piezos[-1]
+        yield self._tip(holder, piezos, number)
+        channel = self.datum("base", f"lead_clip_{number}")
+        yield self.on(base, channel, "lead_clip", "seat", f"lead_clip_{number}")
+
+    def _down_to(self, pin: Instance, wedge: Instance) -> Vector:
+        """Shift along the bore's axis that brings the pin's sloping end into the plane of the wedge."""
+        face = self.datum("height_pin_1", "wedge")
+        normal = wedge.frame.direction(face.normal)
+        end = self.datum("height_pin_2", "wedge")
+        axis = scaled(pin.frame.direction(self.datum("height_pin_2", "axis").normal), -1.0)
+        gap = dot(subtract(wedge.frame.point(face.origin), pin.frame.point(end.origin)), normal)
+        return scaled(axis, gap / dot(axis, normal))
+
+    def _tip(self, holder: Instance, piezos: list[Instance], number: int) -> Instance:
+        """The tip on the ends of the piezos, oriented like the holder."""
+        end = self.datum("piezo", "end")
+        # The orientation is the holder's: piezos are round, with no preferred orientation.
+        orientation = self.datum("holder", "bottom").x_direction
+        seat = Datum("piezo_ends", end.origin, end.normal, _back(piezos[0].frame, holder.frame.direction(orientation)))
+        return self.on(piezos[0], seat, "tip", "piezo_1", f"tip_{number}")
+
+
+def _back(frame: Frame, direction: Vector) -> Vector:
+    """A direction of the assembly in the coordinates of the part that `frame` places."""
+    x, y, z = (tuple(row[axis] for row in frame.rotation) for axis in range(3))
+    return (dot(x, direction), dot(y, direction), dot(z, direction))  # type: ignore[arg-type]
+
+
+def count(instances: Iterable[Instance]) -> dict[str, int]:
+    """Number of each part, in the order of their first appearance."""
+    counts: dict[str, int] = {}
+    for instance in instances:
+        counts[instance.part] = counts.get(instance.part, 0) + 1
+    return counts

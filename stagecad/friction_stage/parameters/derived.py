@@ -1,0 +1,339 @@
+"""Dimensions that follow from others.
+
+Two kinds: values of keys that a parameter file may leave out (`COMPUTED`), and positions and envelopes in the assembly
+without a key (`Derived`). Millimetres; x along the travel, y across it, z up; the origin is at actuator 1 on
+the top of the base.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stagecad.friction_stage.parameters.machine import Tables
+
+MM = 1e-3
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """Formula of a value that the file leaves out.
+
+    Args:
+        text: the formula in keys.
+        value: of the tables read so far (attributes as in `Design`); in the unit of its key.
+        tolerance: class of the resulting dimension.
+    """
+
+    text: str
+    value: Callable[[Any], float]
+    tolerance: str | None = None
+
+
+def _pin_1_axis_depth(d: Any) -> float:
+    stack = d.height_pin_1.flat_height + d.height_pin_2.length + d.holder.floor + d.piezo.length + d.actuator.tip_height
+    return stack - d.bearing_way.height - d.pads.height
+
+
+def _bolt_count(d: Any) -> float:
+    way = d.bearing_way
+    # The small number keeps rounding errors from losing a screw.
+    return max(math.floor((way.length - 2 * way.bolt_end) / way.bolt_spacing + 1e-9) + 1, 0)
+
+
+def _buffer_offsets(d: Any) -> list[float]:
+    """Distances of the buffers from the middle: at the inner irons, and for four buffers at the outer ones too."""
+    middle, pole = d.teeth.bar_spacing / 2, (d.teeth.per_iron * d.teeth.pitch + d.magnet.thickness) / 2
+    return [middle - pole, middle + pole] if d.end_stop.count > 2 else [middle - pole]
+
+
+def _least(value: float) -> float:
+    """A length that a rule may refuse, but that can be built: at least 1 mm."""
+    return max(value, 1.0)
+
+
+COMPUTED: dict[str, Formula] = {
+    "stage.payload_drill_depth": Formula(
+        "stage.thickness - stage.payload_floor", lambda d: d.stage.thickness - d.stage.payload_floor, "X.X"
+    ),
+    "stage.payload_thread_depth": Formula(
+        "stage.payload_drill_depth - 2 threads.m6_pitch",
+        lambda d: d.stage.payload_drill_depth - 2 * d.threads.m6_pitch,
+        "X.X",
+    ),
+    "stage.iron_pocket_width": Formula(
+        "2 teeth.per_iron teeth.pitch + magnet.thickness + stage.iron_pocket_clearance",
+        lambda d: 2 * d.teeth.per_iron * d.teeth.pitch + d.magnet.thickness + d.stage.iron_pocket_clearance,
+        "X.X",
+    ),
+    "bearing_way.bolt_count": Formula(
+        "(bearing_way.length - 2 bearing_way.bolt_end) / bearing_way.bolt_spacing + 1, rounded down", _bolt_count
+    ),
+    "tip.relief_depth": Formula(
+        "actuator.tip_height + tip.seat_depth - tip.relief_cover",
+        lambda d: d.actuator.tip_height + d.tip.seat_depth - d.tip.relief_cover,
+        "X.X",
+    ),
+    "base.seat_gap": Formula(
+        "base.way_gap + 2 base.seat_overhang", lambda d: d.base.way_gap + 2 * d.base.seat_overhang, "X.X"
+    ),
+    "base.width": Formula(
+        "base.way_gap + 2 bearing_way.width", lambda d: d.base.way_gap + 2 * d.bearing_way.width, "X"
+    ),
+    "base.pin_1_axis_depth": Formula(
+        "height_pin_1.flat_height + height_pin_2.length + holder.floor + piezo.length + actuator.tip_height"
+        " - bearing_way.height - pads.height",
+        _pin_1_axis_depth,
+        "X.XX",
+    ),
+    "base.pocket_depth": Formula(
+        "base.pin_1_axis_depth - height_pin_1.flat_height - height_pin_2.length + base.pocket_clearance",
+        lambda d: (
+            d.base.pin_1_axis_depth - d.height_pin_1.flat_height - d.height_pin_2.length + d.base.pocket_clearance
+        ),
+        "X.X",
+    ),
+    "base.pocket_bore": Formula(
+        "base.pocket_depth - base.seat_height", lambda d: _least(d.base.pocket_depth - d.base.seat_height), "X.X"
+    ),
+    "tooth_bar.height": Formula(
+        "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap + base.seat_height",
+        lambda d: (
+            d.bearing_way.height
+            + d.pads.height
+            + d.stage.iron_pocket_depth
+            - d.tooth_iron.height
+            - d.teeth.gap
+            + d.base.seat_height
+        ),
+        "X.XX",
+    ),
+    "stop_bar.length": Formula(
+        "teeth.bar_spacing - (teeth.per_iron teeth.pitch + magnet.thickness) (+ for four buffers) + buffer.width"
+        " + 2 making.least_wall",
+        lambda d: 2 * max(_buffer_offsets(d)) + d.buffer.width + 2 * d.making.least_wall,
+        "X.X",
+    ),
+    "stop_bar.height": Formula(
+        "bearing_way.height + pads.height + base.seat_height + end_stop.height + buffer.height / 2, at least 1 mm",
+        lambda d: _least(
+            d.bearing_way.height + d.pads.height + d.base.seat_height + d.end_stop.height / MM + d.buffer.height / 2
+        ),
+        "X.X",
+    ),
+    "stop_bar.reach": Formula(
+        "base.bracket_spacing_along / 2 - stage.travel / 2 - tooth_iron.length / 2 - end_stop.gap - buffer.length,"
+        " at least 1 mm",
+        lambda d: _least(
+            d.base.bracket_spacing_along / 2
+            - d.stage.travel / 2
+            - d.tooth_iron.length / 2
+            - d.end_stop.gap
+            - d.buffer.length
+        ),
+        "X.X",
+    ),
+    "sensor_bracket.optics": Formula(
+        "(stage.travel + stage.length) / 2 + mirror.thickness + sensors.interferometer.dead_path"
+        " + (interferometer.length - interferometer.screw_spacing) / 2 - base.bracket_spacing_along / 2"
+        " - stop_bar.overhang, at least 1 mm",
+        lambda d: _least(
+            (d.stage.travel + d.stage.length) / 2
+            + d.mirror.thickness
+            + d.sensors.interferometer.dead_path / MM
+            + (d.interferometer.length - d.interferometer.screw_spacing) / 2
+            - d.base.bracket_spacing_along / 2
+            - d.stop_bar.overhang
+        ),
+        "X.X",
+    ),
+    "sensor_bracket.drop": Formula(
+        "stop_bar.height - stop_bar.sensor_depth + interferometer.beam_height - bearing_way.height - pads.height"
+        " - base.seat_height - stage.thickness / 2, at least 1 mm",
+        lambda d: _least(
+            d.stop_bar.height
+            - d.stop_bar.sensor_depth
+            + d.interferometer.beam_height
+            - d.bearing_way.height
+            - d.pads.height
+            - d.base.seat_height
+            - d.stage.thickness / 2
+        ),
+        "X.X",
+    ),
+    "spring.installed_length": Formula(
+        "base.pin_1_bore_end - height_pin_1.length / 2", lambda d: d.base.pin_1_bore_end - d.height_pin_1.length / 2
+    ),
+    "piezo.loss_factor": Formula(
+        "tan(asin(piezo.hysteresis)): the loop's width over its stroke is the sine of the loss angle",
+        lambda d: math.tan(math.asin(d.piezo.hysteresis)),
+    ),
+    "piezo.stiffness": Formula(
+        "piezo.blocking_force / piezo.stroke", lambda d: d.piezo.blocking_force / d.piezo.stroke
+    ),
+}
+"""Computed parameters by key, in the order of computation."""
+
+
+def corners(along: float, across: float) -> list[Place]:
+    """The four corners (x, y) of a rectangle about the origin, by rising x, then y."""
+    return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Places, heights and envelopes that follow from a design. mm unless a name says otherwise."""
+
+    design: Tables
+
+    @property
+    def drive_surface_height(self) -> float:
+        """Height of the drive surface, and of the tip's apex when it just touches: way and pads."""
+        return self.design.bearing_way.height + self.design.pads.height
+
+    @property
+    def wedge_height(self) -> float:
+        """Height of the wedge face at the middle of the adjustment."""
+        return self.design.height_pin_1.flat_height - self.design.base.pin_1_axis_depth
+
+    @property
+    def holder_bottom(self) -> float:
+        """Height of the holder's bottom at the middle of the adjustment."""
+        return self.wedge_height + self.design.height_pin_2.length
+
+    @property
+    def holder_top(self) -> float:
+        """Height of the holder's top at the middle of the adjustment."""
+        return self.holder_bottom + self.design.holder.height
+
+    @property
+    def piezo_plane(self) -> float:
+        """Height of the piezos' ends at the middle of the adjustment."""
+        return self.holder_bottom + self.design.holder.floor + self.design.piezo.length
+
+    @property
+    def tip_apex(self) -> float:
+        """Height of the tip's apex at the middle of the adjustment."""
+        return self.piezo_plane + self.design.actuator.tip_height
+
+    @property
+    def height_adjustment(self) -> float:
+        """Range of the height of the tip to either side of the middle: half the wedge pin's stroke times its slope."""
+        return self.design.height_pin_1.stroke / 2 * self.design.height_pin_1.slope
+
+    @property
+    def piezo_circle(self) -> float:
+        """Radius of the circle through the three piezos: R = D / sqrt(3)."""
+        return self.design.actuator.piezo_spacing / math.sqrt(3.0)
+
+    @property
+    def piezo_places(self) -> tuple[Place, Place, Place]:
+        """Axes (x, y) of piezos 1, 2, 3 about the tip's axis."""
+        half, radius = self.design.actuator.piezo_spacing / 2, self.piezo_circle
+        return (-half, -radius / 2), (half, -radius / 2), (0.0, radius)
+
+    @property
+    def actuator_places(self) -> tuple[Place, Place, Place]:
+        """Axes (x, y) of the three actuator pockets: an equilateral triangle, the first at the origin."""
+        spacing = self.design.base.actuator_spacing
+        back = -spacing * math.sqrt(3.0) / 2
+        return (0.0, 0.0), (back, spacing / 2), (back, -spacing / 2)
+
+    @property
+    def fitted_places(self) -> tuple[Place, ...]:
+        """Axes of the actuators that are fitted."""
+        return self.actuator_places[: self.design.actuator.fitted]
+
+    @property
+    def pad_places(self) -> tuple[Place, ...]:
+        """Centres (x, y) of the pads from the middle of the stage."""
+        along, across = self.design.pads.spacing_along / 2, self.design.pads.spacing_across / 2
+        far = ((0.0, -across),) if self.design.pads.count == 3 else ((-along, -across), (along, -across))
+        return ((-along, across), (along, across), *far)
+
+    @property
+    def seat_edge(self) -> float:
+        """Inner edge of the seats of the ways, from the middle of the base."""
+        return self.design.base.seat_gap / 2
+
+    @property
+    def way_screw_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the way screws: the left way's (y > 0) first, each by rising x."""
+        way = self.design.bearing_way
+        across = self.design.base.way_gap / 2 + way.width - way.bolt_edge
+        along = [(i - (way.bolt_count - 1) / 2) * way.bolt_spacing for i in range(way.bolt_count)]
+        return tuple((x, side * across) for side in (1, -1) for x in along)
+
+    @property
+    def way_hole_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the tapped holes under the ways: the left way's (y > 0) first, each by rising x.
+
+        The ways end flush with the side faces of the base, and their rows of screws are dimensioned from there.
+        """
+        way = self.design.bearing_way
+        across = self.design.base.width / 2 - way.bolt_edge
+        along = [(i - (way.bolt_count - 1) / 2) * way.bolt_spacing for i in range(way.bolt_count)]
+        return tuple((x, side * across) for side in (1, -1) for x in along)
+
+    @property
+    def bar_hole_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the tapped holes for the screws of the tooth bars."""
+        along, across = self.design.tooth_bar.screw_span / 2, self.design.teeth.bar_spacing / 2
+        half = self.design.tooth_bar.screw_spacing / 2
+        return tuple((x, side * across + step) for side in (1, -1) for x in (-along, along) for step in (-half, half))
+
+    @property
+    def payload_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the payload's tapped holes from the middle of the stage."""
+        stage = self.design.stage
+        columns, rows, pitch = stage.payload_columns, stage.payload_rows, stage.payload_pitch
+        along = [(i - (columns - 1) / 2) * pitch for i in range(columns)]
+        across = [(j - (rows - 1) / 2) * pitch for j in range(rows)]
+        return tuple((x, y) for x in along for y in across)
+
+    @property
+    def way_screw_end_margin(self) -> float:
+        """Distance of the last screw of a way from the end of the way."""
+        way = self.design.bearing_way
+        return (way.length - (way.bolt_count - 1) * way.bolt_spacing) / 2
+
+    @property
+    def way_screw_engagement(self) -> float:
+        """Length of thread that a way screw has in the base."""
+        return self.design.screws.way.length - self.design.bearing_way.flange_thickness
+
+    @property
+    def drive_surface_width(self) -> float:
+        """Width of the drive surface: its strip, or the whole underside for two axes."""
+        return self.design.stage.width if self.design.sea.whole_underside else self.design.sea.width
+
+    @property
+    def iron_width(self) -> float:
+        """Width of one tooth iron: its teeth at their pitch."""
+        return self.design.teeth.per_iron * self.design.teeth.pitch
+
+    @property
+    def end_stops(self) -> bool:
+        """Whether the machine has end stops and the sensor on one of them."""
+        return self.design.teeth.fitted and self.design.end_stop.count > 0
+
+    @property
+    def buffer_places(self) -> tuple[float, ...]:
+        """Places y of the buffers at either end."""
+        offsets = _buffer_offsets(self.design)
+        return tuple(sorted([-y for y in offsets] + offsets))
+
+    @property
+    def interferometer_front(self) -> float:
+        """Distance from the back of a stop bar to the front of the interferometer, along the travel."""
+        optics = self.design.interferometer
+        return self.design.sensor_bracket.optics - (optics.length - optics.screw_spacing) / 2
+
+    @property
+    def magnets(self) -> int:
+        """Number of magnets: one in each iron pocket."""
+        return 2 if self.design.teeth.fitted else 0

@@ -1,0 +1,235 @@
+"""Rules for the stack of heights under the tip: pins, holder, piezos, tip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from stagecad.friction_stage.rules.sliding import DRILL_POINT
+from stagecad.parameters.rules.registry import ROUNDING, given, length, rule
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+STACK = (
+    "bearing_way.height",
+    "pads.height",
+    "base.pin_1_axis_depth",
+    "height_pin_1.flat_height",
+    "height_pin_2.length",
+    "holder.floor",
+    "piezo.length",
+    "actuator.tip_height",
+)
+"""The lengths that determine the height of the apex above the drive surface."""
+
+
+@rule
+def tip_reaches_stage(d: Design) -> Iterator[str]:
+    """The height adjustment brings the tip to the drive surface, whatever the tolerances of the parts between."""
+    derived = d.derived
+    off = derived.tip_apex - derived.drive_surface_height
+    spread = sum(d.plus_minus(key) for key in STACK)
+    if abs(off) + spread > derived.height_adjustment + ROUNDING:
+        where = f"{length(abs(off))} {'above' if off > 0 else 'below'}" if abs(off) > ROUNDING else "at"
+        yield (
+            f"the tip may not reach the stage: its apex is {where} the drive surface at "
+            f"{length(derived.drive_surface_height)}, tolerances add up to {length(spread)} in either direction, and "
+            f"the height adjustment covers {length(derived.height_adjustment)} "
+            f"({given(d, 'height_pin_1.stroke', 'height_pin_1.slope', 'base.pin_1_axis_depth')}); "
+            f"base.pin_1_axis_depth would be right at {length(d.base.pin_1_axis_depth + off)}"
+        )
+
+
+@rule
+def fits(d: Design) -> Iterator[str]:
+    """A part that slides in a bore has clearance, below a limit."""
+    guided = (
+        ("height_pin_1.diameter", "base.pin_1_bore"),
+        ("height_pin_2.diameter", "base.pin_2_bore"),
+        ("holder.diameter", "base.pocket_diameter"),
+        ("piezo.diameter", "holder.bore_diameter"),
+    )
+    most = d.making.largest_fit
+    for pin, bore in guided:
+        nominal = d.value(bore) - d.value(pin)
+        (pin_low, pin_high), (bore_low, bore_high) = d.deviations(pin), d.deviations(bore)
+        least, greatest = nominal + bore_low - pin_high, nominal + bore_high - pin_low
+        if least <= 0.0:
+            fits = f": the least clearance is {length(least)}" if nominal >= 0.0 else ""
+            yield f"{given(d, pin)} does not go into {given(d, bore)}{fits}"
+        elif greatest > most + ROUNDING:
+            yield (
+                f"{given(d, pin)} is loose in {given(d, bore)}: up to {length(greatest)} of clearance, and "
+                f"{given(d, 'making.largest_fit')}"
+            )
+    if d.tip.seat_diameter <= d.piezo.diameter:
+        yield f"{given(d, 'piezo.diameter')} does not go into {given(d, 'tip.seat_diameter')}"
+
+
+@rule
+def wedge(d: Design) -> Iterator[str]:
+    """Pin 2 is fully on the wedge over the stroke, and the wedge leaves enough of pin 1."""
+    one, two = d.height_pin_1, d.height_pin_2
+    reach = one.stroke / 2 + two.diameter / 2
+    if reach > one.length / 2 - one.end_chamfer + ROUNDING:
+        yield (
+            f"{given(d, 'height_pin_1.length')} is too short: pin 2 of {given(d, 'height_pin_2.diameter')} leaves the "
+            f"wedge over {given(d, 'height_pin_1.stroke')}; at least {length(2 * (reach + one.end_chamfer))} is needed"
+        )
+    rise = one.slope * one.length / 2
+    if one.flat_height + rise > one.diameter / 2 - ROUNDING or one.flat_height - rise < ROUNDING:
+        yield (
+            f"the wedge of {given(d, 'height_pin_1.slope', 'height_pin_1.length')} leaves the pin: its flat goes from "
+            f"{length(one.flat_height - rise)} to {length(one.flat_height + rise)} over the axis of "
+            f"{given(d, 'height_pin_1.diameter')}"
+        )
+    guided = -d.derived.wedge_height - d.derived.height_adjustment - d.base.pocket_depth
+    if guided < two.diameter - ROUNDING:
+        yield (
+            f"height pin 2 is guided over {length(guided)} in its bore, less than {given(d, 'height_pin_2.diameter')}; "
+            f"make height_pin_2.length longer or base.pocket_clearance smaller"
+        )
+
+
+@rule
+def height_screw(d: Design) -> Iterator[str]:
+    """Set screw, spring and pin 1 pass each other in their bore over the whole stroke."""
+    base, one, screw, spring = d.base, d.height_pin_1, d.set_screw, d.spring
+    minor = d.threads.unc_1_tap_drill
+    for key in ("height_pin_1.diameter", "spring.outer_diameter"):
+        if d.value(key) >= minor:
+            yield f"{given(d, key)} does not pass the set screw's thread of {given(d, 'threads.unc_1_tap_drill')}"
+    if base.pin_1_bore >= minor:
+        yield (
+            f"{given(d, 'base.pin_1_bore')} takes away the set screw's thread of {given(d, 'threads.unc_1_tap_drill')}"
+        )
+    if base.set_screw_access <= screw.diameter:
+        yield f"{given(d, 'base.set_screw_access')} does not let {given(d, 'set_screw.diameter')} through"
+    low, high = one.length / 2 - one.stroke / 2, one.length / 2 + one.stroke / 2 + screw.length
+    if base.set_screw_thread_end > low + ROUNDING or base.set_screw_thread_start < high - ROUNDING:
+        yield (
+            f"the set screw leaves its thread: over {given(d, 'height_pin_1.stroke')} it runs from {length(low)} to "
+            f"{length(high)} off the actuator's axis, but the thread goes from "
+            f"{given(d, 'base.set_screw_thread_end')} to {given(d, 'base.set_screw_thread_start')}"
+        )
+    if spring.outer_diameter >= base.pin_1_bore:
+        yield f"{given(d, 'spring.outer_diameter')} does not go into {given(d, 'base.pin_1_bore')}"
+    if one.spigot_diameter >= spring.outer_diameter - 2 * spring.wire_diameter:
+        yield (
+            f"{given(d, 'height_pin_1.spigot_diameter')} does not go into the spring of "
+            f"{given(d, 'spring.outer_diameter', 'spring.wire_diameter')}"
+        )
+    longest = spring.installed_length + one.stroke / 2
+    if longest > spring.free_length + ROUNDING:
+        yield (
+            f"the spring goes loose: {given(d, 'spring.installed_length', 'height_pin_1.stroke')} stretch it to "
+            f"{length(longest)}, beyond {given(d, 'spring.free_length')}"
+        )
+    shortest, solid = spring.installed_length - one.stroke / 2, spring.coils * spring.wire_diameter
+    if shortest < solid - ROUNDING:
+        yield (
+            f"the spring is pressed solid: {given(d, 'spring.installed_length', 'height_pin_1.stroke')} leave it "
+            f"{length(shortest)}, but its coils take {length(solid)}"
+        )
+    if shortest <= one.spigot_length:
+        yield f"{given(d, 'height_pin_1.spigot_length')} meets the bore's end over {given(d, 'height_pin_1.stroke')}"
+
+
+@rule
+def holder_bores(d: Design) -> Iterator[str]:
+    """Bores, well and lifting holes lie within the holder with walls between them."""
+    h, wall = d.holder, d.making.least_wall
+    circle, bore = d.derived.piezo_circle, d.holder.bore_diameter
+    needed = 2 * (circle + bore / 2 + wall)
+    if needed > h.diameter + ROUNDING:
+        yield (
+            f"{given(d, 'actuator.piezo_spacing')} puts the piezos' bores over the edge of "
+            f"{given(d, 'holder.diameter')}; it must be at least {length(needed)}"
+        )
+    if d.actuator.piezo_spacing < bore + wall - ROUNDING:
+        yield f"{given(d, 'actuator.piezo_spacing')} lets the piezos' bores of {length(bore)} run together"
+    if circle - bore / 2 - h.well_diameter / 2 < wall - ROUNDING:
+        yield (
+            f"{given(d, 'holder.well_diameter')} runs into the piezos' bores; it may be "
+            f"{length(max(2 * (circle - bore / 2 - wall), 0.0))}"
+        )
+    tap = d.threads.m4_tap_drill
+    if h.lift_radius + tap / 2 + wall > h.diameter / 2 + ROUNDING:
+        yield f"{given(d, 'holder.lift_radius')} puts the lifting holes over the edge of {given(d, 'holder.diameter')}"
+    apart = math.sqrt(circle**2 + h.lift_radius**2 - circle * h.lift_radius)
+    if apart < (bore + tap) / 2 + wall - ROUNDING or h.lift_radius < (h.well_diameter + tap) / 2 + wall - ROUNDING:
+        yield f"{given(d, 'holder.lift_radius')} lets the lifting holes meet the piezos' bores or the well"
+    if h.ejector_hole >= d.piezo.diameter:
+        yield f"{given(d, 'holder.ejector_hole')} leaves no floor under {given(d, 'piezo.diameter')}"
+    if not h.floor + tap / 2 <= h.clamp_height <= h.height - tap / 2 - wall:
+        yield f"{given(d, 'holder.clamp_height')} lies outside the bores of {given(d, 'holder.height', 'holder.floor')}"
+    if h.lift_thread_depth > h.lift_drill_depth:
+        yield f"{given(d, 'holder.lift_thread_depth')} is deeper than {given(d, 'holder.lift_drill_depth')}"
+
+
+@rule
+def tip_over_holder(d: Design) -> Iterator[str]:
+    """The tip hangs free over the holder, and the holder under the stage."""
+    derived, tip, making = d.derived, d.tip, d.making
+    gap = derived.piezo_plane - tip.seat_depth - derived.holder_top
+    if gap < making.least_wall - ROUNDING:
+        yield (
+            f"the tip comes within {length(gap)} of the holder: "
+            f"{given(d, 'piezo.length', 'holder.floor', 'holder.height')}; lower "
+            f"holder.height by {length(making.least_wall - gap)}"
+        )
+    headroom = derived.drive_surface_height - derived.holder_top - derived.height_adjustment
+    if headroom <= 0.0:
+        yield f"the holder, raised by the height adjustment, meets the stage; lower {given(d, 'holder.height')}"
+    if abs(d.base.pocket_bore + d.base.seat_height - d.base.pocket_depth) > ROUNDING:
+        yield (
+            f"{given(d, 'base.pocket_bore', 'base.seat_height')} are not {given(d, 'base.pocket_depth')} together; "
+            "leave base.pocket_bore out, so that it is computed"
+        )
+    floor = d.base.pocket_depth + derived.holder_bottom - derived.height_adjustment
+    if floor < -ROUNDING:
+        yield (
+            f"{given(d, 'base.pocket_depth')} stops the holder {length(-floor)} before the height adjustment is at its "
+            f"lowest; make base.pocket_clearance at least {length(derived.height_adjustment)}"
+        )
+
+
+@rule
+def tip_body(d: Design) -> Iterator[str]:
+    """Nose, cone, hub, feet and relief of the tip leave each other room."""
+    tip, wall = d.tip, d.making.least_wall
+    if tip.nose_diameter >= 2 * tip.nose_radius:
+        yield f"{given(d, 'tip.nose_diameter')} is wider than a nose of {given(d, 'tip.nose_radius')}"
+        return
+    sag = tip.nose_radius - math.sqrt(tip.nose_radius**2 - tip.nose_diameter**2 / 4)
+    low = tip.arm_thickness - tip.seat_depth + tip.cone_fillet
+    if d.actuator.tip_height - sag < low + ROUNDING:
+        yield (
+            f"{given(d, 'actuator.tip_height')} leaves no cone over {given(d, 'tip.arm_thickness')} and a nose of "
+            f"{given(d, 'tip.nose_radius')}; at least {length(low + sag)} is needed"
+        )
+    root = tip.cone_fillet + tip.edge_chamfer
+    if tip.cone_diameter < tip.nose_diameter or tip.hub_diameter < tip.cone_diameter + 2 * root - ROUNDING:
+        yield (
+            f"{given(d, 'tip.nose_diameter', 'tip.cone_diameter', 'tip.hub_diameter')} must grow downwards, the hub by "
+            f"fillet and chamfer of {length(root)} on either side"
+        )
+    if tip.foot_diameter < tip.seat_diameter + 2 * wall - ROUNDING:
+        yield (
+            f"{given(d, 'tip.foot_diameter')} leaves too little wall around {given(d, 'tip.seat_diameter')}; at least "
+            f"{length(tip.seat_diameter + 2 * wall)} is needed"
+        )
+    if tip.seat_depth >= tip.arm_thickness - wall + ROUNDING:
+        yield f"{given(d, 'tip.seat_depth')} cuts through {given(d, 'tip.arm_thickness')}"
+    deep = tip.relief_depth + tip.relief_diameter / 2 * DRILL_POINT
+    if deep + wall > d.actuator.tip_height + tip.seat_depth - sag + ROUNDING:
+        yield (
+            f"{given(d, 'tip.relief_depth')} and the drill's point reach {length(deep)} up, into the nose of a tip of "
+            f"{given(d, 'actuator.tip_height')}"
+        )
+    if tip.relief_diameter + 2 * wall > tip.nose_diameter + ROUNDING:
+        yield f"{given(d, 'tip.relief_diameter')} leaves too little wall in a cone of {given(d, 'tip.nose_diameter')}"
+    if tip.arm_width > tip.foot_diameter - ROUNDING:
+        yield f"{given(d, 'tip.arm_width')} is wider than {given(d, 'tip.foot_diameter')}"

@@ -1,0 +1,255 @@
+"""Hardware tables of a project: CSV files of piezos, screws, threads and materials beside the parameter file.
+
+The table `[hardware]` of the parameter file names them: `piezos = "piezos.csv"`. The first row of a file has the names
+of its columns, which are those of the keys, with the unit of bare numbers in brackets: `name, stroke [um]`.
+The column `name` is what the parameter file chooses a row by; a column `source` has the origin of its values, that of a
+catalogue unless it begins like another one (`assumed: `).
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from stagecad.friction_stage.parameters import hardware, physics
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.schema import Declaration, declarations, mm
+from stagecad.parameters.units import parse_quantity, quoted
+
+HARDWARE = "hardware"
+"""The table of the parameter file that names the tables."""
+ROW = "row"
+"""The key of a part by which it chooses a row."""
+NAME, SOURCE = "name", "source"
+_LARGEST = 1_000_000
+"""Largest accepted size of a table, bytes."""
+_HEADING = re.compile(r"(?P<column>[^\[\]]*?)\s*(\[(?P<unit>[^\[\]]*)\])?")
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a table may hold.
+
+    Args:
+        columns: by name, with their declarations.
+        slots: tables of the parameter file that choose a row by their key `row`.
+        optional: columns that may be left out or empty; the parameter file has their values.
+        names: the rows that are allowed; empty for any.
+    """
+
+    columns: Mapping[str, Declaration]
+    slots: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A value as a parameter file would have it, and its place for messages."""
+
+    text: str
+    place: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table: its values by column, empty ones left out, and their origin."""
+
+    name: str
+    cells: Mapping[str, Cell]
+    origin: str
+
+
+@dataclass(frozen=True)
+class ProjectTable:
+    """A table by its kind and its file."""
+
+    kind: str
+    file: str
+    rows: tuple[Row, ...]
+
+
+@dataclass
+class _Thread:
+    tap_drill: float = mm("of the thread")
+    pitch: float = mm("of the thread")
+
+
+@cache
+def kinds() -> dict[str, Kind]:
+    """The kinds of table by name."""
+
+    def of(table: type, slots: tuple[str, ...], optional: tuple[str, ...] = ()) -> Kind:
+        columns = {name: one for name, one in declarations(table).items() if name != ROW}
+        free = (name for name, one in columns.items() if one.computed or one.default is not None)
+        return Kind(columns, slots, (*optional, *free))
+
+    threads = tuple(name.removesuffix("_pitch") for name in declarations(hardware.Threads) if name.endswith("_pitch"))
+    screws = tuple(f"screws.{name}" for name in ("way", "clamp_long", "clamp_short", "bar"))
+    ceramic = ("hysteresis", "strain_limit", "creep", "damping_ratio")
+    return {
+        "piezos": of(hardware.Piezo, ("piezo",), ceramic),
+        "screws": of(hardware.Screw, screws, ("torque", "nut_factor")),
+        "set_screws": of(hardware.SetScrew, ("set_screw",)),
+        "springs": of(hardware.Spring, ("spring",)),
+        "threads": Kind(declarations(_Thread), names=threads),
+        "materials": of(physics.Material, ()),
+    }
+
+
+def slot_kinds() -> dict[str, str]:
+    """The kind of table of each part that may choose a row."""
+    return {slot: name for name, kind in kinds().items() for slot in kind.slots}
+
+
+def read_project_tables(named: Mapping[str, Any], folder: Path, file: str) -> tuple[ProjectTable, ...]:
+    """Read the tables that a parameter file names.
+
+    Args:
+        named: its table `[hardware]`: names of files by kind.
+        folder: of the parameter file; nothing outside it is read.
+        file: the parameter file, for messages.
+
+    Raises:
+        InputError: an unknown kind, a file outside of the folder, no such file, or a mistake in a table, with its row
+            and column.
+    """
+    found = []
+    for kind, name in named.items():
+        place = f"{file}: {HARDWARE}.{kind}"
+        if kind not in kinds():
+            raise InputError(f"{place}: no such kind of table{nearest(kind, kinds())}")
+        if not isinstance(name, str) or not name:
+            raise InputError(f"{place}: write the name of a CSV file in this folder, like '{kind}.csv'")
+        rows = tuple(_rows(_text(name, folder, place), name, kinds()[kind]))
+        if not rows:
+            raise InputError(f"{name}: has no rows below its columns; write one for each of the {kind}")
+        found.append(ProjectTable(kind, name, rows))
+    return tuple(found)
+
+
+def _text(name: str, folder: Path, place: str) -> str:
+    """Text of a file of the folder."""
+    shown = quoted(name)
+    try:
+        path, root = (folder / name).resolve(), folder.resolve()
+        if Path(name).is_absolute() or root not in path.parents:
+            raise InputError(f"{place} = {shown}: lies outside the folder of the parameter file; put the table into it")
+        with path.open("rb") as stream:
+            data = stream.read(_LARGEST + 1)
+    except FileNotFoundError:
+        raise InputError(f"{place} = {shown}: no such file in the folder of the parameter file") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{place} = {shown}: cannot be read ({getattr(error, 'strerror', error)})") from None
+    if len(data) > _LARGEST:
+        raise InputError(f"{name}: is too large for a table of hardware, at most {_LARGEST / 1e6:g} MB")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(f"{name}: row {line}: not UTF-8 text; save the file as UTF-8") from None
+
+
+def _rows(text: str, file: str, kind: Kind) -> Iterator[Row]:
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    headings: list[tuple[str, str]] | None = None
+    seen: dict[str, int] = {}
+    try:
+        for cells in reader:
+            if not any(cell.strip() for cell in cells) or cells[0].startswith("#"):
+                continue
+            if headings is None:
+                headings = _headings(cells, f"{file}: row {reader.line_num}", kind)
+                continue
+            row = _row(cells, headings, file, reader.line_num, kind)
+            if row.name in seen:
+                raise InputError(
+                    f"{file}: row {reader.line_num}: '{row.name}' is in row {seen[row.name]} already; keep one"
+                )
+            seen[row.name] = reader.line_num
+            yield row
+    except csv.Error as error:
+        raise InputError(f"{file}: row {reader.line_num}: no CSV ({error})") from None
+
+
+def _headings(cells: Iterable[str], place: str, kind: Kind) -> list[tuple[str, str]]:
+    """Names of the columns with the units of their numbers."""
+    found: dict[str, str] = {}
+    for cell in cells:
+        match = _HEADING.fullmatch(cell.strip())
+        column, unit = (match["column"], (match["unit"] or "").strip()) if match else (cell, "")
+        allowed = (NAME, *kind.columns, SOURCE)
+        if column not in allowed:
+            hint = "; separate the columns by commas" if ";" in cell else nearest(column, allowed)
+            raise InputError(f"{place}: no column {quoted(column)}{hint}")
+        if column in found:
+            raise InputError(f"{place}: the column '{column}' is there twice; keep one")
+        if unit:
+            declared = kind.columns.get(column)
+            if declared is None or declared.kind != "number" or not declared.unit:
+                raise InputError(f"{place}: the column '{column}' has no unit; write '{column}' alone")
+            parse_quantity(f"1 {unit}", declared.unit, f"{place}: column '{column} [{unit}]'")
+        found[column] = unit
+    for column in (NAME, *kind.columns):
+        if column not in found and column not in kind.optional:
+            unit = kind.columns[column].unit if column != NAME else ""
+            raise InputError(f"{place}: the column '{column}{f' [{unit}]' if unit else ''}' is missing; add it")
+    return list(found.items())
+
+
+def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int, kind: Kind) -> Row:
+    place = f"{file}: row {line}"
+    if len(cells) != len(headings):
+        raise InputError(
+            f"{place}: {len(cells)} cells, but there are {len(headings)} columns; put a text with a comma in quotes"
+        )
+    texts = {column: cell.strip() for (column, _), cell in zip(headings, cells, strict=True)}
+    name = texts[NAME]
+    _check_name(name, place, kind)
+    values: dict[str, Cell] = {}
+    for column, unit in headings:
+        text = texts[column]
+        if column in (NAME, SOURCE):
+            continue
+        where = f"{place}, column {column}"
+        if not text:
+            if column not in kind.optional:
+                raise InputError(f"{where}: is empty; give '{name}' a value")
+            continue
+        if text.startswith("="):
+            raise InputError(f"{where}: {quoted(text)}: a table has values; formulas are for the parameter file")
+        if kind.columns[column].kind == "switch":
+            text = text.lower()
+        values[column] = Cell(f"{text} {unit}" if unit and _is_number(text) else text, where)
+    origin = texts.get(SOURCE) or f"{file}, {name}"
+    if not origin.isprintable():
+        raise InputError(f"{place}, column {SOURCE}: contains characters that cannot be printed")
+    stated = origin.startswith(("thesis ", "catalogue ", "assumed: ", "measured: "))
+    return Row(name, values, origin if stated else f"catalogue {origin}")
+
+
+def _check_name(name: str, place: str, kind: Kind) -> None:
+    place = f"{place}, column {NAME}"
+    if kind.names and name not in kind.names:
+        raise InputError(f"{place}: no thread {quoted(name)}{nearest(name, kind.names)}")
+    if not kind.slots and not _IDENTIFIER.fullmatch(name):
+        raise InputError(f"{place}: {quoted(name)}: write letters, digits and _, beginning with a letter")
+    if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == hardware.NO_ROW:
+        raise InputError(f"{place}: {quoted(name)}: write a line of text without '|', other than '{hardware.NO_ROW}'")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

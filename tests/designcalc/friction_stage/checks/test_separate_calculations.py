@@ -1,0 +1,115 @@
+"""Numbers of the packaged machine that were calculated separately: quadrature, plate and field solvers of their own.
+
+Loads of 33.2 N are those with a dead weight of 3 N in place of the magnets.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.run import run_checks
+from designcalc.contact.hertz_stress import peak_mises
+from designcalc.friction_stage.checks import contact
+from designcalc.friction_stage.physics.pads import rail
+from designcalc.friction_stage.physics.stage_plate import give_at_tip
+from designcalc.friction_stage.physics.teeth import attraction
+from designcalc.friction_stage.physics.tip_dynamics import bent_stack
+from stagecad.parameters.load import load_design
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+
+BODY = MassProperties(
+    7.1e-4,
+    2.08176,
+    (0, 4.7e-5, 0.033128),
+    np.diag([0.0125, 0.0091, 0.021]),
+    ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)),
+)
+TIP = MassProperties(8.5e-6, 0.022933, (0, 0, 0.004), np.eye(3) * 4.327e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
+
+
+def inputs(*overrides: str) -> DesignInputs:
+    return DesignInputs(load_design(None, overrides, rules=False), BodyMasses(BODY, TIP))
+
+
+def values(*overrides: str) -> dict[str, float]:
+    r = inputs(*overrides)
+    return {check.name: check.value for check in run_checks(r.design, r.masses) if check.value is not None}
+
+
+@pytest.fixture(scope="module")
+def packaged():
+    return values()
+
+
+def test_edge_tension_of_body_and_coating_with_traction(monkeypatch):
+    """180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force."""
+    monkeypatch.setattr(contact, "peak_tip_force", lambda r: 33.2)
+    assert contact.coating(inputs("tip.coating_material=al_6061_t6")).value == pytest.approx(179.9e6, rel=2e-3)
+    assert contact.coating(inputs("tip.coating_material=alumina")).value == pytest.approx(905e6, rel=2e-3)
+    without = inputs("tip.coating_material=al_6061_t6", "drive.friction=1e-9")
+    assert contact.coating(without).value == pytest.approx(32.7e6, rel=2e-3)
+
+
+def test_first_yield_of_a_round_contact():
+    assert 1 / float(peak_mises(1.0, 0.3)) == pytest.approx(1.613, rel=1e-3)
+
+
+def test_magnets_with_leakage():
+    assert attraction(inputs()) == pytest.approx(79.0, rel=0.01)
+
+
+def test_stage_under_the_tip():
+    """7.9 N/um where the tip presses at 33.2 N."""
+    assert 1 / give_at_tip(inputs("teeth.fitted=false")) == pytest.approx(7.9e6, rel=0.02)
+
+
+def test_a_bent_stack():
+    """Touches its bore at 5.39 N with 9.3 MPa at its foot; the foot keeps 8.7 MPa at 10.07 N and 7.6 MPa at 18.4 N."""
+    r = inputs()
+    assert float(bent_stack(r, 1.0).touch_force) == pytest.approx(5.39, rel=2e-3)
+    for force, foot in ((5.39, 9.3e6), (10.07, 8.7e6), (18.4, 7.6e6)):
+        # The largest stress of all is never below that of the foot.
+        assert float(bent_stack(r, force).stress) >= 0.99 * foot
+    assert float(bent_stack(r, 5.38).stress) == pytest.approx(9.3e6, rel=5e-3)
+
+
+def test_numbers_of_the_checks(packaged):
+    for name, value, error in (
+        ("bearing way stiffness", 308.7e6, 1e-3),
+        ("slip between way and base", 0.28e-6, 0.01),
+        ("heat of the piezos at full speed", 57.0, 0.01),
+        ("smoothness against the tip's own pulsation", 20.15, 1e-3),
+        ("refractive index of the air over the interferometer's travel", 186e-9 + 54e-9, 0.01),
+        ("resonances of the stage on its pads against the drive", 1.039, 0.01),
+    ):
+        assert packaged[name] == pytest.approx(value, rel=error), name
+    # 39 nm of one component at 30 Hz become 811 nm of all third octaves, one of which is the resonance of 63 Hz.
+    assert packaged["floor vibration between tip and stage, along"] > 39e-9
+
+
+def test_the_bed_has_its_own_poisson_ratio():
+    """308.7 N/um where the ratio of the rail alone gives 310.6."""
+    from dataclasses import replace
+
+    from designcalc.bearing.bolted_rail import total_stiffness
+
+    way = rail(inputs())
+    M, tau = 38.1 / 9.525, 14.3 / 9.525
+    assert float(total_stiffness(way, M, tau)) == pytest.approx(308.7e6, rel=1e-3)
+    assert float(total_stiffness(replace(way, bed_poisson=way.poisson), M, tau)) == pytest.approx(310.6e6, rel=1e-3)
+
+
+def test_smallest_step_of_the_free_tip(packaged):
+    assert packaged["smallest step of the tip"] == pytest.approx(0.2256e-9, rel=1e-3)
+
+
+def test_data_of_the_materials_are_those_of_their_kind():
+    """A hard anodic layer and not dense alumina, silicon carbide near 20 degC, PTFE of one grade."""
+    r = inputs()
+    assert 60e9 <= r("materials.anodic_layer.youngs_modulus") <= 150e9
+    assert 2.2e-6 <= r("materials.sic.expansion") <= 2.6e-6
+    # Pressure, pressure times speed and wear are all those of unfilled PTFE.
+    assert 1e-13 <= r("bearing.wear_rate") <= r("bearing.run_in_wear_rate") <= 1e-12
+    assert r("bearing.allowable_pressure") <= 7e6 and r("bearing.allowable_pv") <= 0.07e6

@@ -1,0 +1,76 @@
+"""The stage shaken by the tip's pulses, against the whole finite-element plate, and sampled pulses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.run import run_checks
+from designcalc.contact.pulsed import peak_of_mean, pressed_force, pulse_harmonics
+from designcalc.friction_stage.physics.loads import tip_load
+from designcalc.friction_stage.physics.plate_vibration import Shaken, above_tip, at_payload, compliance
+from designcalc.friction_stage.physics.stage_plate import TIP, give_at_tip, payload_feet, payload_place, stage_plate
+from stagecad.parameters.load import load_design
+
+QUIET = ("bearing.damping_ratio=0.000001", "stage.damping_ratio=0.000001")
+
+
+def inputs(*overrides: str) -> DesignInputs:
+    return DesignInputs(load_design(None, overrides, rules=False))
+
+
+@pytest.mark.parametrize("frequency", [1.0, 300.0, 2000.0, 5000.0])
+def test_the_compliance_is_that_of_the_whole_plate(frequency):
+    r = inputs(*QUIET)
+    plate = stage_plate(r)
+    force = np.zeros(plate._mass.shape[0])
+    columns, values = plate._outline.row(TIP)
+    force[columns] = values
+    moved = spsolve((plate._stiffness - (2 * np.pi * frequency) ** 2 * plate._mass).tocsc(), force)
+    places = [TIP, *payload_feet(r), payload_place(r)[:2]]
+    expected = [values @ moved[columns] for columns, values in map(plate._outline.row, places)]
+    assert compliance(r, frequency).real == pytest.approx(expected, rel=0.02, abs=2e-11)
+
+
+@pytest.mark.parametrize("deep", [0.2, 0.7, 1.3])
+def test_harmonics_are_those_of_the_sampled_pulses(deep):
+    rise, rate, stiffness = 12e-6, 7.3e9, 140e6
+    turn = 2 * np.pi * np.arange(4096) / 4096
+    force = pressed_force(rise * (deep - 0.5 * (1 - np.cos(turn))), rate, stiffness)
+    parts = np.fft.rfft(force).real / force.size
+    found = pulse_harmonics(float(parts[0]), rise, rate, stiffness, 3)
+    assert found == pytest.approx(2 * parts[1:4], rel=1e-3, abs=1e-4 * parts[0])
+    assert peak_of_mean(float(parts[0]), rise, rate, stiffness) == pytest.approx(force[0], rel=1e-4)
+
+
+def test_vibration_is_the_largest_over_a_period():
+    shaken = Shaken(np.array([1.0]), np.array([[3.0 - 4.0j], [0.0j]]))
+    assert shaken.vibration == pytest.approx([5.0], rel=1e-3)
+    assert shaken.at_peak_force == pytest.approx([4.0])
+
+
+def test_the_checks_count_on_the_modes_at_the_drives_frequency():
+    """Near a mode the stage is shaken more; slowly driven, the pulses bend it as static forces do."""
+    found = {}
+    for drive in ("4.9 kHz", "4.4 kHz"):
+        r = inputs(f"actuator.frequency={drive}")
+        checks = {check.name: check for check in run_checks(r.design)}
+        found[drive] = float(at_payload(r, 20.0).vibration[0]), checks
+    assert found["4.9 kHz"][0] > 1.5 * found["4.4 kHz"][0]
+    margins = [found[drive][1]["smoothness against the tip's own pulsation"].margin for drive in found]
+    totals = [found[drive][1]["error budget at the payload: smoothness"].value for drive in found]
+    assert margins[0] < margins[1] and totals[0] > totals[1]
+    slow = inputs("actuator.frequency=1 Hz")
+    load = tip_load(slow)
+    peak = above_tip(slow, load).at_peak_force[0] / give_at_tip(slow)
+    forces = pulse_harmonics(load, *_pulse(slow), 3)
+    assert peak == pytest.approx(load + sum(forces), rel=1e-3)
+
+
+def _pulse(r: DesignInputs) -> tuple[float, float, float]:
+    from designcalc.friction_stage.physics.tip_contact import contact_stiffness
+    from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, stack_stiffness, usable_ellipse
+
+    return usable_ellipse(r)[1], contact_stiffness(r, tip_load(r)).rate, PIEZOS * stack_stiffness(r)

@@ -1,0 +1,193 @@
+"""The assembly procedure: every part once, in an order that can be built, and no number of its own."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields, replace
+from functools import cache
+
+import pytest
+
+from drawings.friction_stage.procedure.figures import CALCULATED, ProcedureValues
+from drawings.friction_stage.procedure.procedure import Procedure, procedure
+from drawings.friction_stage.procedure.steps import step_templates
+from stagecad.friction_stage.assembly.accessories import accessories
+from stagecad.friction_stage.parameters.machine import schema
+from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
+from stagecad.solids.assembly.bill_of_materials import Row
+from stagecad.solids.modelling.registry import MADE, part_names
+
+QUANTITIES = {
+    "bearing_way": 2,
+    "way_screw": 14,
+    "piezo": 3,
+    "tooth_bar": 2,
+    "bar_screw": 10,
+    "stop_bar": 2,
+    "stop_screw": 4,
+    "buffer": 4,
+    "tooth_iron": 4,
+    "magnet": 2,
+    "clamp_screw_long": 2,
+    "clamp_screw_short": 2,
+}
+
+VALUES = ProcedureValues(
+    way_preload=7874.0,
+    bar_preload=3000.0,
+    clamp_force=5249.0,
+    magnet_pull=154.8,
+    lift_per_turn=158.75e-6,
+    lift_per_degree=158.75e-6 / 360,
+    adjustment=0.5e-3,
+    ellipse_height=12e-6,
+    clamp_squeeze=0.14e-6,
+    clamp_drop=0.058e-6,
+    clamp_sideways=110e-6,
+    run_in_distance=1200.0,
+    run_in_time=6000.0,
+    run_in_wear=0.9e-6,
+    film_strokes=4000.0,
+)
+
+
+@cache
+def thesis() -> Design:
+    return load_design()
+
+
+def rows(design: Design) -> tuple[Row, ...]:
+    names = part_names(design)
+    return tuple(
+        Row(item, name, name, f"number of {name}", QUANTITIES.get(name, 1), "material", 84.2, name not in MADE)
+        for item, name in enumerate(names, start=1)
+    )
+
+
+def made(*overrides: str, values: ProcedureValues = VALUES) -> Procedure:
+    design = load_design(overrides=overrides) if overrides else thesis()
+    return procedure(design, rows(design), values)
+
+
+def words(steps: Procedure) -> str:
+    return "\n".join(
+        " ".join((step.title, *step.sentences, *step.tools, step.torque.text if step.torque else ""))
+        for step in steps.steps
+    )
+
+
+def test_every_part_of_the_list_goes_in_once() -> None:
+    listed = {row.part: (row.item, row.part_number, row.quantity) for row in rows(thesis())}
+    used = [use for step in made().steps for use in step.parts]
+    assert len(used) == len(listed)
+    assert {use.part: (use.item, use.part_number, use.quantity) for use in used} == listed
+    assert [step.number for step in made().steps] == list(range(1, len(made().steps) + 1))
+
+
+@pytest.mark.parametrize(
+    "first, then",
+    [
+        ("base", "bearing_way"),
+        ("spring", "height_pin_2"),
+        ("height_pin_2", "holder"),  # it stands on the pin
+        ("piezo", "tip"),
+        ("tip", "stage"),
+        ("bearing_way", "stage"),
+        ("tooth_bar", "stage"),
+        ("magnet", "stage"),
+        ("tooth_bar", "stop_bar"),  # its nose is over their screws
+        ("holder", "stop_bar"),  # it bridges the lead channel
+        ("stop_bar", "sensor_bracket"),
+        ("stage", "clamp_screw_long"),  # the height is set against the stage, and then held
+    ],
+)
+def test_a_part_is_put_in_after_the_part_that_carries_it(first: str, then: str) -> None:
+    place = {use.part: step.number for step in made().steps for use in step.parts}
+    assert place[first] <= place[then]
+
+
+def test_the_height_is_set_before_clamping_and_checked_afterwards() -> None:
+    titles = [step.title for step in made().steps]
+    order = [
+        "Lower the stage onto the ways",
+        "Set the height of the tip",
+        "Close the clamps",
+        "Check the shift by clamping",
+    ]
+    assert [title for title in titles if title in order] == order
+
+
+def test_the_bonded_tip_is_released_before_a_piezo_is_replaced() -> None:
+    """The tip is bonded to all three piezos: adhesive of the parts list, solvent that releases it, and order agree."""
+    (bond,) = (step for step in made().steps if "tip" in {use.part for use in step.parts})
+    (adhesive,) = (one for one in accessories(thesis()) if one.name == "adhesive for the tip")
+    assert bond.tools[0] in adhesive.specification and "soluble in acetone" in adhesive.specification
+    service = made().steps[-1]
+    assert service.title == "Replace a piezo (service)" and not service.parts
+    assert any("acetone" in tool for tool in service.tools)
+    text = " ".join(service.sentences)
+    order = [text.index(words) for words in ("take it off", "Clamps open", "Acetone", "draw the piezo out", "bond the")]
+    assert order == sorted(order)
+    plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None)).steps[-1]
+    assert plain.title == service.title and "Acetone" in " ".join(plain.sentences)
+
+
+def test_sentences_contain_no_literal_numbers() -> None:
+    """Digits occur only in names; all numbers are figures in braces."""
+    for step in step_templates(thesis(), VALUES):
+        for text in (*step.sentences, *step.tools):
+            plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
+            assert not re.search(r"\d", plain), text
+
+
+def test_every_figure_has_an_origin() -> None:
+    keys = set(schema())
+    for step in made().steps:
+        for name, figure in step.figures.items():
+            origins = figure.origin.split(", ")
+            known = {CALCULATED, "list of parts", "threads"}
+            declared = figure.origin.partition(": ")[0] in MADE
+            assert declared or all(origin in keys | known for origin in origins), name
+            assert "e+" not in figure.text and "e-" not in figure.text
+            torque = step.torque.text if step.torque else ""
+            assert any(figure.text in text for text in (*step.sentences, *step.tools, torque))
+
+
+def test_torques_and_sizes_follow_the_parameter_file() -> None:
+    before = made()
+    after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
+    assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
+    assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "8 N·m", "6 N·m"]
+    assert "in thirds to 17 N·m" in words(after)
+    assert "4 setting pins 5 mm" in words(after)
+    assert "Piezos at 60 V" in words(after)
+
+
+@pytest.mark.parametrize("name", [field.name for field in fields(ProcedureValues)])
+def test_every_calculated_value_is_in_the_text(name: str) -> None:
+    other = replace(VALUES, **{name: 0.3 * getattr(VALUES, name)})
+    assert words(made(values=other)) != words(made())
+
+
+def test_height_of_the_tip_in_degrees() -> None:
+    """Half a thou of shim over 1/8 inch of pitch, 1:20 and 360 degrees: 28.8 degrees."""
+    text = words(made())
+    assert "a degree by 0.44 µm" in text
+    assert "turn on by 29°" in text
+    assert "shim 0.0005 in (0.0127 mm)" in text
+    assert "right to 6 µm: 14° of the key" in text
+    assert "out by 3.1 turns: the tip will be 500 µm below its middle" in text
+
+
+def test_a_film_that_running_in_would_wear_through_stops_it() -> None:
+    assert "The film wears by 0.9 µm of its 2 µm." in words(made())
+    thin = words(made(values=replace(VALUES, run_in_wear=3.1e-6, film_strokes=322.0)))
+    assert "stop after 322" in thin
+
+
+def test_without_teeth_there_are_no_magnets() -> None:
+    plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None))
+    assert "magnet" not in words(plain)
+    assert {use.part for step in plain.steps for use in step.parts}.isdisjoint({"magnet", "tooth_bar", "bar_screw"})
+    assert len(plain.steps) == len(made().steps) - 4

@@ -1,0 +1,15 @@
+"""Masses computed from the moving parts alone equal those of the whole assembly."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stagecad.friction_stage.assembly.machine import body_masses
+
+
+def test_masses_of_single_parts_equal_those_of_the_machine(design, store, machine, monkeypatch):
+    monkeypatch.setenv("STAGECAD_CACHE", str(store.folder))
+    found = body_masses(design)
+    for one, other in ((found.moving, machine.moving_body), (found.tip, machine.masses["tip"])):
+        for name in ("volume", "mass", "centre_of_mass", "inertia", "bounding_box"):
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-12, atol=1e-15)
