@@ -77,9 +77,14 @@ class ByRow:
     otherwise: FileEntry | None
 
 
+def packaged_path() -> Path:
+    """The packaged parameter file: the design of the thesis."""
+    return Path(str(files("stagecad.friction_stage.parameters").joinpath("thesis.toml")))
+
+
 def packaged_text() -> str:
     """Text of the packaged thesis design."""
-    return files("stagecad.friction_stage.parameters").joinpath("thesis.toml").read_text("utf-8")
+    return packaged_path().read_text("utf-8")
 
 
 def read_parameter_file(path: str | Path | None = None) -> ParameterFile:

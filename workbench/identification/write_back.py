@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.file import packaged_path
 from stagecad.parameters.units import from_si, si_unit, unit_dimension
 from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import FittedModel
@@ -82,7 +82,7 @@ def parameter_file(run: Run) -> Path:
     advice = "'stagecad params --write stage.toml' makes a file of your own; then give --params stage.toml"
     if run.params is None and not path.is_file():
         raise InputError(f"--write-back: no stage.toml here, and the packaged design is not written to; {advice}")
-    if path.resolve().parent == Path(str(files("stagecad.parameters"))).resolve():
+    if path.resolve() == packaged_path().resolve():
         raise InputError(f"--write-back: {path}: the packaged design is not written to; {advice}")
     return path
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.file import packaged_path
 from stagecad.parameters.load import design_from_text
 from stagecad.parameters.load import load_design as read_design
 from workbench.api.result import Result, without_options
@@ -68,7 +68,7 @@ class Design(Result):
     def run(self, out: str | Path = "build") -> Run:
         """The common options of the commands, for this design."""
         # The packaged file by its path: without one the commands take stage.toml of the working folder.
-        path = self.path or Path(str(files("stagecad.friction_stage.parameters").joinpath("thesis.toml")))
+        path = self.path or packaged_path()
         run = Run(path, self.overrides, Path(out), None, rules=self.rules, text=self.text)
         run.__dict__["design"] = self.values
         return run
