@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
-from sim.stage.machine import StageMachine
-from sim.stage.studies import STUDY_NAMES
+from sim.stage.studies import STUDY_NAMES, RunAll
 from sim.stage.studies.coupling import coupling_study
 from sim.stage.studies.ellipse import ellipse_search
 from sim.stage.studies.hunting import hunting_study
@@ -21,10 +21,9 @@ from sim.stage.studies.positioning import positioning_study
 from sim.stage.studies.speed import speed_study
 from sim.stage.studies.steps import step_study
 from sim.stage.studies.travel_map import travel_map
+from sim.stage.waveforms import TipDrive
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses
-
-RunAll = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
 
 
 class Study(Protocol):
@@ -37,56 +36,37 @@ class Study(Protocol):
 
 @dataclass(frozen=True)
 class StageDrive:
-    """Machines and drive of the studies.
+    """The driven machines of the studies: on actuator 1, and on all three without guide."""
 
-    Args:
-        single: the stage on actuator 1.
-        triple: the stage on all three, without guide.
-        amplitude: of a piezo, m: the design's, or half the stroke where that is less.
-        phase: between piezos 1 and 2, rad.
-        frequency: Hz.
-    """
-
-    single: StageMachine
-    triple: StageMachine
-    amplitude: float
-    phase: float
-    frequency: float
+    single: TipDrive
+    triple: TipDrive
 
 
 def stage_drive(design: Design, masses: BodyMasses) -> StageDrive:
-    """Machines and drive of a design, with bending stage and swaying tips; the amplitude is limited to half the piezo's
-    stroke."""
+    """The driven machines of a design, with bending stage and swaying tips; the amplitude is limited to half the
+    piezo's stroke."""
     machine = flexible_machine(design, masses)
-    return StageDrive(
-        single=driven_alone(design, machine),
-        triple=driven_by_three(design, machine, masses),
-        amplitude=min(design.si("actuator.stroke_amplitude"), 0.5 * machine.piezo.stroke),
-        phase=design.si("actuator.phase"),
-        frequency=design.si("actuator.frequency"),
-    )
+    amplitude = min(design.si("actuator.stroke_amplitude"), 0.5 * machine.piezo.stroke)
+    phase, frequency = design.si("actuator.phase"), design.si("actuator.frequency")
+    machines = driven_alone(design, machine), driven_by_three(design, machine, masses)
+    return StageDrive(*(TipDrive(one, amplitude, phase, frequency) for one in machines))
 
 
-def _common(study: Callable[..., Study]) -> Callable[[StageDrive, RunAll], Study]:
-    return lambda drive, run_all: study(drive.single, drive.amplitude, drive.phase, drive.frequency, run_all)
-
-
-STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = dict(
-    zip(
-        STUDY_NAMES,
-        (
-            lambda drive, run_all: step_study(drive.single, run_all),
-            _common(speed_study),
-            _common(travel_map),
-            lambda drive, run_all: ellipse_search(drive.single, drive.amplitude, drive.frequency, run_all),
-            _common(coupling_study),
-            lambda drive, run_all: planar_study(drive.triple, drive.amplitude, drive.phase, drive.frequency, run_all),
-            _common(positioning_study),
-            _common(hunting_study),
-        ),
-        strict=True,
-    )
+_ON_THREE = ("planar",)
+"""Studies of the machine on three actuators."""
+_FUNCTIONS = (
+    *(step_study, speed_study, travel_map, ellipse_search),
+    *(coupling_study, planar_study, positioning_study, hunting_study),
 )
+
+
+def _run(name: str, study: Callable[[TipDrive, RunAll], Study], drive: StageDrive, run_all: RunAll) -> Study:
+    return study(drive.triple if name in _ON_THREE else drive.single, run_all)
+
+
+STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = {
+    name: partial(_run, name, study) for name, study in zip(STUDY_NAMES, _FUNCTIONS, strict=True)
+}
 """Studies by name, in the order of a run."""
 
 

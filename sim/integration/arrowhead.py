@@ -54,15 +54,14 @@ def assemble(t, y, branch, acting, problem, terms, jacobian):
         drive_rate = 0.0
     ft[1] += branch.engaged * drive_rate * body.inverse_mass
     if layout.works >= 0:
-        _assemble_works(v, branch, acting, problem, terms, jacobian)
+        _assemble_works(v, branch, acting[0], acting[1], problem, terms, jacobian)
         ft[layout.works] = slope[1, 4] * v
         ft[layout.works + 1] = (slope[2, 4] + slope[3, 4]) * v
         ft[layout.works + 2] = branch.engaged * drive_rate * v
 
 
 @inlined
-def _assemble_works(v, branch, acting, problem, terms, jacobian):
-    push, reaction = acting
+def _assemble_works(v, branch, push, reaction, problem, terms, jacobian):
     by_head, slope = jacobian.work_by_head, terms.slope
     for j in range(HEAD):
         by_head[0, j] = slope[1, j] * v

@@ -6,6 +6,8 @@ valid up to the first of these events only, which is located on its dense output
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from sim.integration.problem import POSITION, VELOCITY, inlined
 from sim.integration.right_hand_side import drive_at
 
@@ -13,6 +15,13 @@ HISTORY = 7
 """Numbers kept of a step: start, 1/length, and the polynomial coefficients of the velocity over the step."""
 KEPT_STEPS = 1 << 17
 """Steps kept for the delayed speed. A power of two, since rows of the ring buffer are found by a bit mask."""
+
+
+class Margins(NamedTuple):
+    """Speed below which a motion against the branch is not a reversal, m/s, and accuracy of the spring's force, N."""
+
+    speed: float
+    force: float
 
 
 @inlined
@@ -89,8 +98,8 @@ def spring_force(part, t, h, branch, problem, work):
 @inlined
 def _leaves_branch(part, t, h, branch, margins, problem, work):
     """Whether the motion has reversed, or the backlash changed sides, at a part of the step."""
-    still, slack = margins
-    if branch.direction * state_at(part, VELOCITY, work) < -still:
+    slack = margins.force
+    if branch.direction * state_at(part, VELOCITY, work) < -margins.speed:
         return True
     gap = problem.body.half_gap
     if gap == 0.0:
@@ -133,10 +142,7 @@ def _stays_on_branch(t, h, branch, problem, work):
 
 @inlined
 def part_on_branch(t, h, branch, margins, problem, work):
-    """Part of the step up to which the motion neither reverses nor changes sides of the backlash; 1 for all of it.
-
-    margins: speed below which a motion in the other direction is not a reversal, m/s, and the same of the force, N.
-    """
+    """Part of the step up to which the motion neither reverses nor changes sides of the backlash; 1 for all of it."""
     if _stays_on_branch(t, h, branch, problem, work):
         return 1.0
     good, bad = 0.0, 1.0

@@ -23,6 +23,7 @@ from sim.integration.compiled.views import OverViews, Part, Zeros
 from sim.integration.dense_output import (
     HISTORY,
     KEPT_STEPS,
+    Margins,
     delayed_speed,
     forget_before,
     interpolate,
@@ -112,11 +113,7 @@ _linearise = LINEARISE.call
 
 @inlined
 def _start_step(t, segment, direction, margins, memory):
-    """Branch of the step that begins at `t`; the rates and the Jacobian there go to `work`.
-
-    margins: speed below which the motion counts as at rest, m/s, and accuracy of the force of the spring, N.
-    """
-    still, slack = margins
+    """Branch of the step that begins at `t`; the rates and the Jacobian there go to `work`."""
     problem, _, _, work, parts = memory[0]
     layout, body, y = problem.layout, problem.body, work.y
     engaged, edge = 1.0, 0.0
@@ -125,8 +122,8 @@ def _start_step(t, segment, direction, margins, memory):
         if layout.lag >= 0:
             command, rate = y[layout.lag], (command - y[layout.lag]) / body.drive_lag
         stretched, opening = command - body.spring * y[0], rate - body.spring * y[1]
-        engaged, edge = side_of_backlash(stretched, opening, body.half_gap, slack)
-    moves = abs(y[1]) > 2.0 * still
+        engaged, edge = side_of_backlash(stretched, opening, body.half_gap, margins.force)
+    moves = abs(y[1]) > 2.0 * margins.speed
     if moves:
         direction = 1.0 if y[1] > 0.0 else -1.0
     direction = _linearise(parts[0], memory, (t, Branch(direction, engaged, edge, segment), moves))
@@ -137,7 +134,7 @@ def _start_step(t, segment, direction, margins, memory):
 def _part_accepted(t, h, branch, margins, problem, work):
     """Part of the step within which its branch is valid."""
     dense_coefficients(VELOCITY, work)
-    margins = (3.0 * margins[0], margins[1])
+    margins = Margins(3.0 * margins.speed, margins.force)
     if problem.body.half_gap > 0.0:
         dense_coefficients(POSITION, work)
         if problem.layout.lag >= 0:
@@ -146,10 +143,8 @@ def _part_accepted(t, h, branch, margins, problem, work):
 
 
 @inlined
-def _attempt(t, span, branch, margins, memory):
-    """Try steps from `t`, ever shorter, until one is accepted; span: length to try, time up to which it may go, and
-    attempts left."""
-    h, limit, attempts = span
+def _attempt(t, h, limit, attempts, branch, margins, memory):
+    """Try steps from `t`, of length `h` or shorter and up to `limit`, until one is accepted or no attempts are left."""
     problem, _, _, work, parts = memory[0]
     next_h, lands = h, t + 1.0001 * h >= limit
     if lands:
@@ -249,7 +244,7 @@ def _steps(memory):
     while segment + 1 < segments and problem.drive.knots[segment + 1] <= t:
         segment += 1
     direction = 1.0 if work.y[1] >= 0.0 else -1.0
-    margins = (1e-3 * tolerance.absolute[1], 1e-3 * tolerance.absolute[0] * problem.body.spring)
+    margins = Margins(1e-3 * tolerance.absolute[1], 1e-3 * tolerance.absolute[0] * problem.body.spring)
     longest = tolerance.longest_step
     if problem.body.friction_delay > 0.0:
         longest = min(longest, problem.body.friction_delay)
@@ -264,8 +259,8 @@ def _steps(memory):
             limit = problem.drive.knots[segment + 1]
         branch = _start_step(t, segment, direction, margins, memory)
         direction = branch.direction
-        span = (h, limit, tolerance.most_steps - steps - rejected)
-        step = _attempt(t, span, branch, margins, memory)
+        attempts = tolerance.most_steps - steps - rejected
+        step = _attempt(t, h, limit, attempts, branch, margins, memory)
         rejected += step.rejected
         if step.outcome != DONE:
             outcome = step.outcome

@@ -42,6 +42,28 @@ def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> 
     return Ellipse(2.0 * amplitude * lever * math.sin(0.5 * phase), amplitude * math.cos(0.5 * phase))
 
 
+@dataclass(frozen=True)
+class TipDrive:
+    """A machine driven by the strokes of `two_piezo_ellipse`.
+
+    Args:
+        machine: the driven machine.
+        amplitude: of a piezo, m.
+        phase: between piezos 1 and 2, rad.
+        frequency: Hz.
+    """
+
+    machine: StageMachine
+    amplitude: float
+    phase: float
+    frequency: float
+
+    @property
+    def path(self) -> Ellipse:
+        """The path of the tip."""
+        return two_piezo_ellipse(self.machine, self.amplitude, self.phase)
+
+
 def largest_stroke(machine: StageMachine, ellipse: Ellipse) -> float:
     """Largest amplitude of a piezo over the ellipse, m."""
     c, s = math.cos(ellipse.direction), math.sin(ellipse.direction)

@@ -88,8 +88,8 @@ def test_a_mistake_is_one_line(arguments, said, tmp_path, capsys):
 
 
 def test_without_teeth_the_preload_is_a_weight():
-    magnets = _drive().single
-    alone = _drive("teeth.fitted=false").single
+    magnets = _drive().single.machine
+    alone = _drive("teeth.fitted=false").single.machine
     # The pull of the magnets, not the preload that is required.
     assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3)
     assert magnets.stage.guide_stiffness > 0.0
@@ -106,7 +106,7 @@ def _drive(*overrides):
 
 def test_the_studies_have_a_bending_stage_on_swaying_stacks():
     drive = _drive()
-    for machine in (drive.single, drive.triple):
+    for machine in (drive.single.machine, drive.triple.machine):
         assert machine.stage.bending.frequencies.size > 10
         assert machine.tip.sway_stiffness == pytest.approx(0.5e6, rel=0.02)
         assert machine.tip.sway_play == pytest.approx(32e-6, rel=0.02)
@@ -118,7 +118,7 @@ def test_a_simulated_move_settles_within_the_time_of_the_check():
     design = load_design(None, ())
     masses = body_masses(design)
     drive = stage_drive(design, masses)
-    move = move_to((drive.single, drive.amplitude, drive.phase, drive.frequency, LOOPS["interferometer_and_probe"]))
+    move = move_to(drive.single, LOOPS["interferometer_and_probe"])
     settled = move.within(design.requirements.resolution_coarse)
     assert move.taken_over is not None and settled is not None
     check = next(c for c in run_checks(design, masses) if c.name == "settling after a move")

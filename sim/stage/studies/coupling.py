@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -15,7 +14,8 @@ from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.simulation import drive_stage
 from sim.stage.statics import over_drive_surface
-from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
+from sim.stage.studies import RunAll
+from sim.stage.waveforms import TipDrive, ellipse_wave, step_times, two_piezo_ellipse
 
 DURATION = 0.1
 HEIGHT = 0.5
@@ -80,39 +80,32 @@ def with_ample_amplifier(machine: StageMachine) -> StageMachine:
     return replace(machine, piezo=free)
 
 
-def faulty_run(case: tuple[StageMachine, float, float, float, Fault]) -> StageRun:
-    """A run with a fault; the case is machine, amplitude (m), phase (rad), frequency (Hz), fault."""
-    machine, amplitude, phase, frequency, fault = case
+def faulty_run(drive: TipDrive, fault: Fault) -> StageRun:
+    """A run with a fault."""
+    machine = drive.machine
     if fault.ample:
         machine = with_ample_amplifier(machine)
     if fault.linear:
         machine = replace(machine, piezo=replace(machine.piezo, hysteresis=0.0, creep=0.0))
     machine = replace(machine, actuators=machine.actuators + [0.0, fault.offset])
-    ellipse = two_piezo_ellipse(machine, amplitude, phase)
+    ellipse = two_piezo_ellipse(machine, drive.amplitude, drive.phase)
     time = step_times(round(DURATION / STEP), STEP)
     envelope = np.minimum(time / SHORTEST_RISE, 1.0)
     bias = machine.piezo.bias
     wave = np.empty((time.size, 1, 3))
     for i in range(3):
-        late = time - fault.delays[i] / (2.0 * math.pi * frequency)
-        whole = ellipse_wave(machine, ellipse, frequency, late, envelope)
+        late = time - fault.delays[i] / (2.0 * math.pi * drive.frequency)
+        whole = ellipse_wave(machine, ellipse, drive.frequency, late, envelope)
         wave[:, :, i] = bias + fault.gains[i] * (whole[:, :, i] - bias)
     return drive_stage(machine, over_drive_surface(machine, 0.0, HEIGHT * ellipse.normal), wave, STEP, 50)
 
 
-def coupling_study(
-    machine: StageMachine,
-    amplitude: float,
-    phase: float,
-    frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> CouplingStudy:
+def coupling_study(drive: TipDrive, run_all: RunAll) -> CouplingStudy:
     """A tenth of a second from rest with each fault.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    runs = run_all(faulty_run, [(machine, amplitude, phase, frequency, fault) for fault in FAULTS.values()])
+    runs = run_all(partial(faulty_run, drive), list(FAULTS.values()))
     return CouplingStudy(dict(zip(FAULTS, runs)))

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
-from sim.stage.machine import StageMachine
+from sim.stage.studies import RunAll
 from sim.stage.studies.travel_map import LIFTED
-from sim.stage.waveforms import Ellipse, two_piezo_ellipse
+from sim.stage.waveforms import Ellipse, TipDrive, two_piezo_ellipse
 
 PHASES = tuple(math.radians(degrees) for degrees in (30, 50, 70, 90, 110, 130, 150))
 HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -78,26 +77,16 @@ class EllipseSearch:
         return found
 
 
-def _point(case: tuple[StageMachine, Setting]) -> Steady:
-    return steady(*case, shortest=0.15)
-
-
-def ellipse_search(
-    machine: StageMachine,
-    amplitude: float,
-    frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> EllipseSearch:
+def ellipse_search(drive: TipDrive, run_all: RunAll) -> EllipseSearch:
     """Steady speed over phase and height at one frequency.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; frequency: Hz.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    ellipses = [two_piezo_ellipse(machine, amplitude, phase) for phase in PHASES]
-    cases = [(machine, Setting(path, frequency, height * path.normal)) for height in HEIGHTS for path in ellipses]
-    found = run_all(_point, cases)
+    ellipses = [two_piezo_ellipse(drive.machine, drive.amplitude, phase) for phase in PHASES]
+    cases = [Setting(path, drive.frequency, height * path.normal) for height in HEIGHTS for path in ellipses]
+    found = run_all(partial(steady, drive.machine, shortest=0.15), cases)
     count = len(PHASES)
     rows = [found[i * count : (i + 1) * count] for i in range(len(HEIGHTS))]
-    return EllipseSearch(frequency, np.array(PHASES), np.array(HEIGHTS), ellipses, rows)
+    return EllipseSearch(drive.frequency, np.array(PHASES), np.array(HEIGHTS), ellipses, rows)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from sim.stage.constants import STEP
-from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.sensors import Interferometer
 from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
+from sim.stage.studies import RunAll
 from sim.stage.studies.positioning import COARSE_HEIGHT, LEAN_HIGHEST, Actuation
 from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
+from sim.stage.waveforms import TipDrive
 
 DURATION = 1.0
 STILL = 5e-9
@@ -106,10 +106,9 @@ class HuntingStudy:
         return found
 
 
-def held(case: tuple[StageMachine, float, float, float, HoldingLoop]) -> HoldingRun:
-    """A hold from rest; the case is machine, amplitude (m), phase (rad), frequency (Hz), hold."""
-    machine, amplitude, phase, frequency, hold = case
-    actuation = Actuation(machine, amplitude, phase, frequency, STEP)
+def held(drive: TipDrive, hold: HoldingLoop) -> HoldingRun:
+    """A hold from rest."""
+    machine, actuation = drive.machine, Actuation(drive, STEP)
     period = actuation.steps * STEP
     if hold.moves == "lean":
         rest, most = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load), LEAN_HIGHEST
@@ -132,19 +131,12 @@ def held(case: tuple[StageMachine, float, float, float, HoldingLoop]) -> Holding
     return HoldingRun(simulation.record(), hold.target, np.array(outputs))
 
 
-def hunting_study(
-    machine: StageMachine,
-    amplitude: float,
-    phase: float,
-    frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> HuntingStudy:
+def hunting_study(drive: TipDrive, run_all: RunAll) -> HuntingStudy:
     """Every hold of `HOLDS`.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    found = run_all(held, [(machine, amplitude, phase, frequency, hold) for hold in HOLDS.values()])
+    found = run_all(partial(held, drive), list(HOLDS.values()))
     return HuntingStudy(dict(zip(HOLDS, found)))

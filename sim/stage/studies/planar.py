@@ -6,16 +6,16 @@ Without teeth nothing guides the stage but its own drive. A start from rest show
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from sim.stage.drive_setting import Setting, run_setting
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
-from sim.stage.waveforms import Ellipse, scaled_to, two_piezo_ellipse
+from sim.stage.studies import RunAll
+from sim.stage.waveforms import Ellipse, TipDrive, scaled_to, two_piezo_ellipse
 
 DIRECTIONS = tuple(math.radians(degrees) for degrees in range(0, 360, 30))
 DURATION = 0.06
@@ -82,33 +82,23 @@ def directed(machine: StageMachine, amplitude: float, phase: float, direction: f
     return scaled_to(machine, Ellipse(upright.along, upright.normal, upright.lag, direction), amplitude)
 
 
-def _start(case: tuple[StageMachine, Setting]) -> StageRun:
-    return run_setting(*case, DURATION, stride=50)
-
-
-def planar_study(
-    machine: StageMachine,
-    amplitude: float,
-    phase: float,
-    frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> PlanarStudy:
+def planar_study(drive: TipDrive, run_all: RunAll) -> PlanarStudy:
     """Starts in twelve directions: at the design's frequency, and at one within the amplifier's current, the actuators
     in step and a third of a turn apart.
 
     Args:
-        machine: with three actuators, without guide.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2 in the one-axis drive, rad; frequency: Hz.
+        drive: of a machine with three actuators, without guide.
         run_all: runs a function on each of several cases.
     """
-    slow = min(frequency, WITHIN_CURRENT * machine.piezo.unclipped_frequency(amplitude))
-    drives = {"in_step": (frequency, IN_STEP), "slower": (slow, IN_STEP), "slower_in_thirds": (slow, IN_THIRDS)}
+    machine = drive.machine
+    slow = min(drive.frequency, WITHIN_CURRENT * machine.piezo.unclipped_frequency(drive.amplitude))
+    drives = {"in_step": (drive.frequency, IN_STEP), "slower": (slow, IN_STEP), "slower_in_thirds": (slow, IN_THIRDS)}
     cases = []
     for turn_frequency, turns in drives.values():
         for direction in DIRECTIONS:
-            path = directed(machine, amplitude, phase, direction)
-            cases.append((machine, Setting(path, turn_frequency, HEIGHT * path.normal, phases=turns)))
-    found = run_all(_start, cases)
+            path = directed(machine, drive.amplitude, drive.phase, direction)
+            cases.append(Setting(path, turn_frequency, HEIGHT * path.normal, phases=turns))
+    found = run_all(partial(run_setting, machine, duration=DURATION, stride=50), cases)
     count = len(DIRECTIONS)
     runs = {name: found[i * count : (i + 1) * count] for i, name in enumerate(drives)}
     return PlanarStudy(np.array(DIRECTIONS), {name: drive[0] for name, drive in drives.items()}, runs)

@@ -10,8 +10,8 @@ and bending stacks within its presliding, by a small part of the lean. Floor, am
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,9 +22,10 @@ from sim.stage.run import StageRun
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
+from sim.stage.studies import RunAll
 from sim.stage.studies.disturbances import Disturbances
 from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
-from sim.stage.waveforms import two_piezo_ellipse, volts_for
+from sim.stage.waveforms import TipDrive, volts_for
 
 TARGET = 0.5e-3
 COARSE_HEIGHT = 0.5
@@ -148,15 +149,13 @@ class Actuation:
     """Voltages of one period of the drive: an ellipse with a part of its travel, a lift and a lean on top.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        drive: of a machine with one actuator.
         step: of the integration, s.
     """
 
-    def __init__(self, machine: StageMachine, amplitude: float, phase: float, frequency: float, step: float) -> None:
-        self.machine = machine
-        self.path = two_piezo_ellipse(machine, amplitude, phase)
-        self.steps = round(1.0 / frequency / step)
+    def __init__(self, drive: TipDrive, step: float) -> None:
+        self.machine, self.path = drive.machine, drive.path
+        self.steps = round(1.0 / drive.frequency / step)
         turn = 2.0 * math.pi * (np.arange(self.steps) + 0.5) / self.steps
         self.along, self.up = -np.cos(turn) * self.path.along, np.sin(turn) * self.path.normal
         self.ramp = (np.arange(self.steps) + 0.5) / self.steps
@@ -181,10 +180,9 @@ class Actuation:
         return (np.round(volts / count) * count)[:, None, :]
 
 
-def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning:
-    """Half a millimetre from rest; the case is machine, amplitude (m), phase (rad), frequency (Hz), loop."""
-    machine, amplitude, phase, frequency, loop = case
-    actuation = Actuation(machine, amplitude, phase, frequency, STEP)
+def move_to(drive: TipDrive, loop: Loop) -> Positioning:
+    """Half a millimetre from rest."""
+    machine, actuation = drive.machine, Actuation(drive, STEP)
     period = actuation.steps * STEP
     rest = over_drive_surface(machine, 0.0, COARSE_HEIGHT * actuation.path.normal)
     pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
@@ -198,7 +196,7 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
         true = simulation.travel + float(disturbances.floor(np.array([simulation.time]))[0])
         return sensor.read(true + (disturbances.air() if isinstance(sensor, Interferometer) else 0.0))
 
-    def drive(volts: np.ndarray) -> None:
+    def advance(volts: np.ndarray) -> None:
         simulation.advance(disturbances.disturbed(volts), actuation.steps)
 
     before = read(coarse)
@@ -215,7 +213,7 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
             break
         desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
         output = min(max((desired - smooth) / SPEED_SCALE, -1.0), 1.0)
-        drive(actuation.commands(output, 1.0, 0.0, 0.0))
+        advance(actuation.commands(output, 1.0, 0.0, 0.0))
     lean, start = 0.0, simulation.time
     while simulation.time < start + FINE_TIME:
         share = min((simulation.time - start) / PRESS_TIME, 1.0)
@@ -224,27 +222,20 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
             # The controller makes up for what sway and pads leave of a motion of the tip.
             lean += loop.fine_rate / gain * period * (TARGET - seen)
             lean = min(max(lean, -LEAN_HIGHEST), LEAN_HIGHEST)
-        drive(actuation.commands(0.0, 1.0 - share, share * lift, lean))
+        advance(actuation.commands(0.0, 1.0 - share, share * lift, lean))
     run = simulation.record()
     return Positioning(run, TARGET, taken_over, disturbances.floor(run.time))
 
 
-def positioning_study(
-    machine: StageMachine,
-    amplitude: float,
-    phase: float,
-    frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> PositioningStudy:
+def positioning_study(drive: TipDrive, run_all: RunAll) -> PositioningStudy:
     """A move of half a millimetre with each set of sensors.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    found = run_all(move_to, [(machine, amplitude, phase, frequency, loop) for loop in LOOPS.values()])
-    sensors = machine.sensors
+    found = run_all(partial(move_to, drive), list(LOOPS.values()))
+    sensors = drive.machine.sensors
     noise = sensors.probe_noise * math.sqrt(sensors.filter_frequency / sensors.probe_bandwidth)
     gap = (sensors.lvdt_linearity_error + sensors.lvdt_count) / (0.5 * sensors.filtered_range)
     return PositioningStudy(dict(zip(LOOPS, found)), noise, gap)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
-from sim.stage.machine import StageMachine
-from sim.stage.waveforms import two_piezo_ellipse
+from sim.stage.studies import RunAll
+from sim.stage.waveforms import TipDrive
 
 LAWS = {"stopping": 1.0, "coasting": 2.0, "apex": math.pi}
 NEAR = 0.15
@@ -89,32 +88,18 @@ class SpeedStudy:
         return found
 
 
-def _point(case: tuple[StageMachine, Setting]) -> Steady:
-    return steady(*case, shortest=0.2)
-
-
-def speed_study(
-    machine: StageMachine,
-    amplitude: float,
-    phase: float,
-    drive_frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> SpeedStudy:
+def speed_study(drive: TipDrive, run_all: RunAll) -> SpeedStudy:
     """Steady speed over frequency and height of the tip.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad.
-        drive_frequency: the design's, Hz.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    ellipse = two_piezo_ellipse(machine, amplitude, phase)
+    ellipse = drive.path
     cases = [
-        (machine, Setting(ellipse, frequency, height * ellipse.normal))
-        for height in HEIGHTS.values()
-        for frequency in FREQUENCIES
+        Setting(ellipse, frequency, height * ellipse.normal) for height in HEIGHTS.values() for frequency in FREQUENCIES
     ]
-    found = run_all(_point, cases)
+    found = run_all(partial(steady, drive.machine, shortest=0.2), cases)
     count = len(FREQUENCIES)
     points = {name: found[i * count : (i + 1) * count] for i, name in enumerate(HEIGHTS)}
-    return SpeedStudy(2.0 * ellipse.along, drive_frequency, np.array(FREQUENCIES), points)
+    return SpeedStudy(2.0 * ellipse.along, drive.frequency, np.array(FREQUENCIES), points)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +15,8 @@ from sim.stage.run import StageRun
 from sim.stage.simulation import drive_stage
 from sim.stage.state import Constants
 from sim.stage.statics import Rest, rest_with_load
-from sim.stage.waveforms import knots_wave, step_times
+from sim.stage.studies import RunAll
+from sim.stage.waveforms import TipDrive, knots_wave, step_times
 
 SIZES = {"1_count": None, "10nm": 10e-9, "100nm": 100e-9}
 """Commanded steps of the unloaded apex, m; none: one count of the converter on the two piezos, opposed."""
@@ -123,9 +123,8 @@ def converter_count(machine: StageMachine) -> float:
     return 2.0 * machine.tip.height / spacing * volts * machine.piezo.stroke / machine.piezo.highest_voltage
 
 
-def staircase(case: tuple[StageMachine, float | None]) -> Staircase:
+def staircase(machine: StageMachine, size: float | None) -> Staircase:
     """Steps of one size (m; none: a count) up and down; each rises in 2 ms and is held for 20 ms."""
-    machine, size = case
     commanded_step = converter_count(machine) if size is None else size
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     ups = np.concatenate([np.arange(STEPS_EACH_WAY + 1), np.arange(STEPS_EACH_WAY - 1, -1, -1)]) * commanded_step
@@ -142,13 +141,14 @@ def staircase(case: tuple[StageMachine, float | None]) -> Staircase:
     return Staircase(run, commanded_step, np.array(levels))
 
 
-def step_study(machine: StageMachine, run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]) -> StepStudy:
+def step_study(drive: TipDrive, run_all: RunAll) -> StepStudy:
     """Staircases of every size.
 
     Args:
-        machine: with one actuator.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    found = run_all(staircase, [(machine, size) for size in SIZES.values()])
+    machine = drive.machine
+    found = run_all(partial(staircase, machine), list(SIZES.values()))
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     return StepStudy(dict(zip(SIZES, found)), converter_count(machine), small_signal_gain(machine, rest))

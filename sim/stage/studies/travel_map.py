@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +13,8 @@ from sim.stage.drive_setting import Setting, run_setting
 from sim.stage.machine import StageMachine
 from sim.stage.simulation import drive_stage
 from sim.stage.statics import rest_with_load
-from sim.stage.waveforms import knots_wave, step_times, two_piezo_ellipse
+from sim.stage.studies import RunAll
+from sim.stage.waveforms import TipDrive, knots_wave, step_times
 
 POSITIONS = 9
 HEIGHTS = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
@@ -85,8 +85,7 @@ class TravelMap:
         return found
 
 
-def _driven(case: tuple[StageMachine, Setting]) -> DrivenPoint:
-    machine, setting = case
+def _driven(machine: StageMachine, setting: Setting) -> DrivenPoint:
     run = run_setting(machine, setting, DURATION)
     # The first third is the rise of the ellipse and the bounce it leaves.
     late = run.time >= DURATION / 3.0
@@ -103,9 +102,8 @@ def _driven(case: tuple[StageMachine, Setting]) -> DrivenPoint:
     )
 
 
-def pushed_over(case: tuple[StageMachine, float]) -> float:
+def pushed_over(machine: StageMachine, position: float) -> float:
     """Tip force over load at which the first pad lifts, the tip slowly raised under the stage at a position, m."""
-    machine, position = case
     rest = rest_with_load(machine, position, 0.0)
     time = step_times(round(PUSH_TIME / STEP), STEP)
     wave = knots_wave(machine, time, np.array([0.0, PUSH_TIME]), np.array([[0.0, 0.0, 0.0], [0.0, 0.0, PUSH_HIGHEST]]))
@@ -122,26 +120,19 @@ def load_centre(machine: StageMachine) -> np.ndarray:
     return weight * np.asarray(machine.stage.centre)[:2] / machine.load
 
 
-def travel_map(
-    machine: StageMachine,
-    amplitude: float,
-    phase: float,
-    frequency: float,
-    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
-) -> TravelMap:
+def travel_map(drive: TipDrive, run_all: RunAll) -> TravelMap:
     """Lift-off and tip-over over the travel.
 
     Args:
-        machine: with one actuator.
-        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        drive: of a machine with one actuator.
         run_all: runs a function on each of several cases.
     """
-    ellipse = two_piezo_ellipse(machine, amplitude, phase)
+    machine, ellipse = drive.machine, drive.path
     positions = np.linspace(-0.5, 0.5, POSITIONS) * machine.travel
     heights = np.array(HEIGHTS) * ellipse.normal
-    cases = [(machine, Setting(ellipse, frequency, height, position)) for height in heights for position in positions]
-    points: list[DrivenPoint] = run_all(_driven, cases)
-    pushed = run_all(pushed_over, [(machine, position) for position in positions])
+    cases = [Setting(ellipse, drive.frequency, height, position) for height in heights for position in positions]
+    points: list[DrivenPoint] = run_all(partial(_driven, machine), cases)
+    pushed = run_all(partial(pushed_over, machine), list(positions))
     # The tip is stationary: relative to the stage's middle it is at minus the stage's position.
     tip = machine.actuators[0]
     centre = load_centre(machine)

@@ -209,7 +209,7 @@ def test_reversed_phase_drives_the_other_way_alike():
 @pytest.mark.parametrize("position", [0.02, 0.06, -0.1])
 def test_the_stage_tips_where_moments_say(position):
     machine = example()
-    share = pushed_over((machine, position))
+    share = pushed_over(machine, position)
     # By hand for a tip on y = 0: there the triangle of pads reaches from -12.5 to 12.5 mm.
     by_hand = 0.0125 / (0.0125 + abs(position))
     assert tip_force_limit(machine.pads.places, np.zeros(2), np.array([-position, 0.0])) == pytest.approx(by_hand)

@@ -21,7 +21,7 @@ from sim.stage.studies.disturbances import Disturbances
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
 from sim.stage.studies.steps import converter_count
-from sim.stage.waveforms import largest_stroke, step_times, two_piezo_ellipse, volts_for
+from sim.stage.waveforms import TipDrive, largest_stroke, step_times, two_piezo_ellipse, volts_for
 
 STEP = 1e-6
 FAR_BELOW = -1e-4
@@ -131,11 +131,11 @@ def test_a_count_of_the_converter_is_a_fifth_of_a_nanometre():
 
 def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt():
     machine = example()
-    fine = move_to((machine, 8.5e-6, math.pi / 2, 5000.0, LOOPS["interferometer"]))
+    fine = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
     assert fine.taken_over is not None
     assert np.abs(fine.error[-500:].mean()) < 1e-9
     assert fine.within(1e-9, 0.01) is not None
-    lost = move_to((machine, 8.5e-6, math.pi / 2, 5000.0, LOOPS["lvdt_and_probe"]))
+    lost = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["lvdt_and_probe"])
     # The LVDT hands over where its reading is within a count of the target, rounded to half a count: at its own error.
     assert lost.taken_over is not None
     handed = np.searchsorted(lost.run.time, lost.taken_over)
@@ -177,9 +177,8 @@ def test_disturbances_have_the_rms_that_they_are_made_of():
 
 def test_a_disturbed_loop_settles_to_its_disturbances():
     """A loop far slower than the floor cannot reject it: the error scatters by the floor's motion, at least."""
-    disturbed = move_to(
-        (replace(example(), surroundings=surroundings()), 8.5e-6, math.pi / 2, 5000.0, LOOPS["interferometer"])
-    )
+    machine = replace(example(), surroundings=surroundings())
+    disturbed = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
     late = disturbed.run.time > disturbed.run.time[-1] - 0.2
     floor = disturbed.by_floor[late].std()
     assert floor > 0.5e-9
