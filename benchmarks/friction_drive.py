@@ -3,7 +3,7 @@
     python -m benchmarks.friction_drive [--kinds piezo_hysteresis ...] [--seeds 1 2] [--rows 2000] [--jobs 1]
     python -m benchmarks.friction_drive --kept FILE [--kinds ...]     # continues; a table of all results
 
-Records come from a generator with laws and an integrator of its own (`tests/recovery/friction_drive/driven_stage`). A
+Records come from a generator with laws and an integrator of its own (`benchmarks/generators/driven_stage`). A
 case is right where the name is right, or ties with at most two others, and adding it leaves at most 1.5 times the noise
 on the held-out record; where nothing is hidden, if nothing is named; where no library has it, if `unexplained`.
 """
@@ -21,10 +21,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "friction_drive")]
+sys.path[:0] = [str(ROOT)]
 
-from driven_stage import HIDDEN, write_case  # noqa: E402
-
+from benchmarks.generators.driven_stage import HIDDEN, write_case  # noqa: E402
 from benchmarks.pool import process_pool  # noqa: E402
 from benchmarks.scoring import LARGEST_TIE, plain  # noqa: E402
 

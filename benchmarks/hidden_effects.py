@@ -5,8 +5,9 @@
     python benchmarks/hidden_effects.py --kind second --seed 1 --cases 60 --out FOLDER_OF_CASES
     python benchmarks/hidden_effects.py --cases 0 --coverage 40
 
-Cases come from one of two independent simulators (`--kind first`: `tests/recovery/hidden_effect/generator`; `--kind
-second`: `tests/recovery/second_kind`) unless a folder with `key.json` is given; with `--out FOLDER` they are only made.
+Cases come from one of two independent simulators (`--kind first`: `benchmarks/generators/hidden_effect`; `--kind
+second`: `benchmarks/generators/second_kind`) unless a folder with `key.json` is given; with `--out FOLDER` they are
+only made.
 Every case goes through the command line, so what is scored is what a user gets. Peers see the same records: forward
 regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a library
 of features made by hand (`benchmarks/peers`).
@@ -32,7 +33,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect"), str(ROOT / "tests" / "recovery")]
+sys.path[:0] = [str(ROOT)]
 
 from benchmarks.pool import process_pool  # noqa: E402
 from benchmarks.result_table import Names, table  # noqa: E402
@@ -50,7 +51,7 @@ from benchmarks.scoring import (  # noqa: E402
 
 ROUNDS = 3
 TIMEOUT = 300.0
-GENERATORS = {"first": "generator", "second": "second_kind"}
+GENERATORS = {"first": "benchmarks.generators.hidden_effect", "second": "benchmarks.generators.second_kind"}
 
 
 def run_command(command: list[str]) -> dict[str, Any]:

@@ -137,7 +137,7 @@ def _line(title: str, rows: list[Told]) -> str:
 
 def coverage_table(count: int, seed: int, folder: Path, jobs: int, hard: float = 0.35) -> str:
     """Share of intervals that hold the truth, in all, by rig and by parameter, over `count` new experiments."""
-    from generator import make_cases
+    from benchmarks.generators.hidden_effect import make_cases
 
     shutil.rmtree(folder, ignore_errors=True)
     key = make_cases(

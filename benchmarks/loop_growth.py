@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect")]
+sys.path[:0] = [str(ROOT)]
 
 RIGS = {
     "velocity-drive": "stribeck",
@@ -122,7 +122,8 @@ def exponent(used: list[Used], what: str) -> float:
 
 def main() -> None:
     import numpy as np
-    from generator import Plan, make_case
+
+    from benchmarks.generators.hidden_effect import Plan, make_case
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rows", type=int, nargs="+", default=[5000, 20000, 80000])

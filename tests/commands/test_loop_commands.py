@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -81,8 +80,7 @@ def test_a_folder_or_link_that_the_demo_did_not_make_is_left_alone(tmp_path: Pat
 
 
 def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
-    sys.path.insert(0, str(Path(__file__).parents[1] / "recovery" / "hidden_effect"))
-    from make_demo_records import demo_records
+    from benchmarks.generators.make_demo_records import demo_records
 
     for name, text in demo_records().items():
         path = tmp_path / name
@@ -121,8 +119,7 @@ def test_suggest_prints_a_list_of_motions_and_writes_them(tmp_path: Path, capsys
 
 
 def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    sys.path.insert(0, str(Path(__file__).parents[1] / "recovery" / "hidden_effect"))
-    from generator import Plan, make_case
+    from benchmarks.generators.hidden_effect import Plan, make_case
 
     make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
     assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from driven_stage.truth import HEIGHT, SPACING, Truth, motion
-from driven_stage.voltages import MOTIONS
 
+from benchmarks.generators.driven_stage.truth import HEIGHT, SPACING, Truth, motion
+from benchmarks.generators.driven_stage.voltages import MOTIONS
 from sim.integration.driven_stage.event_driven import simulate_event_driven
 from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
 from sim.integration.driven_stage.midpoint import NO_BRISTLES, Bristles, simulate_midpoint

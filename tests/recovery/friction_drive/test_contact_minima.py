@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from driven_stage import write_case
-
+from benchmarks.generators.driven_stage import write_case
 from sim.effects.catalogue import find
 from sysid.estimation.fit import fit_model, root_mean_huber
 from sysid.estimation.misfit import misfit

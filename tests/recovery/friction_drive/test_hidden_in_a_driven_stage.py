@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from driven_stage import HIDDEN, write_case
 
+from benchmarks.generators.driven_stage import HIDDEN, write_case
 from sysid.diagnose import diagnose
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.ladder import add_effects

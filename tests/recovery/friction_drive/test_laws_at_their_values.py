@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from driven_stage import write_case
 
+from benchmarks.generators.driven_stage import write_case
 from sim.effects.catalogue import find
 from sim.numerics.record_operators import bouc_wen
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from driven_stage import write_case
 
+from benchmarks.generators.driven_stage import write_case
 from sim.effects.catalogue import find
 from sysid.estimation.driven_stage_search import synchronised_starts
 from sysid.estimation.fit import fit_model

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from driven_stage import write_case
 
+from benchmarks.generators.driven_stage import write_case
 from sim.effects.catalogue import find
 from sysid.estimation import variant_selection
 from sysid.estimation.fit import fit_model

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from generator import Plan, make_case
 
+from benchmarks.generators.hidden_effect import Plan, make_case
 from sysid.estimation.misfit import worst_over_noise
 from sysid.ladder import add_effects
 

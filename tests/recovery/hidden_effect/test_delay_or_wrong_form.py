@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from generator import Plan, make_case
 
+from benchmarks.generators.hidden_effect import Plan, make_case
 from sysid.ladder import add_effects
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from generator import Plan, make_case
 
+from benchmarks.generators.hidden_effect import Plan, make_case
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.diagnosis.model_search import ModelSearch

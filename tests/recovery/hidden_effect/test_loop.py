@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from generator import Plan, make_case
 
+from benchmarks.generators.hidden_effect import Plan, make_case
 from workbench.cli import run
 
 ROWS = 6000

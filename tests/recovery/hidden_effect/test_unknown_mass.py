@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from generator import Plan, make_case
 
+from benchmarks.generators.hidden_effect import Plan, make_case
 from sysid.prediction.problem import load_problem
 
 

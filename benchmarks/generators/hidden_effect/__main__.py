@@ -1,4 +1,7 @@
-"""Write a set of cases: python -m generator FOLDER --seed 1 --count 100 [--hard 0.35] [--rows 20000] [--jobs 2]."""
+"""Write a set of cases.
+
+python -m benchmarks.generators.hidden_effect FOLDER --seed 1 --count 100 [--hard 0.35] [--rows 20000] [--jobs 2]
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The records of `stagecad demo`, made by the independent generator with a fixed seed.
 
-    python tests/recovery/hidden_effect/make_demo_records.py FOLDER
+    python -m benchmarks.generators.make_demo_records FOLDER
 
 A slide is driven back and forth by a servo, and its friction is measured. Hidden in it are a Stribeck curve (a
 Lorentzian here) and the cogging of magnetic teeth; the model starts with Coulomb and viscous friction.
@@ -48,8 +48,7 @@ friction_force = "NOISE"
 
 def demo_records() -> dict[str, str]:
     """Text by file name."""
-    sys.path.insert(0, str(Path(__file__).parent))
-    from generator import Plan, make_case
+    from benchmarks.generators.hidden_effect import Plan, make_case
 
     plan = Plan("velocity-drive", ("stribeck", "magnetic_cogging"), "strong", rows=ROWS)
     case = make_case(plan, np.random.default_rng(SEED))

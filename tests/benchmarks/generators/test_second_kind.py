@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from second_kind import axis, cases, hidden, loggers, machines, make_case, refit
-from second_kind.axis import Chain, Motion, Run, run_axis
-from second_kind.friction_laws import FORMS, Ageing, Bristles, Curve, Law, State
-from second_kind.machines import RIGS, Machine, draw_machine
-from second_kind.motions import MOTIONS, reference
-from second_kind.tip import creep, relays, second_order
+from benchmarks.generators.second_kind import axis, cases, hidden, loggers, machines, make_case, refit
+from benchmarks.generators.second_kind.axis import Chain, Motion, Run, run_axis
+from benchmarks.generators.second_kind.friction_laws import FORMS, Ageing, Bristles, Curve, Law, State
+from benchmarks.generators.second_kind.machines import RIGS, Machine, draw_machine
+from benchmarks.generators.second_kind.motions import MOTIONS, reference
+from benchmarks.generators.second_kind.tip import creep, relays, second_order
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import load_records
 

@@ -1,0 +1,1 @@
+"""Simulators of records with known hidden effects, which share no law and no integrator with the program."""
