@@ -348,5 +348,5 @@ def write_sheet(sheet: Sheet, folder: Path) -> dict[str, Any]:
         "scale": scale_text(sheet.scale),
         "views": [view.name for view in sheet.views],
         "digest": sheet.title.parameters,
-        "hits": [*sheet.unapplied, *(str(hit) for hit in lint(document))],
+        "hits": [*sheet.unapplied, *(str(hit) for hit in lint(sheet))],
     }

@@ -1,34 +1,50 @@
-"""Checks of the readability of a finished sheet, on the DXF document as it appears on paper.
+"""Checks of the readability of a finished sheet, by the rules by which its annotations were placed.
 
-Nothing is taken from the program that placed texts and dimensions (`drawings.export.dxf_reading`). No text touches
-another text or a line, everything is within the frame and off the title block, no two dimension lines share a line,
-the text of a dimension is what its points measure, and the file passes ezdxf's audit.
+No text touches another text or a line, leaders are unambiguous (`drawings.placement.occupancy`), everything is within
+the frame and off the title block, no dimension reaches into another view. That the DXF file shows the same lines and
+texts at the same places, and measures the values of the dimensions, is tested for all sheets.
 """
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ezdxf.document import Drawing
+from drawings.annotations.annotation import (
+    AngularDimension,
+    Annotation,
+    Callout,
+    FeatureControlFrame,
+    LinearDimension,
+    RadialDimension,
+)
+from drawings.annotations.annotation_geometry import label_primitives, note_primitives, text_box
+from drawings.annotations.primitives import Primitive, Text
+from drawings.placement.occupancy import (
+    LINE_CLEARANCE,
+    Footprint,
+    Occupancy,
+    footprint_of,
+    is_axial,
+    leader_tip,
+    primitive_lines,
+    view_lines,
+)
+from drawings.sheets.frame import drawing_space, frame
+from drawings.sheets.sheet import Sheet
+from drawings.sheets.title_block import revision_box, title_box, title_primitives
+from drawings.views.bounding_box import enclosing_box
+from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_box, line_meets_box
+from drawings.views.view import Box2, Point2, View
 
-from drawings.export.dxf_reading import PaperContent, TextBox, entity_points, joined_boxes, visible_entities
-from drawings.export.leaders import TOUCH, leader_faults
-from drawings.views.bounding_box import bounding_box
-from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_meets_box, polyline_lines
-from drawings.views.view import Box2, Point2
+Kind = Literal["text", "line", "leader", "callout", "frame", "title block", "dimensions", "view"]
 
-Kind = Literal[
-    "text", "line", "leader", "callout", "frame", "title block", "dimensions", "view", "value", "viewport", "file"
-]
-
+TOUCH = 0.05
+"""Overlap from which on a text of the frame or of a table touches something, and a line is in another view, mm."""
 UNDEFINED = re.compile(r"\b(both ways|each way|typ\.?|approx\.?|as required|or similar)(\s|$)", re.IGNORECASE)
 """Wordings in callouts that no standard defines."""
-NEAR = 0.5
-"""Distance up to which lines of the part belong to one view, mm on paper: less than between views."""
 
 
 @dataclass(frozen=True)
@@ -49,189 +65,160 @@ class Hit:
         return f"{self.what}, at x {self.at[0]:.0f}, y {self.at[1]:.0f} mm"
 
 
-def lint(document: Drawing) -> list[Hit]:
+@dataclass(frozen=True)
+class _Item:
+    """An annotation of a sheet with its view and the area that it occupies."""
+
+    annotation: Annotation
+    view: View
+    footprint: Footprint
+
+    @property
+    def words(self) -> str:
+        match self.annotation:
+            case Callout():
+                return " ".join(self.annotation.lines)
+            case FeatureControlFrame():
+                return f"{self.annotation.characteristic} {self.annotation.tolerance}"
+            case _:
+                return getattr(self.annotation, "text", "") or getattr(self.annotation, "letter", "")
+
+
+def lint(sheet: Sheet) -> list[Hit]:
     """All violations on a sheet; empty for a good one."""
-    content = PaperContent(document)
+    # Distances first: a leader may continue the dimension line of one, whichever is the earlier on the sheet.
+    annotations = sorted(sheet.annotations, key=lambda one: not isinstance(one, LinearDimension))
+    views = {view.name: view for view in sheet.views}
+    items = [_Item(one, views[one.view], footprint_of(one, views[one.view])) for one in annotations]
+    labels = [piece for view in sheet.views for piece in label_primitives(view) if isinstance(piece, Text)]
     return [
-        *_cut_off(content),
-        *_texts_on_texts(content),
-        *_texts_on_lines(content),
-        *_symbols_on_parts(content),
-        *_leaders(document, content),
-        *_callouts(content),
-        *_off_the_sheet(document, content),
-        *_shared_lines(content),
-        *_across_views(document, content),
-        *_values(document, content),
-        *_audit(document),
+        *_conflicts(sheet, items, labels),
+        *_on_the_sheet(sheet, items, labels),
+        *_callouts(items),
+        *_off_the_sheet(sheet, items, labels),
+        *_across_views(sheet, items),
     ]
 
 
-def _cut_off(content: PaperContent) -> Iterator[Hit]:
-    for what in content.cut_off:
-        yield Hit("viewport", f"{what} is not completely within a viewport", (0.0, 0.0))
+def _conflicts(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> Iterator[Hit]:
+    """Each annotation against the views and the annotations before it."""
+    drawn = Occupancy(*sheet.views)
+    words: list[str] = []
+    for item in items:
+        footprint = item.footprint
+        for box in footprint.texts:
+            yield from _text_hits(item.words, box, drawn, words)
+        place = enclosing_box(footprint.boxes)[:2]
+        too_near = drawn.near_dimension_lines(footprint)
+        if too_near:
+            yield Hit("dimensions", f"the dimension line of {item.words} is too near to another one", place)
+        if drawn.line_conflicts(footprint) > too_near:
+            yield Hit("line", f"a line of '{item.words}' is over a text", place)
+        tip = leader_tip(item.annotation, item.view) or place
+        aligned = drawn.continues_dimension_line(tip, footprint)
+        for what in () if aligned else drawn.end_faults(item.annotation, item.view):
+            yield Hit("leader", what, tip)
+        for what, number in drawn.leader_conflicts(item.annotation, item.view, footprint):
+            if number:
+                yield Hit("leader", what, tip)
+        drawn.add(item.annotation, item.view, footprint)
+        words += [item.words] * len(footprint.texts)
+    for label in labels:
+        yield from _text_hits(label.text, text_box(label), drawn, words)
+    yield from _axial_tolerances(drawn, items)
 
 
-def _texts_on_texts(content: PaperContent) -> Iterator[Hit]:
-    placed = sorted(((bounding_box(text.corners()), text) for text in content.texts), key=lambda pair: pair[0][0])
-    for i, (box, one) in enumerate(placed):
-        for below, other in placed[i + 1 :]:
+def _text_hits(text: str, box: Box2, drawn: Occupancy, words: Sequence[str]) -> Iterator[Hit]:
+    """Texts, and lines of views and annotations, that a text touches."""
+    middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
+    over = drawn.touched_texts(box, LINE_CLEARANCE)
+    for number in over:
+        yield Hit("text", f"'{text}' is over '{words[number]}'", middle)
+    if drawn.text_conflicts(box, LINE_CLEARANCE) > len(over):
+        yield Hit("line", f"'{text}' is over a line", middle)
+
+
+def _fixed(sheet: Sheet) -> Iterator[Primitive]:
+    """What belongs to no view: frame, title block, tables, notes."""
+    yield from (*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables)
+    for note in sheet.notes:
+        yield from note_primitives(note)
+
+
+def _on_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> Iterator[Hit]:
+    """Texts of the frame, the tables and the notes on each other or on lines, and texts of views on those."""
+    fixed = list(_fixed(sheet))
+    texts = [(piece.text, text_box(piece)) for piece in fixed if isinstance(piece, Text)]
+    lines = [line for piece in fixed for line in primitive_lines(piece)]
+    viewed = [(item.words, box) for item in items for box in item.footprint.texts]
+    viewed += [(label.text, text_box(label)) for label in labels]
+    on_sheet, every = SegmentIndex(lines), SegmentIndex(lines)
+    every.add([line for view in sheet.views for line in view_lines(view)])
+    every.add([line for item in items for line in item.footprint.lines])
+    placed = sorted([(box, text) for text, box in texts])
+    for number, (box, text) in enumerate(placed):
+        if every.count_in(enlarged(box, -TOUCH)):
+            yield Hit("line", f"'{text}' is over a line", box[:2])
+        for below, other in placed[number + 1 :]:
             if below[0] >= box[2]:
                 break
-            if not boxes_overlap(box, below) or _separated(one, other) or _separated(other, one):
-                continue
-            yield Hit("text", f"'{one.text}' is over '{other.text}'", one.middle)
+            if boxes_overlap(enlarged(box, -TOUCH), below):
+                yield Hit("text", f"'{text}' is over '{other}'", box[:2])
+    for text, box in viewed:
+        if on_sheet.count_in(enlarged(box, -TOUCH)):
+            yield Hit("line", f"'{text}' is over a line", box[:2])
+        for other, below in texts:
+            if boxes_overlap(enlarged(box, -TOUCH), below):
+                yield Hit("text", f"'{text}' is over '{other}'", box[:2])
 
 
-def _separated(one: TextBox, other: TextBox) -> bool:
-    """Whether a line parallel to a side of `one` separates the two (separating axis theorem)."""
-    corners = [one.local(corner) for corner in other.corners()]
-    for axis in (0, 1):
-        low, high = min(p[axis] for p in corners), max(p[axis] for p in corners)
-        if low > one.half[axis] - TOUCH or high < -one.half[axis] + TOUCH:
-            return True
-    return False
-
-
-def _texts_on_lines(content: PaperContent) -> Iterator[Hit]:
-    lines = SegmentIndex([*content.sheet_lines, *content.view_lines])
-    for text in content.texts:
-        u, v = text.half[0] - TOUCH, text.half[1] - TOUCH
-        near = lines.near(bounding_box(text.corners()))
-        if any(line_meets_box((*text.local(line[:2]), *text.local(line[2:])), (-u, -v, u, v)) for line in near):
-            yield Hit("line", f"'{text.text}' is over a line", text.middle)
-
-
-def _symbols_on_parts(content: PaperContent) -> Iterator[Hit]:
-    """Symbols, and frames of tolerances and datum letters, on the part."""
-    lines = SegmentIndex(content.part_lines)
-    for box in content.symbols:
-        if lines.count_in((box[0] + TOUCH, box[1] + TOUCH, box[2] - TOUCH, box[3] - TOUCH)):
-            yield Hit("line", "a symbol, or the frame of a tolerance or datum, is over the part", box[:2])
-
-
-def _leaders(document: Drawing, content: PaperContent) -> Iterator[Hit]:
-    for what, at in leader_faults(document, content):
-        yield Hit("leader", what, at)
-
-
-def _callouts(content: PaperContent) -> Iterator[Hit]:
+def _callouts(items: Sequence[_Item]) -> Iterator[Hit]:
     """Wordings that no standard defines."""
-    for text in content.view_texts:
-        if UNDEFINED.search(text.text):
-            yield Hit("callout", f"'{text.text}' is defined by no standard", text.middle)
+    for item in items:
+        if UNDEFINED.search(item.words):
+            yield Hit("callout", f"'{item.words}' is defined by no standard", enclosing_box(item.footprint.boxes)[:2])
 
 
-def _off_the_sheet(document: Drawing, content: PaperContent) -> Iterator[Hit]:
-    frames = sorted(_frames(document), key=lambda box: (box[2] - box[0]) * (box[3] - box[1]), reverse=True)
-    if not frames:
-        yield Hit("frame", "the sheet has no frame", (0.0, 0.0))
-        return
-    x0, y0, x1, y1 = frames[0]
-    for text in content.view_texts:
-        if any(not (x0 < x < x1 and y0 < y < y1) for x, y in text.corners()):
-            yield Hit("frame", f"'{text.text}' is outside the frame", text.middle)
-    lines = SegmentIndex(content.view_lines)
+def _off_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> Iterator[Hit]:
+    x0, y0, x1, y1 = drawing_space(sheet.paper)
+    texts = [(item.words, box) for item in items for box in item.footprint.texts]
+    texts += [(label.text, text_box(label)) for label in labels]
+    for text, box in texts:
+        if not (x0 < box[0] and box[2] < x1 and y0 < box[1] and box[3] < y1):
+            yield Hit("frame", f"'{text}' is outside the frame", box[:2])
+    lines = SegmentIndex([line for view in sheet.views for line in view_lines(view)])
+    lines.add([line for item in items for line in item.footprint.lines])
     outside = lines.outside((x0, y0, x1, y1))
     if outside:
         yield Hit("frame", f"{len(outside)} lines are outside the frame", outside[0][:2])
-    for title in frames[1:]:
+    revisions = revision_box(sheet.title, sheet.paper)
+    for title in (title_box(sheet.paper), *((revisions,) if revisions else ())):
         if lines.count_in(title):
             yield Hit("title block", "lines of a view are over the title block", title[:2])
-        for text in content.view_texts:
-            if boxes_overlap(bounding_box(text.corners()), title):
-                yield Hit("title block", f"'{text.text}' is over the title block", text.middle)
+        for text, box in texts:
+            if boxes_overlap(box, title):
+                yield Hit("title block", f"'{text}' is over the title block", box[:2])
 
 
-def _frames(document: Drawing) -> Iterator[Box2]:
-    """Frame and title block: the closed rectangles on the layer of heavy lines."""
-    for entity in document.paperspace().query("LWPOLYLINE[layer=='FRAME']"):
-        points = entity_points(entity)
-        if len(points) == 5 and math.dist(points[0], points[-1]) < 1e-9:
-            yield bounding_box(points)
-
-
-def _shared_lines(content: PaperContent) -> Iterator[Hit]:
-    """Collinear dimension lines that overlap."""
-    placed: list[tuple[Point2, Point2, str]] = []
-    for dimension in content.dimensions:
-        d = dimension.dxf
-        if d.dimtype & 7 != 0:
+def _across_views(sheet: Sheet, items: Sequence[_Item]) -> Iterator[Hit]:
+    """Lines of a dimension in the box around another view."""
+    boxes = {view.name: enclosing_box([line_box(line) for line in view_lines(view)]) for view in sheet.views}
+    for item in items:
+        if not isinstance(item.annotation, LinearDimension | RadialDimension | AngularDimension):
             continue
-        angle = math.radians(d.angle)
-        u = (math.cos(angle), math.sin(angle))
-        viewport = content.viewport_of([(d.defpoint.x, d.defpoint.y)])
-        if viewport is None:
-            continue
-        along = [(p.x - d.defpoint.x) * u[0] + (p.y - d.defpoint.y) * u[1] for p in (d.defpoint2, d.defpoint3)]
-        start, end = (
-            viewport.to_paper((d.defpoint.x + a * u[0], d.defpoint.y + a * u[1])) for a in (min(along), max(along))
-        )
-        for other in placed:
-            if _on_one_line((start, end), other[:2]):
-                yield Hit("dimensions", f"dimension lines of {d.text} and {other[2]} overlap on one line", start)
-        placed.append((start, end, d.text))
+        for name, box in boxes.items():
+            if name != item.view.name and any(
+                line_meets_box(line, enlarged(box, TOUCH)) for line in item.footprint.lines
+            ):
+                yield Hit("view", f"a line of '{item.words}' crosses the view '{name}'", item.footprint.lines[0][:2])
 
 
-def _across_views(document: Drawing, content: PaperContent) -> Iterator[Hit]:
-    """Lines of a dimension in a view other than the one, or those, in which its points are.
-
-    A view is the box around lines of the part that touch or enclose each other.
-    """
-    views = joined_boxes(content.part_boxes, NEAR)
-    for dimension in content.dimensions:
-        d = dimension.dxf
-        viewport = content.viewport_of([(d.defpoint.x, d.defpoint.y)])
-        if d.dimtype & 7 != 0 or viewport is None:
-            continue
-        points = [viewport.to_paper((point.x, point.y)) for point in (d.defpoint2, d.defpoint3)]
-        others = [view for view in views if not any(_within(point, view, NEAR) for point in points)]
-        for entity in visible_entities(document, [dimension]):
-            if entity.dxftype() not in ("LINE", "LWPOLYLINE"):
-                continue
-            for line in polyline_lines(list(map(viewport.to_paper, entity_points(entity)))):
-                if any(line_meets_box(line, enlarged(view, TOUCH)) for view in others):
-                    yield Hit("view", f"a line of {d.text} crosses another view", line[:2])
-
-
-def _within(point: Point2, box: Box2, margin: float) -> bool:
-    """Whether a point is in a box or nearer to it than a margin."""
-    return box[0] - margin < point[0] < box[2] + margin and box[1] - margin < point[1] < box[3] + margin
-
-
-def _on_one_line(one: tuple[Point2, Point2], other: tuple[Point2, Point2]) -> bool:
-    size = math.dist(*one)
-    if size < 1e-9:
-        return False
-    u = ((one[1][0] - one[0][0]) / size, (one[1][1] - one[0][1]) / size)
-    off = [(p[0] - one[0][0]) * -u[1] + (p[1] - one[0][1]) * u[0] for p in other]
-    at = [(p[0] - one[0][0]) * u[0] + (p[1] - one[0][1]) * u[1] for p in other]
-    return max(map(abs, off)) < 1.0 and min(max(at), size) - max(min(at), 0.0) > TOUCH
-
-
-def _values(document: Drawing, content: PaperContent) -> Iterator[Hit]:
-    """Dimensions whose drawn text is not what their points measure."""
-    for dimension in content.dimensions:
-        measured = dimension.get_measurement()
-        if not isinstance(measured, float):
-            continue
-        decimals = document.dimstyles.get(dimension.dxf.dimstyle).dxf.dimdec
-        expected = _decoded(dimension.dxf.text.replace("<>", f"{measured:.{decimals}f}"))
-        block = visible_entities(document, [dimension])
-        drawn = "".join(entity.plain_text() for entity in block if entity.dxftype() == "TEXT")
-        if "<>" not in dimension.dxf.text or expected != _decoded(drawn):
-            at = (dimension.dxf.defpoint.x, dimension.dxf.defpoint.y)
-            viewport = content.viewport_of([at])
-            yield Hit(
-                "value", f"'{drawn}' is drawn, '{expected}' is measured", viewport.to_paper(at) if viewport else at
-            )
-
-
-def _decoded(text: str) -> str:
-    return text.replace("%%c", "Ø").replace("%%d", "°").replace("%%p", "±").replace("⌀", "Ø")
-
-
-def _audit(document: Drawing) -> Iterator[Hit]:
-    auditor = document.audit()
-    for error in (*auditor.errors, *auditor.fixes):
-        yield Hit("file", f"DXF audit: {error.message}", (0.0, 0.0))
+def _axial_tolerances(drawn: Occupancy, items: Sequence[_Item]) -> Iterator[Hit]:
+    """Tolerances of an axis, in a zone in the shape of a cylinder, on a leader that is not in line with a dimension
+    line (ISO 1101)."""
+    for item in items:
+        if isinstance(item.annotation, FeatureControlFrame) and is_axial(item.annotation) and item.footprint.leaders:
+            tip = item.view.to_paper(item.annotation.at)
+            if not drawn.continues_dimension_line(tip, item.footprint):
+                what = f"the tolerance {item.annotation.tolerance} of an axis is not in line with a dimension line"
+                yield Hit("leader", what, tip)

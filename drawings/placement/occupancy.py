@@ -1,12 +1,15 @@
-"""Occupancy of the paper around one view: lines of the part, lines and texts of annotations, dimension lines.
+"""Occupancy of the paper around views, and the conflicts of an annotation with what is drawn there already.
 
-A text must not touch anything; a line must not pass through a text; lines may cross lines at a cost.
+A text must not touch anything; a line must not pass through a text; lines may cross lines at a cost. A leader ends on a
+line of the part, alone, clear of datum triangles, dimension lines and other leaders; that of a diameter or radius on an
+arc of this radius. Placement asks for the conflicts of each candidate while the sheet grows, lint for those of a
+finished sheet (`drawings.export.lint`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import (
@@ -26,9 +29,9 @@ from drawings.annotations.annotation import (
 from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_boxes, text_box
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
-from drawings.annotations.symbols import BOX_RISE
+from drawings.annotations.symbols import BOX_RISE, symbol_text_width
 from drawings.dimensions.text import DIAMETER
-from drawings.views.bounding_box import enclosing_box
+from drawings.views.bounding_box import bounding_box, enclosing_box
 from drawings.views.segment_index import (
     Line,
     SegmentIndex,
@@ -60,6 +63,8 @@ TRIANGLE = 2.8
 """Distance from the foot of a datum triangle below which a leader ends on the triangle, mm."""
 DIMENSION_LINE_SPACING = 6.0
 """Least distance of parallel dimension lines, mm."""
+CROSSES_LINE = "a leader crosses a dimension line, or the line or arrow of a section or view"
+ENDS_ON_LINE = "a leader ends on a dimension line, or on the line or arrow of a section"
 
 
 @dataclass(frozen=True)
@@ -91,28 +96,31 @@ class Footprint:
 
 
 class Occupancy:
-    """Elements drawn so far around a view at the origin of the paper."""
+    """Elements drawn so far around views in their places on the paper."""
 
-    def __init__(self, view: View) -> None:
-        self.outline_lines = SegmentIndex(view_lines(view, OUTLINE))
-        part = view_lines(view)
-        self.part_lines = SegmentIndex(part)
+    def __init__(self, *views: View) -> None:
+        self.outline_lines, self.part_lines = SegmentIndex(), SegmentIndex()
         self.annotation_lines = SegmentIndex()
         self.texts: list[Box2] = []
         self.dimension_lines: list[Line] = []
         self.dimension_index, self.leader_index = SegmentIndex(), SegmentIndex()
         self.leader_tips: list[Point2] = []
         self.datum_feet: list[Point2] = []
-        self._boxes: list[Box2] = [enclosing_box([line_box(line) for line in part])]
+        self._boxes: list[Box2] = []
+        for view in views:
+            part = view_lines(view)
+            self.outline_lines.add(view_lines(view, OUTLINE))
+            self.part_lines.add(part)
+            self._boxes += [enclosing_box([line_box(line) for line in part])] if part else []
 
     @property
     def box(self) -> Box2:
         """Bounding box of everything."""
         return enclosing_box(self._boxes)
 
-    def add(self, annotation: Annotation, view: View) -> None:
-        """Enter an annotation."""
-        footprint = footprint_of(annotation, view)
+    def add(self, annotation: Annotation, view: View, footprint: Footprint | None = None) -> None:
+        """Enter an annotation, with its footprint if there is one already."""
+        footprint = footprint or footprint_of(annotation, view)
         tip = leader_tip(annotation, view)
         self.leader_tips += [tip] if tip else []
         if tip and isinstance(annotation, DatumSymbol):
@@ -136,41 +144,58 @@ class Occupancy:
         """Whether an edge of the part is drawn at a point."""
         return bool(self.outline_lines.count_in(enlarged((*point, *point), LEADER_TIP)))
 
-    def is_on_part(self, tip: Point2 | None) -> bool:
-        """Whether a line of the part, of any kind, is drawn at the end of a leader."""
-        return tip is None or bool(self.part_lines.count_in(enlarged((*tip, *tip), CALLOUT_TIP)))
+    def continues_dimension_line(self, tip: Point2, footprint: Footprint) -> bool:
+        """Whether a leader is in line with a dimension line that ends at its tip: it applies to an axis."""
+        box = enlarged((*tip, *tip), ONE_POINT)
+        ended_on = [line for line in self.dimension_index.near(box) if line_meets_box(line, box)]
+        return any(in_line(line, footprint.leaders[:1]) for line in ended_on)
 
-    def is_on_arc(self, tip: Point2, centre: Point2) -> bool:
-        """Whether an edge of the part is drawn along an arc on either side of the end of a leader."""
-        return all(self.is_on_outline(point) for point in points_beside(tip, centre))
+    def end_faults(self, annotation: Annotation, view: View) -> Iterator[str]:
+        """What is wrong with the end of the leader of an annotation on the part."""
+        point, tip = attachment_point(annotation, view), leader_tip(annotation, view)
+        if point and not self.is_on_outline(point):
+            yield "a leader ends where no line of the part is"
+        if point and isinstance(annotation, RadialDimension):
+            beside = points_beside(point, view.to_paper(annotation.centre))
+            if not all(map(self.is_on_outline, beside)):
+                yield "the leader of a diameter or radius ends beside its arc"
+        callout = tip if isinstance(annotation, Callout) else None
+        if callout and not self.part_lines.count_in(enlarged((*callout, *callout), CALLOUT_TIP)):
+            yield "a leader ends where no line of the part is"
 
-    def leader_conflicts(self, annotation: Annotation, view: View, footprint: Footprint) -> int:
-        """Number of conflicts of the leader of an annotation: leaders, dimension lines and cutting lines that it
-        crosses or on which it ends, leaders with the same end, edges and lines along which it runs. For a linear
-        dimension also leaders that its dimension line crosses or meets.
+    def leader_conflicts(self, annotation: Annotation, view: View, footprint: Footprint) -> Iterator[tuple[str, int]]:
+        """Conflicts of the leader of an annotation, each with its number: leaders, dimension lines and cutting lines
+        that it crosses or on which it ends, leaders with the same end, edges and lines along which it runs. For a
+        linear dimension also leaders that its dimension line crosses or meets.
         """
-        conflicts = sum(
-            self.dimension_index.count_crossing(line) + self.leader_index.count_crossing(line)
-            for line in footprint.leaders
+        tip = leader_tip(annotation, view)
+        yield CROSSES_LINE, sum(map(self.dimension_index.count_crossing, footprint.leaders))
+        yield (
+            "two leaders cross, or one crosses a datum symbol",
+            sum(map(self.leader_index.count_crossing, footprint.leaders)),
         )
         if isinstance(annotation, LinearDimension):
             longer = [_lengthened(line, ONE_POINT) for line in footprint.dimension_lines]
-            conflicts += sum(self.leader_index.count_crossing(line) for line in longer)
-            near = [enlarged((*tip, *tip), ONE_POINT) for tip in self.leader_tips]
-            conflicts += sum(line_meets_box(line, box) for line in footprint.dimension_lines for box in near)
-        tip = leader_tip(annotation, view)
+            yield CROSSES_LINE, sum(map(self.leader_index.count_crossing, longer))
+            near = [enlarged((*other, *other), ONE_POINT) for other in self.leader_tips]
+            yield ENDS_ON_LINE, sum(line_meets_box(line, box) for line in footprint.dimension_lines for box in near)
         if tip:
-            conflicts += sum(math.dist(tip, other) < ONE_POINT for other in self.leader_tips)
-            conflicts += sum(math.dist(tip, other) < TRIANGLE for other in self.datum_feet)
-            if isinstance(annotation, DatumSymbol):
-                conflicts += sum(math.dist(tip, other) < TRIANGLE for other in self.leader_tips)
+            yield "two leaders end at one point", sum(math.dist(tip, other) < ONE_POINT for other in self.leader_tips)
+            feet = self.leader_tips if isinstance(annotation, DatumSymbol) else ()
+            ends = sum(math.dist(tip, other) < TRIANGLE for other in (*self.datum_feet, *feet))
+            yield "a leader ends on the triangle of a datum", ends
             box = enlarged((*tip, *tip), ONE_POINT)
             ended_on = [line for line in self.dimension_index.near(box) if line_meets_box(line, box)]
-            conflicts += sum(not _in_line(line, footprint.leaders[:1]) for line in ended_on)
-        conflicts += sum(self.outline_lines.count_parallel(line, ALONG) for line in footprint.leaders[:2])
+            yield ENDS_ON_LINE, sum(not in_line(line, footprint.leaders[:1]) for line in ended_on)
+        along = sum(self.outline_lines.count_parallel(line, ALONG) for line in footprint.leaders[:2])
+        yield "a leader runs along an edge of the part", along
         if footprint.shelf:
-            conflicts += self.annotation_lines.count_parallel(footprint.shelf, ALONG)
-        return conflicts
+            beside = self.annotation_lines.count_parallel(footprint.shelf, ALONG)
+            yield "the line of a leader next to its text runs along another line", beside
+
+    def near_dimension_lines(self, footprint: Footprint) -> int:
+        """Number of dimension lines of an annotation that are too near to another one."""
+        return sum(any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines)
 
     def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
         """Number of crossings of an annotation's lines with texts, and of its dimension lines too near to another one.
@@ -178,9 +203,7 @@ class Occupancy:
         Args:
             most: number at which the count may end.
         """
-        conflicts = sum(
-            any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines
-        )
+        conflicts = self.near_dimension_lines(footprint)
         if conflicts < most and footprint.own_text_checked:
             own = [enlarged(box, SELF_CLEARANCE) for box in footprint.texts]
             conflicts += sum(line_meets_box(line, box) for box in own for line in footprint.lines)
@@ -199,7 +222,12 @@ class Occupancy:
         """Number of lines and texts that a text would touch."""
         wide = enlarged(box, clearance)
         touched = self.part_lines.count_in(wide) + self.annotation_lines.count_in(wide)
-        return touched + sum(boxes_overlap(wide, other) for other in self.texts)
+        return touched + len(self.touched_texts(box, clearance))
+
+    def touched_texts(self, box: Box2, clearance: float = TEXT_CLEARANCE) -> list[int]:
+        """Numbers of the texts, in the order of their entry, that a text would touch."""
+        wide = enlarged(box, clearance)
+        return [number for number, other in enumerate(self.texts) if boxes_overlap(wide, other)]
 
 
 def view_outline(view: View) -> Box2:
@@ -225,18 +253,19 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
     """Area of the paper that an annotation of a view occupies."""
     primitives = list(annotation_primitives(annotation, view))
     texts = [text_box(item) for item in primitives if isinstance(item, Text)]
-    lines = [line for item in primitives for line in _lines(item)]
+    lines = [line for item in primitives for line in primitive_lines(item)]
     match annotation:
         case LinearDimension():
             turn = math.radians(annotation.angle)
             u, v = math.cos(turn), math.sin(turn)
             dimension_line = max(lines, key=lambda line: abs((line[2] - line[0]) * u + (line[3] - line[1]) * v))
-            texts = [enclosing_box(texts)] if texts else []
+            slanting = annotation.angle not in (0.0, 90.0)
+            texts = _slices(primitives) if slanting else [enclosing_box(texts)] if texts else []
             if "{box:" in annotation.text:
                 # The frame of the number counts as text.
                 texts = [enlarged(texts[0], BOX_RISE * TEXT_HEIGHT)]
                 lines = [line for line in lines if not _is_within(line, enlarged(texts[0], 0.1))]
-            checked = annotation.angle in (0.0, 90.0) and "{box:" not in annotation.text
+            checked = not slanting and "{box:" not in annotation.text
             return Footprint(texts, lines, [dimension_line], checked)
         case FeatureControlFrame() | DatumSymbol():
             # The whole frame counts as text.
@@ -271,6 +300,24 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             return Footprint(texts, lines, stems, False)
         case _:
             return Footprint(texts, lines, [], not isinstance(annotation, DetailMark | ReferenceArrow))
+
+
+def _slices(primitives: Sequence[Primitive]) -> list[Box2]:
+    """Boxes of the pieces of a slanting text, each as long as the text is high."""
+    boxes = []
+    for text in primitives:
+        if isinstance(text, Text):
+            width, turn = symbol_text_width(text.text, text.height), math.radians(text.angle)
+            count = max(1, math.ceil(width / text.height))
+            start = {"left": 0.0, "middle": -width / 2, "right": -width}[text.alignment]
+            for number in range(count):
+                along = [start + width * step / count for step in (number, number + 1)]
+                corners = [(a, b) for a in along for b in (0.0, text.height)]
+                c, s = math.cos(turn), math.sin(turn)
+                boxes.append(
+                    bounding_box([(text.at[0] + a * c - b * s, text.at[1] + a * s + b * c) for a, b in corners])
+                )
+    return boxes
 
 
 def _leader(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
@@ -347,7 +394,8 @@ def _is_within(line: Line, box: Box2) -> bool:
     return low_x <= x0 <= high_x and low_x <= x1 <= high_x and low_y <= y0 <= high_y and low_y <= y1 <= high_y
 
 
-def _lines(item: Primitive) -> list[Line]:
+def primitive_lines(item: Primitive) -> list[Line]:
+    """Straight lines that approximate a primitive; none for a text."""
     match item:
         case Stroke():
             return polyline_lines(item.points)
@@ -366,7 +414,7 @@ def _lengthened(line: Line, by: float) -> Line:
     return (line[0] - u, line[1] - v, line[2] + u, line[3] + v)
 
 
-def _in_line(line: Line, others: Sequence[Line]) -> bool:
+def in_line(line: Line, others: Sequence[Line]) -> bool:
     """Whether a line is parallel to all others, as a datum symbol is to the dimension line that it continues."""
     dx, dy = line[2] - line[0], line[3] - line[1]
     return all(abs(dx * (y1 - y0) - dy * (x1 - x0)) < 1e-6 for x0, y0, x1, y1 in others)

@@ -18,7 +18,6 @@ from drawings.annotations.annotation import (
     Callout,
     DetailMark,
     LinearDimension,
-    RadialDimension,
     ReferenceArrow,
     SectionMark,
 )
@@ -54,7 +53,6 @@ from drawings.placement.occupancy import (
     LEADER_TIP,
     LINE_CLEARANCE,
     Occupancy,
-    attachment_point,
     footprint_of,
     leader_tip,
     view_outline,
@@ -323,7 +321,7 @@ class _Run:
         if CONFLICT * conflicts < limit and not boxes:
             conflicts += sum(map(occupancy.text_conflicts, footprint.texts))
         if CONFLICT * conflicts < limit:
-            conflicts += occupancy.leader_conflicts(annotation, self.view, footprint)
+            conflicts += sum(number for _, number in occupancy.leader_conflicts(annotation, self.view, footprint))
         cost = CONFLICT * conflicts
         if cost >= limit:
             return cost, conflicts
@@ -331,13 +329,8 @@ class _Run:
         covered = sum(line_meets_box(line, box) for box in near for line in self._keep_out_lines)
         cost += KEEP_OUT * covered
         cost += CROSSING * sum(occupancy.annotation_lines.count_crossing(line) for line in footprint.lines)
-        point, tip = attachment_point(annotation, self.view), leader_tip(annotation, self.view)
-        if point and not occupancy.is_on_outline(point):
-            cost += DETACHED
-        if point and isinstance(annotation, RadialDimension):
-            cost += 0.0 if occupancy.is_on_arc(point, self.view.to_paper(annotation.centre)) else DETACHED
-        if isinstance(annotation, Callout) and not occupancy.is_on_part(tip):
-            cost += DETACHED
+        cost += DETACHED * sum(1 for _ in occupancy.end_faults(annotation, self.view))
+        tip = leader_tip(annotation, self.view)
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
             cost += DETACHED * sum(math.dist(tip, other) < DATUM_DISTANCE for other in occupancy.datum_feet)

@@ -16,6 +16,7 @@ from drawings.annotations.annotation import (
     RadialDimension,
     SectionMark,
 )
+from drawings.placement.occupancy import CROSSES_LINE
 from drawings.sheets.sheet import Sheet
 from drawings.views.view import Arc, Curve
 
@@ -35,14 +36,14 @@ def test_the_sheet_is_clean_without_a_planted_fault() -> None:
 
 def test_the_stem_of_a_datum_across_a_dimension_line_is_found() -> None:
     datum = DatumSymbol("front", (150.0, 100.0), (175.0, 222.0), "A")
-    assert faults(LENGTH, datum) == ["a leader crosses the dimension line of <>"]
+    assert faults(LENGTH, datum) == [CROSSES_LINE]
     assert faults(replace(LENGTH, line_at=(0.0, 230.0)), datum) == []
 
 
 @pytest.mark.parametrize("elbow", [(215.0, 220.0), (130.0, 220.0)])
 def test_a_leader_across_a_dimension_line_is_found(elbow: tuple[float, float]) -> None:
     leader = Callout("front", (150.0, 100.0), elbow, ("1.0x45°",), ("chamfer",), elbow[0] < 175.0)
-    assert faults(LENGTH, leader) == ["a leader crosses the dimension line of <>"]
+    assert faults(LENGTH, leader) == [CROSSES_LINE]
     assert faults(leader) == []
 
 
@@ -111,6 +112,6 @@ def test_the_tolerance_of_an_axis_off_the_dimension_line_is_found() -> None:
 def test_a_leader_across_a_cutting_line_is_found() -> None:
     mark = SectionMark("front", (150.0, 145.0), (150.0, 212.0), (1.0, 0.0), "A")
     across = Callout("front", (60.0, 100.0), (165.0, 214.0), ("1.0x45°",), ("chamfer",))
-    assert faults(mark, across) == ["a leader crosses the line or arrow of a section or view"]
+    assert faults(mark, across) == [CROSSES_LINE]
     sheet: Sheet = replace(CLEAN, annotations=(mark, replace(across, elbow=(120.0, 215.0), leftward=True)))
     assert hits(sheet, "leader") == []

@@ -36,7 +36,6 @@ from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.modelling.frame import transformed_box
-from tests.drawings.drawn import document_of
 
 ROOT = Path(__file__).parents[3]
 
@@ -264,7 +263,7 @@ def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_t
 
 
 def test_the_sheet_is_free_of_hits(sheet: Sheet) -> None:
-    assert [str(hit) for hit in lint(document_of(sheet))] == []
+    assert [str(hit) for hit in lint(sheet)] == []
 
 
 def test_places_are_spread_in_their_order() -> None:

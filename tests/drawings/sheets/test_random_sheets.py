@@ -21,7 +21,7 @@ from stagecad.parameters.tracking import TrackedDesign, value_at
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
-from tests.drawings.drawn import described, document_of, thesis
+from tests.drawings.drawn import described, thesis
 from workbench.machine.artefacts import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10
@@ -70,7 +70,7 @@ def faults(design: Design) -> list[str]:
         reading = TrackedDesign(design, notes)
         part = described(name, reading)
         sheets = part_sheets(part, reading)
-        hits = [f"{sheet.name}: {hit}" for sheet in sheets for hit in lint(document_of(sheet))]
+        hits = [f"{sheet.name}: {hit}" for sheet in sheets for hit in lint(sheet)]
         views = [view for sheet in sheets for view in sheet.views if view.projection.name != "iso"]
         shape = notes_on_shape(part_definition(name), reading)
         defined = definition(DimensionVerifier(part.solid), part.dimensions, part.requirements, shape, views)

@@ -193,7 +193,7 @@ def table_rows(texts: list[Text]) -> dict[str, tuple[float, float]]:
 @pytest.mark.parametrize("part", MADE)
 def test_the_sheets_of_the_thesis_are_free_of_hits(part: str) -> None:
     for sheet in sheets(part):
-        assert [str(hit) for hit in lint(document_of(sheet))] == [], sheet.name
+        assert [str(hit) for hit in lint(sheet)] == [], sheet.name
 
 
 def test_the_crowns_of_the_pads_are_in_the_picture() -> None:
