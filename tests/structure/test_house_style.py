@@ -1,38 +1,61 @@
-"""Limits of size for readable packages: parameters and lines of functions, lines of files, files of folders."""
+"""Limits of size for readable packages, and the number of lines that they may have together."""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("stagecad", "designcalc", "sim", "sysid", "drawings", "workbench")
 FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
-PARAMETERS, FUNCTION_LINES, FILE_LINES, FILES_OF_FOLDER = 8, 80, 600, 25
+FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
-def _functions(path: Path) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
+def _functions(path: Path) -> Iterator[Function]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    return (node for node in ast.walk(tree) if isinstance(node, Function))
 
 
-def _parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+def _parameters(function: Function) -> list[ast.arg]:
     arguments = function.args
-    names = [argument.arg for argument in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
-    return len(names) - (names[:1] in (["self"], ["cls"]))
+    parameters = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
+    return parameters[1:] if parameters and parameters[0].arg in ("self", "cls") else parameters
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_a_file_and_its_functions_are_short(path: Path) -> None:
-    text = path.read_text(encoding="utf-8")
-    assert text.count("\n") <= FILE_LINES
-    assert "fmt: skip" not in text and "fmt: off" not in text
-    for function in _functions(path):
-        assert _parameters(function) <= PARAMETERS, function.name
-        assert function.end_lineno is not None
-        assert function.end_lineno - function.lineno < FUNCTION_LINES, function.name
+def _body_lines(function: Function) -> int:
+    """Lines from the first statement after the docstring to the last one."""
+    body = function.body[1:] if ast.get_docstring(function) is not None else function.body
+    return body[-1].end_lineno - body[0].lineno + 1 if body and body[-1].end_lineno is not None else 0
+
+
+def _unlike(annotation: ast.expr | None) -> bool:
+    """Whether an annotation is a tuple of a fixed number of values that are not of one type."""
+    if not isinstance(annotation, ast.Subscript) or ast.unparse(annotation.value) != "tuple":
+        return False
+    parts = annotation.slice.elts if isinstance(annotation.slice, ast.Tuple) else [annotation.slice]
+    kinds = {ast.unparse(part) for part in parts}
+    return "..." not in kinds and len(kinds) > 1
+
+
+def test_files_and_functions_are_short() -> None:
+    faults = []
+    for path in FILES:
+        text, place = path.read_text(encoding="utf-8"), path.relative_to(ROOT)
+        if text.count("\n") > FILE_LINES:
+            faults.append(f"{place}: {text.count(chr(10))} lines")
+        if "fmt: skip" in text or "fmt: off" in text:
+            faults.append(f"{place}: is not formatted")
+        for function in _functions(path):
+            parameters = _parameters(function)
+            if len(parameters) > PARAMETERS:
+                faults.append(f"{place}: {function.name} has {len(parameters)} parameters")
+            if _body_lines(function) > BODY_LINES:
+                faults.append(f"{place}: {function.name} has {_body_lines(function)} lines")
+            faults += [f"{place}: {function.name}({p.arg}) is a tuple" for p in parameters if _unlike(p.annotation)]
+    assert not faults, "\n".join(faults)
 
 
 def test_a_folder_has_few_files() -> None:
