@@ -34,8 +34,16 @@ from drawings.dimensions.specification import (
     TagSpec,
     TargetSpec,
 )
-from drawings.dimensions.text import DIAMETER, callout, dimension_text, frame_text, number, wrapped_lines
-from drawings.dimensions.tolerances import frames_of_features, tolerance_text
+from drawings.dimensions.text import (
+    DIAMETER,
+    callout,
+    dimension_text,
+    frame_text,
+    frames_of_features,
+    number,
+    tolerance_text,
+    wrapped_lines,
+)
 from drawings.views.view import View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,

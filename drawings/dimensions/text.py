@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-from stagecad.parameters.dimension import Dimension
+from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance
 
 DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
 """Number of decimals of each tolerance class: a 12 has a wider tolerance than a 12.0."""
@@ -15,6 +15,10 @@ MOST_DECIMALS = 3
 """Most decimals of a number on a sheet: the rounding, 0.5 um, is small against the tightest class."""
 
 DIAMETER, TIMES, PLUS_MINUS, DEGREE = "⌀", "x", "±", "°"
+
+
+AXIAL = ("perpendicularity", "parallelism", "angularity", "position", "coaxiality", "straightness")
+"""Characteristics that hold for the axis of a round feature, within a cylinder."""
 
 
 def number(value: float, tolerance: str | None, plus_minus: float) -> str:
@@ -180,3 +184,18 @@ def wrapped_lines(lines: Sequence[str], longest: int = 34) -> list[str]:
     return [
         part for line in lines for part in textwrap.wrap(line, longest, break_long_words=False, break_on_hyphens=False)
     ]
+
+
+def tolerance_text(tolerance: GeometricTolerance) -> str:
+    """The second compartment of a control frame: `⌀0.2 CZ`."""
+    cylindrical = tolerance.round and tolerance.characteristic in AXIAL
+    return f"{DIAMETER if cylindrical else ''}{tolerance.value:g}{' CZ' if tolerance.combined else ''}"
+
+
+def frames_of_features(requirements: Sequence[FaceRequirement]) -> dict[str, list[GeometricTolerance]]:
+    """Tolerances by the name of the holes whose callout has their control frames."""
+    found: dict[str, list[GeometricTolerance]] = {}
+    for requirement in requirements:
+        if isinstance(requirement, GeometricTolerance) and requirement.feature:
+            found.setdefault(requirement.feature, []).append(requirement)
+    return found

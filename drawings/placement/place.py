@@ -39,16 +39,17 @@ from drawings.dimensions.text import DIAMETER
 from drawings.placement.candidates import (
     Candidate,
     angle_candidates,
+    axis_candidates,
     callout_candidates,
     detail_mark_candidates,
     distance_candidates,
+    frame_candidates,
     reference_arrow_candidates,
     round_candidates,
     section_mark_candidates,
     tag_candidates,
     target_candidates,
 )
-from drawings.placement.frames import axis_candidates, frame_candidates
 from drawings.placement.occupancy import (
     LEADER_TIP,
     LINE_CLEARANCE,

@@ -15,7 +15,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drawings.dimensions.tolerances import AXIAL
+from drawings.dimensions.text import AXIAL
 from drawings.pmi.content import PartPmi, TolerancedDimension, pmi_of_declarations
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from drawings.pmi.step_text import directed_distances, typed_limits, with_properties

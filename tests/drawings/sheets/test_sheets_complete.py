@@ -24,8 +24,7 @@ from drawings.annotations.annotation import (
     ReferenceArrow,
 )
 from drawings.annotations.primitives import ArcStroke, Text
-from drawings.dimensions.text import number
-from drawings.dimensions.tolerances import tolerance_text
+from drawings.dimensions.text import number, tolerance_text
 from drawings.export.drawing_model import drawing_model
 from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
