@@ -2,8 +2,11 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# What the demonstration needs, what the tests need besides, and the programs that a benchmark is run against.
 READY := $(VENV)/.ready
+TOOLS := $(VENV)/.tools
 PEERS := $(VENV)/.peers
+PIP := $(BIN)/python -m pip install --disable-pip-version-check --progress-bar on
 # Bytecode is written even if the environment forbids it: else every process compiles each module that it loads.
 export PYTHONDONTWRITEBYTECODE :=
 
@@ -11,23 +14,25 @@ export PYTHONDONTWRITEBYTECODE :=
 .PHONY: demo test test-slow bench lint system clean
 
 demo: $(READY) system
-	$(BIN)/stagecad make --out build
 	$(BIN)/stagecad demo --out build
+	$(BIN)/stagecad make --out build
 	@echo
-	@echo "Open build/report.html (the machine) and the report named above (the loop) in a browser."
+	@echo "Open in a browser:"
+	@echo "  build/demo/report.html   the loop: a model, measurements, the effects that were missing, the error after each"
+	@echo "  build/report.html        the machine: parts, drawings, checks, simulations"
 
-test: $(READY) system lint
+test: $(TOOLS) system
 	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup -m "not slow"
 
 # The long runs of tests/robustness print their counts; STAGECAD_ROBUSTNESS=0.01 runs a hundredth of them.
-test-slow: $(READY) system
+test-slow: $(TOOLS) system
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
 
 bench: $(PEERS) system
 	for name in parts drawings make cold_start stick_slip many_effects loop_growth hidden_effects page; do \
 		echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
-lint: $(READY)
+lint: $(TOOLS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
@@ -36,13 +41,18 @@ lint: $(READY)
 $(READY): pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(0 if (3, 11) <= sys.version_info[:2] < (3, 14) else 'Python 3.11 to 3.13 is needed; set PYTHON=/path/to/it')"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	$(PIP) --quiet --upgrade pip
+	@echo "Installing what the demonstration needs"
+	$(PIP) -e .
 	touch $@
 
-# Programs that a benchmark is run against.
-$(PEERS): $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[peers]"
+$(TOOLS): $(READY)
+	@echo "Installing what the tests need"
+	$(PIP) -e ".[dev]"
+	touch $@
+
+$(PEERS): $(TOOLS)
+	$(PIP) -e ".[peers]"
 	touch $@
 
 # Libraries that the CAD kernel loads and that no Python package brings along.
