@@ -201,14 +201,7 @@ MOST_LEVERAGE = 0.98
 
 
 def _block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """Score (B, p) of each block of time, corrected for the leverage of the block.
-
-    Args:
-        columns: sensitivities (n, p) in coordinates in which J^T J is the unit matrix.
-        inner: 1 where a residual is within Huber's corner, else 0, (n,).
-        influence: Huber's influence of each residual, (n,).
-        numbers: of the block of each sample, (n,).
-    """
+    """Score (B, p) of each block of time, corrected for the leverage of the block."""
     scores = np.zeros((int(numbers.max()) + 1, columns.shape[1]))
     np.add.at(scores, numbers, columns * influence[:, None])
     order = np.argsort(numbers, kind="stable")

@@ -56,13 +56,7 @@ def _along_one_axis(records: Sequence[PreparedRecord]) -> list[FrictionDriveReco
 def truncated(
     fitted: FittedModel, records: Sequence[PreparedRecord], rows: int = TRUNCATED_ROWS
 ) -> tuple[FittedModel, list[PreparedRecord]]:
-    """A fit and its records truncated to their first rows, if they are long and of a stage driven along one axis.
-
-    Args:
-        fitted: fit to the records.
-        records: those fitted.
-        rows: largest number of rows of each record that are kept.
-    """
+    """A fit and its records truncated to their first rows, if they are long and of a stage driven along one axis."""
     driven = _along_one_axis(records)
     if all(record.size <= rows for record in driven):
         return fitted, list(records)
@@ -89,13 +83,6 @@ def synchronised_starts(
 
     Empty if some record is not of a stage driven along one axis, or if the model has presliding, whose displacement
     depends on the simulated motion and is not corrected.
-
-    Args:
-        starts: of one model.
-        records: those fitted.
-        weights: residual weights of the fits.
-        steps: of each fit.
-        count: largest number of models returned.
     """
     synchronised = [replace(record, nudging_gain=NUDGING_GAIN) for record in _along_one_axis(records)]
     presliding = starts and any(e.has_presliding for e in starts[0].effects)
@@ -106,13 +93,7 @@ def synchronised_starts(
 
 
 def lowest_minimum(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: int = ROUNDS) -> FittedModel:
-    """The fit, or one from another start that ended at a lower cost; unchanged if no stage is driven.
-
-    Args:
-        fitted: with its weights, which are kept.
-        records: those fitted; long ones are truncated for the search.
-        rounds: largest number of rounds over all values.
-    """
+    """The fit, or one from another start that ended at a lower cost; unchanged if no stage is driven."""
     if not any(isinstance(record, FrictionDriveRecord) for record in records):
         return fitted
     short, beginnings = truncated(fitted, records)

@@ -81,14 +81,6 @@ def slipping_starts(
 
     If the contact of the base model hardly slips, its friction limit and load dependence have no gradient; if the
     error of the base model is large, its contact values compensate for missing effects.
-
-    Args:
-        base: the fitted model.
-        effect: added to it.
-        records: those fitted.
-        scales: of the records.
-        far: whether the error of the base model is large.
-        point: starting values of the effect, if known.
     """
     if not in_contact(effect):
         return []
@@ -112,14 +104,7 @@ def slipping_starts(
 def rough_starts(
     model: Model, records: Sequence[PreparedRecord], given: Collection[str], budget: SearchBudget | None = None
 ) -> list[Model]:
-    """The model at the best points of the initial-value search, best first; empty if there is no value to search.
-
-    Args:
-        model: model of the experiment file.
-        records: those fitted.
-        given: keys of parameters with a start in the experiment file.
-        budget: of the search.
-    """
+    """The model at the best points of the initial-value search, best first; empty if there is no value to search."""
     budget = budget or SearchBudget()
     driven = [leading_segment(r, ROWS) for r in records if isinstance(r, FrictionDriveRecord)]
     free = {u.key: u for u in model.unknowns if u.key not in given}

@@ -38,15 +38,6 @@ def fit_model(
     """Fit the unknowns of a model to records.
 
     Without `weights` the standard deviations are computed from the model at its start, and again after a first fit.
-
-    Args:
-        model: with the values to start from.
-        records: those fitted.
-        weights: standard deviations and scored samples.
-        iterations: largest number of accepted steps.
-        near: fit of the same records with the same `weights` near the start; its Jacobian columns are the first
-            approximation of those of the same unknowns.
-        final_jacobian: compute the Jacobian by differences at the end; otherwise it is the last Broyden update.
     """
     if weights is not None:
         # On a driven stage the times of slip depend on the values: a Jacobian at other values is not an approximation.

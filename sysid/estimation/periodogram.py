@@ -48,15 +48,7 @@ def pitches(
     scales: Scales,
     target: np.ndarray,
 ) -> list[float]:
-    """Pitches at the largest peaks of the periodogram, m, largest reduction first; empty where no position is scored.
-
-    Args:
-        base: the fitted model.
-        effect: periodic in the position.
-        records: those fitted.
-        scales: of the records.
-        target: profiled residual of the model, (n,).
-    """
+    """Pitches at the largest peaks of the periodogram, m, largest reduction first; empty where no position is scored."""
     pitch = periodic_parameter(effect)
     balances = [record for record in records if isinstance(record, ForceBalanceRecord)]
     if pitch is None or pitch.scan is None or len(balances) != len(records):

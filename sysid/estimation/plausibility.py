@@ -18,10 +18,6 @@ def implausible(fitted: FittedModel, added: Collection[str]) -> str | None:
 
     A value at an end of its range means that the fit wants to leave the range: the effect stands for something else.
     Ends that are a limit of the law itself (`Parameter.natural`) are excepted, and so is zero.
-
-    Args:
-        fitted: the model with the effects.
-        added: names of the effects in question, with variant and channel.
     """
     parameters = {f"{e.name}.{p.name}": p for e in fitted.model.effects if e.name in added for p in e.parameters}
     for unknown in fitted.model.unknowns:

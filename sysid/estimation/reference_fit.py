@@ -58,14 +58,7 @@ def fit_stated_model(problem: Problem) -> ReferenceFit:
 
 
 def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]) -> FittedModel:
-    """The fit with the lowest error, from the stated start and from searched starting points.
-
-    Args:
-        model: model of the experiment file.
-        records: those fitted.
-        scales: of the records.
-        given: keys of parameters with a start in the experiment file; their effects are not searched.
-    """
+    """The fit with the lowest error, from the stated start and from searched starting points."""
     direct = fit_model(model, records)
     for start in rough_starts(model, records, given):
         other = fit_model(start, records)

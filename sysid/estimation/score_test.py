@@ -97,15 +97,7 @@ class GridPoint:
 def candidate_directions(
     base: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, rows: slice = EVERY_ROW
 ) -> list[GridPoint]:
-    """Changes of the residual of a fitted model by an effect, at every point of its shape grid.
-
-    Args:
-        base: the fitted model.
-        effect: the candidate.
-        records: those fitted.
-        scales: of the records.
-        rows: of the residual that are kept.
-    """
+    """Changes of the residual of a fitted model by an effect, at every point of its shape grid."""
     points = []
     for shape in _search_points(base, effect, records, scales):
         trial = with_effect(base.model, effect, scales, shape)
@@ -150,14 +142,7 @@ def _directions(effect: Effect, scales: Scales) -> list[dict[str, float]]:
 def score_test(
     effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, target: np.ndarray
 ) -> list[ScoreStatistic]:
-    """Score statistics of an effect at the points of its shape grid, largest predicted reduction first.
-
-    Args:
-        effect: the candidate.
-        grid: its changes of the residual.
-        basis: orthonormal basis of the Jacobian of the base model, (n, p).
-        target: profiled residual of the base model, (n,).
-    """
+    """Score statistics of an effect at the points of its shape grid, largest predicted reduction first."""
     total = float(target @ target) or 1.0
     scores: list[ScoreStatistic] = []
     for point in grid:

@@ -107,16 +107,7 @@ def screen_scored(
     basis: np.ndarray,
     rows: slice = EVERY_ROW,
 ) -> ScreeningFit | None:
-    """Short fit of a scored candidate from its best starting points; None if it does not change the prediction.
-
-    Args:
-        known: the candidate, scored at selected rows of the residual.
-        base: the fitted model.
-        records: those fitted.
-        scales: of the records.
-        basis: orthonormal basis of its Jacobian at these rows, (n, p).
-        rows: of the residual.
-    """
+    """Short fit of a scored candidate from its best starting points; None if it does not change the prediction."""
     effect, scores = known.effect, known.scores
     far = any(isinstance(r, FrictionDriveRecord) for r in records) and root_mean_huber(base.fit.residual) > FAR
     starts = _screening_starts(known, base, records, scales, far)
@@ -175,14 +166,7 @@ def refit_candidate(
 def search_lower_minimum(
     base: FittedModel, candidate: RefittedEffect, records: Sequence[PreparedRecord], of_contact: bool = False
 ) -> RefittedEffect:
-    """A refitted effect on a driven stage with its fit moved to the lowest nearby local minimum of the cost.
-
-    Args:
-        base: the fitted base model.
-        candidate: fit of an added effect; returned unchanged if its error exceeds `SHOWS_PROMISE` of that of `base`.
-        records: those fitted.
-        of_contact: the effect acts between tip and stage; one round of the search is made in any case.
-    """
+    """A refitted effect on a driven stage with its fit moved to the lowest nearby local minimum of the cost."""
     promising = root_mean_huber(candidate.fitted.fit.residual) <= SHOWS_PROMISE * root_mean_huber(base.fit.residual)
     if not of_contact and not promising:
         return candidate
@@ -199,17 +183,7 @@ def screen_and_refit(
     starts: int = 2,
     iterations: int = 15,
 ) -> RefittedEffect | None:
-    """Screening and full refit of one effect; None if it does not change the prediction.
-
-    Args:
-        base: the fitted base model.
-        effect: the candidate.
-        records: those fitted.
-        scales: of the records.
-        profiled: basis (n, p) and profiled residual (n,) of the base model (`profiled_residual`).
-        starts: number of grid points from which it is refitted.
-        iterations: steps of each refit.
-    """
+    """Screening and full refit of one effect; None if it does not change the prediction."""
     screened = screen_candidate(base, effect, records, scales, *profiled)
     return refit_candidate(base, screened, records, scales, starts, iterations) if screened is not None else None
 

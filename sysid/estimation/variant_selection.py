@@ -73,13 +73,6 @@ def fit_replacement(
 
     Bounds, priors and fixed values of the model are kept. On a driven stage a synchronisation fit gives further
     starting points.
-
-    Args:
-        fitted: fit of the present model.
-        effect: the variant to insert; not a friction core.
-        records: those fitted.
-        scales: of the records.
-        place: the effect that it replaces, if that is not another variant of `effect` on the same channel.
     """
     rest = fit_model(without_effect(fitted.model, place or effect.name), records, fitted.weights, near=fitted)
     scores = score_test(effect, candidate_directions(rest, effect, records, scales), *profiled_residual(rest))
@@ -138,15 +131,6 @@ def select_variants(
     """A fit in which effects have the variant that fits best.
 
     The default variant (with the public name of the effect) is kept unless another is better.
-
-    Args:
-        problem: with the records of the fit.
-        fitted: fit of the present model.
-        names: effects whose variant is selected; default `selectable_effects`.
-        better: criterion by which another variant replaces the present one.
-
-    Returns:
-        The fit, and the names of the variants that were selected.
     """
     chosen: list[str] = []
     for name in selectable_effects(problem) if names is None else names:
@@ -209,14 +193,7 @@ SPANS = (10.0, 100.0)
 def core_variant_fits(
     fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> list[FittedModel]:
-    """Fits of a Maxwell-slip core of given curve with free elements; empty if the given curve is sufficient.
-
-    Args:
-        fitted: the model with the core.
-        core: the effect in question.
-        records: those fitted.
-        scales: of the records.
-    """
+    """Fits of a Maxwell-slip core of given curve with free elements; empty if the given curve is sufficient."""
     if root_mean_huber(fitted.fit.residual) <= SUFFICIENT:
         return []
     free = next((v for v in core.variants if v.friction_state is not None and v.friction_state.free_shares), None)

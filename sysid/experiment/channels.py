@@ -140,19 +140,6 @@ def choose_columns(
 ) -> tuple[dict[str, Source], dict[str, bool], list[str]]:
     """Assign the columns of a file to the channels of the rig.
 
-    Args:
-        header: labels of the file.
-        rig: kind of rig.
-        file: shown in messages.
-        settings: of the channels, by the experiment.
-        units: by channel or column name, which come before those in `settings`.
-        where: the record's place in the experiment file, for messages about `units`.
-        untimed: whether the time is made of the sampling rate.
-
-    Returns:
-        The source of each channel; whether the axis is rotary, for channels whose unit determines it; notes on unused
-        columns and on names that were not written as the channel's.
-
     Raises:
         InputError: a required channel is missing, or a column has no unit or one of another dimension.
     """

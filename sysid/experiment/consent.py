@@ -26,10 +26,6 @@ _consented: set[str] = set()
 def custom_files(model: TomlTable, folder: Path) -> tuple[Path, ...]:
     """The Python files that `[model] custom` names.
 
-    Args:
-        model: the table.
-        folder: of the experiment.
-
     Raises:
         InputError: not a list of texts, or a file outside the folder, also through a link.
     """

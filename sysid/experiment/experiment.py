@@ -144,15 +144,7 @@ def read_experiment(
     in_memory: Mapping[str, MemoryTable] | None = None,
     own: Sequence[Effect] = (),
 ) -> Experiment:
-    """An experiment from the content of its file, without its text. Raises as `load_experiment`.
-
-    Args:
-        top: the content.
-        file: path of the file; paths in it are relative to its folder.
-        design: values of settings given as `"design"`.
-        in_memory: the records by the `file` of their table, where they are not in files.
-        own: the user's own effects, besides those in files.
-    """
+    """An experiment from the content of its file, without its text. Raises as `load_experiment`."""
     name = top.file
     top.allow(("schema", "rig", "format", "channels", "model", "record", "noise"))
     _check_schema(top)

@@ -114,20 +114,6 @@ def append_revision(
 ) -> Revision:
     """Write the next rung, then `experiment.toml`.
 
-    Args:
-        experiment: as loaded before the fit.
-        effects: effects of the new model, in order.
-        starts: fitted values by `effect.parameter`, SI with unit; they become the starts of the next fit.
-        document: fit, errors and parameters of the new model (JSON data; `before` is its own error).
-        base_document: the same for the model before the change; written as rung 000, or as an additional rung if
-            `[model]` was edited by hand since the last one.
-        record_hashes: sha256 by record name.
-        timeout: s to wait for another run.
-        known: prior of a parameter, SI, by `effect.parameter`; written instead of the fitted value.
-
-    Returns:
-        The new rung.
-
     Raises:
         InputError: `experiment.toml` changed since it was loaded, another run holds the lock, a file cannot be written.
     """

@@ -77,12 +77,6 @@ def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
 def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValues | None) -> dict[str, Known]:
     """The known values in SI; `inertia` is filed under `mass`.
 
-    Args:
-        table: `[rig.known]`.
-        kind: kind of rig.
-        rotary: whether the axis turns.
-        design: values of settings given as `"design"`.
-
     Raises:
         InputError: names the key, the value and the permitted input.
     """

@@ -43,18 +43,7 @@ def grown_model(
     starts: Mapping[str, tuple[float, str]],
     known: Mapping[str, Prior] | None = None,
 ) -> dict[str, Any]:
-    """`model` with other effects, and with fitted values as starts.
-
-    Args:
-        model: the present `[model]`; its bounds and fixed values are kept.
-        effects: the effects of the new model, in order.
-        starts: by `effect.parameter`, fitted value in SI and its unit (empty if dimensionless).
-        known: prior of a parameter, SI; written instead of the fitted value, which would count the records twice.
-
-    Returns:
-        The new `[model]`, without the settings of removed effects. A start that is a prior (from the design, or with a
-        standard deviation) is not replaced by the fitted value.
-    """
+    """`model` with other effects, and with fitted values as starts."""
     grown = copy.deepcopy(dict(model))
     grown["effects"] = list(effects)
     settings = _flat(grown.get("parameters", {}))

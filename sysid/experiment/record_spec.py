@@ -71,12 +71,6 @@ def read_record_specs(
 ) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
     """Every `[[record]]` with its columns, and whether the axis is rotary according to the units of its columns.
 
-    Args:
-        top: the experiment file as a table.
-        kind: kind of rig.
-        file: path of the experiment file; paths of records are relative to its folder.
-        in_memory: the records by the `file` of their table, where they are not in files.
-
     Raises:
         InputError: an error in a table, or in the header of a record's file.
     """

@@ -48,13 +48,6 @@ def check_effects(
 ) -> dict[str, Effect]:
     """Find every effect of the model.
 
-    Args:
-        names: `effects` of the model.
-        custom: the user's own effects, or files of them.
-        rig: kind of rig.
-        recorded: channels contained in at least one record.
-        model: the table, for messages.
-
     Raises:
         InputError: an unknown effect, a repeated one, two friction state models at one place, a sensor channel
             that is not recorded, a fault in a user's file, or no consent to run it.

@@ -127,9 +127,6 @@ def _check_printable(text: str, where: str) -> None:
 def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
     """Read a TOML file.
 
-    Returns:
-        Its bytes, its text, and its content as a table.
-
     Raises:
         InputError: unreadable, not UTF-8, or not TOML, with line and column.
     """

@@ -86,14 +86,7 @@ class _DetectionLimit:
 def minimum_sizes(
     fitted: FittedModel, effects: Sequence[Effect], records: Sequence[PreparedRecord], scales: Scales
 ) -> list[MinimumDetectableEffect]:
-    """Minimum detectable size of each effect on top of a fitted model.
-
-    Args:
-        fitted: the model, with the effect that was found.
-        effects: candidates; only the first of each public name is used.
-        records: those fitted.
-        scales: of the records.
-    """
+    """Minimum detectable size of each effect on top of a fitted model."""
     limit = _DetectionLimit(fitted, records)
     rows: dict[str, MinimumDetectableEffect] = {}
     for effect in effects:

@@ -222,16 +222,7 @@ def _spectra(size: int) -> np.ndarray:
 
 
 def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None) -> Autoregression | None:
-    """Noise of a channel.
-
-    Args:
-        signal: the channel in each record.
-        residual: the channel less what a smooth function of the recorded motion explains, if there is such motion. Both
-            contain the noise, and more; at each lag the smaller V applies.
-
-    Returns:
-        None with fewer than eight differences; value zero where the values contain no noise.
-    """
+    """Noise of a channel."""
     parts = [signal] if residual is None else [signal, residual]
     if _spread(signal, 1, 2).spans < 8:
         constant = sum(int(np.isfinite(one.values).sum()) for one in signal) >= 10
@@ -295,14 +286,7 @@ def _middle(fits: Sequence[_Fit], reach: int) -> Autoregression:
 
 
 def _candidates(lag: np.ndarray, target: np.ndarray, columns: np.ndarray, parts: int) -> Iterator[_Fit]:
-    """The fits that agree with V over its allowed error, `target` (l,).
-
-    Args:
-        lag: in rows, (l,).
-        target: V over its allowed error, (l,).
-        columns: the same of each autoregression of unit variance, and of the smooth part.
-        parts: 1 for white noise, 2 for an autoregression, 3 for both.
-    """
+    """The fits that agree with V over its allowed error, `target` (l,)."""
     for k, correlation in enumerate(CORRELATIONS):
         if (correlation == 0.0) != (parts == 1):
             continue

@@ -31,14 +31,7 @@ def decimation_factor(records: Sequence[Record]) -> int:
 
 
 def decimated(record: Record, k: int, held: Sequence[str] = ()) -> Record:
-    """A record as means over blocks of k rows.
-
-    Args:
-        record: with n rows.
-        k: rows per block.
-        held: channels whose value is held from each row to the next: the mean over the step before and after a row
-            acts at the row.
-    """
+    """A record as means over blocks of k rows."""
     count = record.size // k
     time = record.time[: count * k].reshape(count, k)
     whole = time[:, -1] - time[:, 0] <= LONGEST_SPAN * k * record.step

@@ -254,12 +254,7 @@ def _rms(values: Sequence[float]) -> float:
 
 
 def noise_warnings(noise: Mapping[str, Noise], errors: Mapping[str, tuple[float, int]]) -> list[str]:
-    """One line for each channel whose error is clearly below its noise.
-
-    Args:
-        noise: by channel.
-        errors: error over noise and scored samples, by channel.
-    """
+    """One line for each channel whose error is clearly below its noise."""
     out = []
     for channel, (over, size) in errors.items():
         if over < WRONG_FLOOR and size >= LEAST_SAMPLES and channel in noise:

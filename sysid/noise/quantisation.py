@@ -24,14 +24,6 @@ def find_quantisation_step(arrays: Sequence[np.ndarray], least_levels: int = LEA
 
     The step is estimated from the smallest changes between neighbours, then refined over increasing ranges of values,
     since a relative error of 1/1000 amounts to a full step after 1000 steps.
-
-    Args:
-        arrays: the channel in each record, shape (n,), gaps as NaN.
-        least_levels: least number of occupied levels.
-
-    Returns:
-        The step in the channel's unit; None where the values are not quantised, on too few levels, or every row is one
-        step from the last: rows logged at the pulses of an encoder have exact positions.
     """
     values = np.concatenate([array[~np.isnan(array)] for array in arrays])
     if values.size < 20:

@@ -34,9 +34,6 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
     """Scatter of `channel` between neighbouring cycles, where an imposed channel has at least three periods.
 
     Differences of neighbouring cycles suppress slow drift; the 3 % largest ones, at jumps, are left out.
-
-    Returns:
-        None where no imposed channel is periodic, or the load changes from cycle to cycle.
     """
     if not record.uniform:
         return None

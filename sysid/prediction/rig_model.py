@@ -41,15 +41,7 @@ class RigParameters:
         known_as: str | None = None,
         free: bool = True,
     ) -> float:
-        """Enter a parameter, and return its value.
-
-        Args:
-            name: the key without `rig.`.
-            guess: start of the fit where it is not known.
-            bounds: of the fit; a factor of 1000 either way where left out.
-            known_as: its name in `[rig.known]`, if it is another.
-            free: whether it is fitted where it is not known.
-        """
+        """Enter a parameter, and return its value."""
         key, given = f"rig.{name}", self.known.get(known_as or name)
         value = given.value if given is not None else guess() if callable(guess) else guess
         self.values[key] = value

@@ -86,11 +86,7 @@ def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], value
 def sensor_input(
     output: np.ndarray, channel: str, effects: Sequence[Effect], values: Values, step: float, late: bool = True
 ) -> np.ndarray:
-    """Input (n,) of the sensor of a channel, from its `output`: its effects are inverted in reverse order.
-
-    Args:
-        late: invert lags and delays too; else only the nonlinearity.
-    """
+    """Input (n,) of the sensor of a channel, from its `output`: its effects are inverted in reverse order."""
     for effect in reversed(effects):
         if effect.acts_on != "sensor" or split_channel(effect.name)[1] not in (None, channel) or effect.rounds:
             continue

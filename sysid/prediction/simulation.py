@@ -22,12 +22,6 @@ def simulated_channels(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time (n,), s, from zero at a uniform step, and the inputs and measured channels of a rig, each (n,), SI.
 
-    Args:
-        rig: of the experiment.
-        record: with the inputs; gaps are interpolated. Measured channels in it are not used.
-        effects, values: of the model.
-        start: of a driven mass; by default at rest, on a spring without force.
-
     Raises:
         InputError: an effect that cannot be integrated in time.
         SimulationError: the integration could not be continued.

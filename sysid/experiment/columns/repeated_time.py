@@ -24,12 +24,6 @@ def without_repeats(
     the first row of each time, `mean` takes the mean of its rows, `spread` places m rows of one time at
     t + k (t_next - t)/m, k = 0 .. m - 1, where the last group takes the step of the group before.
 
-    Args:
-        time: s, not decreasing.
-        values: channels (n,).
-        repeated: `first`, `mean`, `spread`, or None.
-        notes: what is done is added.
-
     Raises:
         RepeatedTime: rows of one time differ, and `repeated` is None.
     """

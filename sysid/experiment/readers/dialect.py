@@ -169,13 +169,6 @@ class _Way(NamedTuple):
 def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: str, complete: bool) -> Dialect:
     """The form of a file by its first lines.
 
-    Args:
-        lines: the first lines, blank ones and comments included.
-        encoding: of the text.
-        settings: `[format]` of the experiment, which is taken as it is.
-        name: of the file, for messages.
-        complete: whether there are no more lines.
-
     Raises:
         InputError: no rows of numbers, or the decimal sign is ambiguous; the message names the setting to write.
     """

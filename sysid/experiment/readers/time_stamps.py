@@ -16,16 +16,6 @@ DAY = 86400.0
 def seconds(column: Any, kind: str, time_format: str | None, file: str, label: str) -> Column:
     """Seconds (n,) since the first row of a column of time stamps, exact to a nanosecond.
 
-    Args:
-        column: a chunked pyarrow array of texts.
-        kind: `date` (`2024-03-01 12:00:00.25`, with or without a zone), `clock` (`12:00:00.25`) or `stamp`, which is
-            in `time_format`.
-        time_format: codes of `strptime`.
-        file, label: for messages.
-
-    Returns:
-        The seconds; `origin` is the first row since 1970 (UTC where the stamps have a zone) or since midnight.
-
     Raises:
         InputError: a stamp of another form than the first.
     """

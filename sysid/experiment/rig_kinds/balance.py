@@ -61,10 +61,6 @@ class Balance:
     def channels(self, time: np.ndarray, recorded: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The base's channels (n,), SI: recorded ones, and those of the formulas.
 
-        Args:
-            time: s, (n,).
-            recorded: channels of the declared kind (n,), SI.
-
         Raises:
             InputError: units that do not match.
         """

@@ -154,14 +154,7 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
 
 
 def _filtered_axis(axis: Axis, width: float, std: float, spectrum: NoiseSpectrum) -> tuple[Axis, float]:
-    """The axis from its position filtered by `width`, s, and the standard deviation of its velocity.
-
-    Args:
-        axis: with the logged position.
-        width: s; one of `SLOPE_WIDTHS` for the derivatives where it is zero.
-        std: of the position's noise, m.
-        spectrum: of that noise.
-    """
+    """The axis from its position filtered by `width`, s, and the standard deviation of its velocity."""
     step, n = float(axis.time[1] - axis.time[0]), axis.time.size
     smooth, velocity, noise = GaussianFilter(width, step, n), axis.velocity, 0.0
     slope = smooth

@@ -40,14 +40,6 @@ def friction_from_initial_state(
 
     The state follows from the force measured in the first rows. A motion that leads to it is put before the record: in
     one direction until everything slips, beyond the initial position, and back to it.
-
-    Args:
-        balance: the record.
-        core: the effect with the friction state model.
-        axis: after the effects with memory.
-        level: friction level, N, (n,).
-        p: its parameter values.
-        other: other forces, inertia included, N, (n,).
     """
     assert core.friction_state is not None
     along, rows = core.friction_state.along_record, first_rows(balance)

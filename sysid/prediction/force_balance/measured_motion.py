@@ -108,12 +108,6 @@ def direction_from_velocity(position: np.ndarray, velocity: np.ndarray, noise: f
 
     Between two opposite motions the direction changes at the last zero of the velocity before the second one; after a
     rest, where the line along which the second motion begins meets the position at rest.
-
-    Args:
-        position: m, (n,).
-        velocity: m per row, (n,).
-        noise: standard deviation of the velocity's noise, m per row.
-        width: of the filter, rows.
     """
     certain = np.where(np.abs(velocity) > REST_SIGMAS * noise, np.sign(velocity), 0.0)
     rows = np.flatnonzero(certain)

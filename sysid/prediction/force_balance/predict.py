@@ -45,14 +45,7 @@ from sysid.prediction.sensors import ahead_of_motion, delayed_like_motion, delay
 def predict_balance(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, at: Mapping[str, np.ndarray] | None = None
 ) -> dict[str, np.ndarray]:
-    """Predicted channels (n,) of a force balance, filtered as the measured ones are.
-
-    Args:
-        balance: the record.
-        effects: of the model.
-        values: of its parameters.
-        at: samples wanted of each channel, (k,); every sample where left out.
-    """
+    """Predicted channels (n,) of a force balance, filtered as the measured ones are."""
     if at is None or any(_needs_neighbours(e) for e in effects):
         full_filter = _sensed_balance(balance, effects, values)
         return (

@@ -63,16 +63,6 @@ def prepare_driven_mass(
 ) -> ForceBalanceRecord:
     """A record of a driven mass: the force is balanced against mass times the measured acceleration.
 
-    Args:
-        record: as read.
-        kind: of the rig.
-        noise: by channel.
-        mass: known or estimated moving mass, kg; it sets the filter's width, not the fit.
-        pull_stiffness: of the pulling spring, N/m.
-        hold: `zero` for a drive force held from each row to the next, `linear` for linear interpolation.
-        width: of the filter, s, where it is shared with another record.
-        least_width: s, where another record that shares the filter has longer steps.
-
     Raises:
         InputError: a constant spring force, or a record shorter than the filter.
     """
@@ -151,16 +141,7 @@ def _filtered_channels(
     inertia: float,
     pull_stiffness: float | None,
 ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, np.ndarray]]:
-    """Filtered scored channels, the noise of their residuals, and filtered inputs of a spring-pull rig.
-
-    Args:
-        channel: of the force balance.
-        channels: as recorded.
-        signals: position and force.
-        full: the filter.
-        inertia: noise of mass times acceleration, N.
-        pull_stiffness: of the pulling spring, N/m.
-    """
+    """Filtered scored channels, the noise of their residuals, and filtered inputs of a spring-pull rig."""
     position, force = signals
     own_force = force.std * full.noise_gain(0, force.spectrum)
     measured, noises = {channel: full(force.values)}, {channel: float(np.hypot(own_force, inertia))}
@@ -177,13 +158,7 @@ def _filtered_channels(
 
 
 def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, ResolvedMotion, SlipPhases]:
-    """Axis, direction and slip phases of a driven mass, with the kinks of its velocity restored.
-
-    Args:
-        motion: measured.
-        drive: known force over mass, m/s^2, (n,); zeros where not known.
-        width: of the full filter, s.
-    """
+    """Axis, direction and slip phases of a driven mass, with the kinks of its velocity restored."""
     step, n, prefilter_width = float(motion.time[1] - motion.time[0]), motion.time.size, PREFILTER_SHARE * width
     axis, _ = _prefiltered(motion, prefilter_width, width)
     gain = GaussianFilter(prefilter_width, step, n).noise_gain(1, motion.position.spectrum)
@@ -323,12 +298,7 @@ def _complementary(prefilter: GaussianFilter, full_width: float) -> GaussianFilt
 
 def _across_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) -> np.ndarray:
     """Acceleration (n,) with linear interpolation across gaps: the line that bridges the position has kinks at its
-    ends, and a structural mode would ring with them long after.
-
-    Args:
-        acceleration: by a filter of `width` samples, (n,).
-        missing: samples (n,) where the motion was interpolated.
-    """
+    ends, and a structural mode would ring with them long after."""
     interpolated = dilated(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
     return filled(np.where(interpolated, np.nan, acceleration))[0] if interpolated.any() else acceleration
 

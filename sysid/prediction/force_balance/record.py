@@ -198,16 +198,7 @@ def make_axis(
 def filter_width(
     position_noise: float, step: float, mass: float, force_noise: float, size: int, spectrum: NoiseSpectrum
 ) -> float:
-    """Width (s) of the filter: the least at which mass times acceleration is no noisier than `force_noise`.
-
-    Args:
-        position_noise: standard deviation of the position, m.
-        step: sampling time, s.
-        mass: moving mass, kg.
-        force_noise: standard deviation of the force, N.
-        size: samples in the record; the filter never spans more than a fortieth of it.
-        spectrum: of the position's noise.
-    """
+    """Width (s) of the filter: the least at which mass times acceleration is no noisier than `force_noise`."""
     width = 1.0 * step
     longest = size * step / 40.0
     while width < longest:

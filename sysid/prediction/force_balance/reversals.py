@@ -140,15 +140,7 @@ class EventSearch(NamedTuple):
 def resolve_events(
     position: np.ndarray, velocity: np.ndarray, drive: np.ndarray, resting: np.ndarray, settings: EventSearch
 ) -> tuple[ResolvedMotion, SlipPhases]:
-    """Direction of motion with its changes where they happened, and the phases of sliding motion.
-
-    Args:
-        position: measured, unfiltered, (n,).
-        velocity: smoothed, (n,).
-        drive: known force over mass, in position units per sample squared, (n,).
-        resting: where the smoothed velocity is indistinguishable from zero, (n,).
-        settings: of the search for the events.
-    """
+    """Direction of motion with its changes where they happened, and the phases of sliding motion."""
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
     # Noise at rest is detected as motion for a sample or two.
@@ -193,13 +185,7 @@ def resolve_events(
 def shifted_events(
     motion: ResolvedMotion, phases: SlipPhases, onsets: np.ndarray, break_aways: np.ndarray
 ) -> ResolvedMotion:
-    """The motion with its events at other times.
-
-    Args:
-        motion, phases: of `resolve_events`.
-        onsets: ends of the slip phases, in samples, (k,).
-        break_aways: starts of the next ones, in samples, (k,); not used at a reversal without sticking.
-    """
+    """The motion with its events at other times."""
     direction, stick_fraction = motion.direction.copy(), motion.stick_fraction.copy()
     through, next_direction = phases.reverses, phases.next_direction
     _shift(direction, stick_fraction, phases.end, onsets, phases.direction, np.where(through, next_direction, 0.0))

@@ -27,14 +27,6 @@ def simulate_driven_mass(
 ) -> dict[str, np.ndarray]:
     """Measured channels (n,) of a driven mass: position, velocity, and the force of the pulling spring.
 
-    Args:
-        rig: spring-pull or force-drive.
-        time: s, (n,), from the start of the record.
-        inputs: by channel, (n,), without gaps.
-        effects, values: of the model.
-        at: the state at the first instant.
-        tolerance: relative error of a step of the integrator.
-
     Raises:
         InputError: an effect that cannot be integrated in time.
         SimulationError: the integration could not be continued.

@@ -240,12 +240,7 @@ class Slip(NamedTuple):
 
 
 def substeps_of(bristles: Elements, scale: float) -> int:
-    """Substeps of a sample that the oscillation on the bristles needs; 0 where even the most are too few.
-
-    Args:
-        bristles: of the contact.
-        scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
-    """
+    """Substeps of a sample that the oscillation on the bristles needs; 0 where even the most are too few."""
     phase = float(np.sqrt(np.sum(bristles.stiffness) * scale))
     return 0 if phase > MOST_SUBSTEPS else int(min(MOST_SUBSTEPS, max(3, np.ceil(phase / SUBSTEP_PHASE))))
 

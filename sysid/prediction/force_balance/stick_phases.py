@@ -97,18 +97,7 @@ def find_stick_phases(
     noise: float,
     compliance: float = 0.0,
 ) -> StickPhases | None:
-    """The stick phases of a record that are long enough to be scored; none where there are none.
-
-    Args:
-        position: lightly filtered, m, (n,).
-        force: on the body, filtered, N, (n,).
-        stuck: part of each step spent sticking, (n,).
-        direction: sign of the velocity, the last one while sticking, (n,).
-        usable: samples without gaps near, (n,).
-        edge: samples left out at both ends of a phase.
-        noise: standard deviation of `position`, m.
-        compliance: as in `StickPhases`.
-    """
+    """The stick phases of a record that are long enough to be scored; none where there are none."""
     spans, side = [], []
     scored = np.zeros(position.size, dtype=bool)
     still = stuck > FULLY_AT_REST
@@ -194,15 +183,7 @@ def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = PO
 def presliding_displacement(
     stick_phases: StickPhases, friction: np.ndarray, level: np.ndarray, core: FrictionStateModel, p: Any
 ) -> np.ndarray:
-    """Displacement (n,) of the body on its bristles while sticking, centred as `StickPhases.displacement`, m.
-
-    Args:
-        stick_phases: of the record.
-        friction: force to be held, N, (n,).
-        level: friction level, N, (n,).
-        core: friction state model.
-        p: its parameter values.
-    """
+    """Displacement (n,) of the body on its bristles while sticking, centred as `StickPhases.displacement`, m."""
     springs = springs_of(bristles_of(core, p, max(median_level(level), 1e-12)))
     starts, stops = np.array(stick_phases.spans).T
     moved = _spring_displacement(

@@ -140,11 +140,6 @@ def simulated_axis(axis: Axis, position: np.ndarray, step: float) -> Axis:
     A measured motion comes to rest some rows late, and creeps by its noise. A friction level that grows at rest and
     fades over a tenth of a micrometre is evaluated along the simulated motion once there is one, and the simulation is
     repeated. Levels that depend on the velocity history are not: there the iteration does not converge.
-
-    Args:
-        axis: as measured; its load and temperature stay.
-        position: simulated, m from rest at the first row, (n,).
-        step: of the record, s.
     """
     gone: Any = np.concatenate([[0.0], np.diff(position)])
     velocity = np.gradient(position, step)

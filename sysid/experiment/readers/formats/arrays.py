@@ -44,9 +44,6 @@ def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Head
 def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices: Sequence[int]) -> list[Column]:
     """Arrays as columns.
 
-    Args:
-        arrays: those at `indices`, in that order.
-
     Raises:
         InputError: they differ in length, or hold infinite values.
     """
