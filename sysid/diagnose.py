@@ -29,7 +29,8 @@ from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
 from sysid.noise.estimate import Noise
-from sysid.prediction.model import Model, PreparedRecord, public_name
+from sysid.prediction.model import Model, public_name
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, load_problem
 
 IN_FULL = 6

@@ -21,7 +21,8 @@ import numpy as np
 from sysid.estimation.misfit import ResidualWeights, misfit
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.signals.gaussian_filter import GaussianFilter
 
 

@@ -24,7 +24,8 @@ from sysid.experiment.unknowns import Prior
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Model, PreparedRecord, Scales, with_effect
+from sysid.prediction.model import Model, Scales, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
 from sysid.signals.gaussian_filter import GaussianFilter
 

@@ -21,7 +21,8 @@ from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import huber_weights, jacobian, robust_scale
 from sysid.estimation.misfit import LOSS_CORNER, ResidualWeights, blocks, huber_square
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.model import Model, PreparedRecord
+from sysid.prediction.model import Model
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.sensors import residual_noise
 from sysid.signals.trimmed_rms import trimmed_rms
 

@@ -19,7 +19,8 @@ from sysid.diagnosis.explained_share import (
     share_beyond_time,
 )
 from sysid.estimation.misfit import ResidualWeights
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 
 PERMUTATIONS = 500
 

@@ -35,7 +35,8 @@ from sysid.experiment.unknowns import Prior
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
-from sysid.prediction.model import Model, PreparedRecord, with_effect
+from sysid.prediction.model import Model, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
 from sysid.signals.gaussian_filter import BAND
 from sysid.signals.masks import dilated, longer_than

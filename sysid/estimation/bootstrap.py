@@ -34,7 +34,8 @@ from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.unknowns import Prior, Unknown
-from sysid.prediction.model import Model, PreparedRecord
+from sysid.prediction.model import Model
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, build_problem
 
 ITERATIONS = 15

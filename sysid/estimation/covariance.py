@@ -10,7 +10,7 @@ import numpy as np
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks
 from sysid.estimation.systematic_errors import systematic_errors
-from sysid.prediction.model import PreparedRecord
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
 BLOCKS_PER_RECORD = 40

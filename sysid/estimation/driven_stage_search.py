@@ -23,7 +23,8 @@ from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS
 from sysid.prediction.friction_drive.record import TRANSVERSE, FrictionDriveRecord, leading_segment
-from sysid.prediction.model import Model, PreparedRecord
+from sysid.prediction.model import Model
+from sysid.prediction.prepared_record import PreparedRecord
 
 TRUNCATED_ROWS = 3000
 """Largest number of rows of each record that are kept."""

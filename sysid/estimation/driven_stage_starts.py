@@ -21,7 +21,8 @@ from sysid.estimation.least_squares import least_squares
 from sysid.prediction.friction_drive.friction import CONTACT
 from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS, contact_damping
 from sysid.prediction.friction_drive.record import FrictionDriveRecord, leading_segment, predict_friction_drive
-from sysid.prediction.model import Model, PreparedRecord, Scales, in_contact, with_effect
+from sysid.prediction.model import Model, Scales, in_contact, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 
 Point: TypeAlias = dict[str, float]
 """Values of the open parameters, by key."""

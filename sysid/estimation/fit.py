@@ -10,7 +10,8 @@ import numpy as np
 from sysid.estimation.least_squares import FitResult, ResidualFunction, jacobian, least_squares
 from sysid.estimation.misfit import ResidualWeights, huber_square, residual_weights, weighted_residual
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Model, PreparedRecord
+from sysid.prediction.model import Model
+from sysid.prediction.prepared_record import PreparedRecord
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ import numpy as np
 
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.sensors import residual_noise
 from sysid.signals.trimmed_rms import trimmed_rms
 

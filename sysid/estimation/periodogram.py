@@ -21,7 +21,8 @@ from sim.effects.effect import Effect, Parameter
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import weighted_residual
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.model import PreparedRecord, Scales, size_of, with_effect
+from sysid.prediction.model import Scales, size_of, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 
 PEAKS = 20
 """Largest number of pitches."""
@@ -48,7 +49,7 @@ def pitches(
     scales: Scales,
     target: np.ndarray,
 ) -> list[float]:
-    """Pitches at the largest peaks of the periodogram, m, largest reduction first; empty where no position is scored."""
+    """Pitches at the peaks of the periodogram, m, largest reduction first; none where no position is scored."""
     pitch = periodic_parameter(effect)
     balances = [record for record in records if isinstance(record, ForceBalanceRecord)]
     if pitch is None or pitch.scan is None or len(balances) != len(records):

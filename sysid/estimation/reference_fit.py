@@ -20,7 +20,8 @@ from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
 from sysid.estimation.variant_selection import select_variants
-from sysid.prediction.model import Model, PreparedRecord, Scales
+from sysid.prediction.model import Model, Scales
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
 
 

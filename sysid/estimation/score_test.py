@@ -23,7 +23,8 @@ from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.misfit import weighted_residual
 from sysid.estimation.periodogram import LONG, periodic_parameter, pitches
-from sysid.prediction.model import PreparedRecord, Scales, shape_grid, size_of, with_effect
+from sysid.prediction.model import Scales, shape_grid, size_of, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 
 KEPT_SCORES = 6
 """Best grid points of an effect that are kept as starting points of its refit."""

@@ -13,7 +13,8 @@ from sysid.estimation.driven_stage_starts import slipping_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
 from sysid.estimation.score_test import EVERY_ROW, ScoreStatistic, candidate_directions, project_out, score_test
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Model, PreparedRecord, Scales, with_effect
+from sysid.prediction.model import Model, Scales, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 
 
 @dataclass(frozen=True)

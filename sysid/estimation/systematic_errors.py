@@ -17,7 +17,8 @@ import numpy as np
 
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.model import PreparedRecord, predict
+from sysid.prediction.model import predict
+from sysid.prediction.prepared_record import PreparedRecord
 
 CHANNEL_SKEW = 0.06
 """Inter-channel skew: standard deviation of the sampling time of a channel in its row, in sampling steps (assumed)."""

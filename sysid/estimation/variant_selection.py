@@ -22,8 +22,9 @@ from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import residual_weights, weighted_residual
 from sysid.estimation.score_test import candidate_directions, profiled_residual, score_test
 from sysid.experiment.history import edited_by_hand, read_history
-from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, variant_group, with_effect
+from sysid.prediction.model import Model, Scales, public_name, variant_group, with_effect
 from sysid.prediction.observable import is_observable
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
 
 Better: TypeAlias = Callable[[FittedModel, FittedModel], bool]

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
@@ -21,12 +21,31 @@ from sysid.experiment.rigs import CHANNELS, RigKind, find_base
 from sysid.experiment.settings import Setting, check_effects, read_settings
 from sysid.experiment.toml_table import TomlTable, quantity, read_toml, shown
 
-if TYPE_CHECKING:
-    from sysid.experiment.history import Revision
-
 SCHEMA = 1
 OWN_KIND = "own"
 """Name of a kind of rig that the experiment declares itself, under `[rig.kind]`."""
+
+
+@dataclass(frozen=True)
+class Revision:
+    """One rung.
+
+    Args:
+        number: 0 for the model before anything was added.
+        path: its file.
+        model: `[model]` as plain data.
+        document: content of the file: `effects`, `added`, `parameters`, `before` and the other results of the fit.
+    """
+
+    number: int
+    path: Path
+    model: Mapping[str, Any]
+    document: Mapping[str, Any]
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Effects of the model on this rung."""
+        return tuple(self.model.get("effects", ()))
 
 
 @dataclass(frozen=True)

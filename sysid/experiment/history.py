@@ -17,13 +17,12 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
-from sysid.experiment.experiment import Experiment
+from sysid.experiment.experiment import Experiment, Revision
 from sysid.experiment.file_lock import file_lock
 from sysid.experiment.model_table import grown_model, json_data, model_hash, model_of, with_model
 from sysid.experiment.unknowns import Prior
@@ -41,28 +40,6 @@ class Placed(Protocol):
 
     @property
     def path(self) -> Path: ...
-
-
-@dataclass(frozen=True)
-class Revision:
-    """One rung.
-
-    Args:
-        number: 0 for the model before anything was added.
-        path: its file.
-        model: `[model]` as plain data.
-        document: content of the file: `effects`, `added`, `parameters`, `before` and the other results of the fit.
-    """
-
-    number: int
-    path: Path
-    model: Mapping[str, Any]
-    document: Mapping[str, Any]
-
-    @property
-    def effects(self) -> tuple[str, ...]:
-        """Effects of the model on this rung."""
-        return tuple(self.model.get("effects", ()))
 
 
 @contextmanager

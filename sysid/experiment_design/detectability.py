@@ -24,8 +24,9 @@ from sysid.diagnosis.constants import LEAST_GAIN, LEAST_SIGNIFICANCE
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal
-from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, shape_grid, size_of, with_effect
+from sysid.prediction.model import Model, Scales, public_name, shape_grid, size_of, with_effect
 from sysid.prediction.observable import candidate_effects
+from sysid.prediction.prepared_record import PreparedRecord
 
 MOST_SHAPES = 10
 """Points of the shape grid of an effect at which its size is computed."""

@@ -28,7 +28,8 @@ from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, 
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import dilated
@@ -274,6 +275,7 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
         bias = problem.experiment.rig.known.get("bias_voltage")
         drives = [motion.signals[f"voltage_{k + 1}"] - (bias.value if bias else 0.0) for k in range(len(first.drives))]
         return first.driven_by(motion.name, motion.step, drives), _independent(problem, first, motion.step)
+    assert isinstance(first, ForceBalanceRecord)
     position = motion.signals["position"]
     velocity = np.gradient(position, motion.step)
     acceleration = np.gradient(velocity, motion.step)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -22,15 +22,12 @@ from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import TERMS, Values, values_of
-from sysid.prediction.prepared_record import CommonRecord
+from sysid.prediction.model import Scales
+from sysid.prediction.prepared_record import PredictsChannels, PreparedRecord
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.prediction.sensors import sensed
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
-
-if TYPE_CHECKING:
-    from sysid.prediction.model import Scales
-
 
 VOLTAGES = ("voltage_1", "voltage_2", "voltage_3")
 TIP_CHANNELS = ("tip_x", "tip_y", "tip_z")
@@ -46,17 +43,16 @@ class DrivenPiezos(Protocol):
 
 
 @dataclass(eq=False, kw_only=True)
-class TipRecord(CommonRecord):
+class TipRecord(PreparedRecord):
     """One actuator-tip record, with the voltages of its piezos from their bias, V, each (n,)."""
 
-    time: np.ndarray
     drives: list[np.ndarray]
     piezo_spacing: float
     tip_height: float
 
     @property
     def size(self) -> int:
-        return self.time.size
+        return self.drives[0].size
 
     @property
     def settled_from(self) -> int:
@@ -75,8 +71,7 @@ class TipRecord(CommonRecord):
         """The record as if the rig had been driven by other voltages, V, each (n,)."""
         n = drives[0].size
         measured, valid = dict.fromkeys(self.measured, np.zeros(n)), dict.fromkeys(self.measured, np.arange(n) >= 1)
-        time = np.arange(n) * step
-        return replace(self, name=name, step=step, time=time, drives=drives, measured=measured, valid=valid)
+        return replace(self, name=name, step=step, drives=drives, measured=measured, valid=valid)
 
 
 def _first_reversal(drive: np.ndarray) -> int:
@@ -100,9 +95,11 @@ def piezo_voltages(
     return drives, missing
 
 
-def tip_record(record: Record, known: Mapping[str, Known], noise: Mapping[str, Noise]) -> TipRecord:
+def tip_record(
+    rig: PredictsChannels, record: Record, known: Mapping[str, Known], noise: Mapping[str, Noise]
+) -> TipRecord:
     """A record of an actuator tip, with the design's or the user's `piezo_spacing` and `tip_height`, m."""
-    time, step, channels, hole = uniform(record)
+    _, step, channels, hole = uniform(record)
     drives, missing = piezo_voltages(channels, known)
     measured, valid = {}, {}
     for name in TIP_CHANNELS:
@@ -113,9 +110,8 @@ def tip_record(record: Record, known: Mapping[str, Known], noise: Mapping[str, N
     return TipRecord(
         name=record.name,
         role=record.role,
-        kind=ActuatorTip.name,
+        rig=rig,
         step=step,
-        time=time,
         drives=drives,
         measured=measured,
         valid=valid,
@@ -182,7 +178,7 @@ class ActuatorTip(RigModel):
         return found
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[TipRecord]:
-        return [tip_record(record, rig.known, noise) for record in records]
+        return [tip_record(self, record, rig.known, noise) for record in records]
 
     def shows(self, effect: Effect, records: Sequence[Any], channels: set[str]) -> bool:
         return effect.acts_on in ("drive", "piezo", "sensor") or effect.is_mode

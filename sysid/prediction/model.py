@@ -10,14 +10,10 @@ import numpy as np
 
 from sim.effects.effect import Effect, Parameter
 from sysid.experiment.unknowns import Unknown
-from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.channel_scales import scaled
 from sysid.prediction.effect_terms import split_channel
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.friction import CONTACT
-from sysid.prediction.rig_models import RIG_MODELS
-
-PreparedRecord = ForceBalanceRecord | TipRecord
+from sysid.prediction.prepared_record import PreparedRecord
 
 
 def predict(
@@ -27,7 +23,7 @@ def predict(
     at: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
     """Predicted channels of a prepared record of any rig, (n,), or at the samples `at` of each channel, (k,)."""
-    return scaled(RIG_MODELS[record.kind].predict(record, effects, values, at), values)
+    return scaled(record.rig.predict(record, effects, values, at), values)
 
 
 @dataclass(frozen=True)

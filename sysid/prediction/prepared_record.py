@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -13,6 +14,13 @@ from sysid.signals.gaussian_filter import GaussianFilter
 
 LONGEST_START = 0.1
 """Largest part of a record that is left out at its start."""
+
+
+class PredictsChannels(Protocol):
+    """What a prepared record knows of its rig (`sysid.prediction.rig_model.RigModel`)."""
+
+    @property
+    def predict(self) -> Callable[..., dict[str, Any]]: ...
 
 
 class Scored(NamedTuple):
@@ -25,12 +33,12 @@ class Scored(NamedTuple):
 
 
 @dataclass(eq=False, kw_only=True)
-class CommonRecord(ABC):
+class PreparedRecord(ABC):
     """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
 
     Args:
         name, role, step: of the record as read; s.
-        kind: of the rig.
+        rig: that predicts its channels.
         measured: scored channels.
         valid: rows of each that count.
         noise: standard deviation that sensor noise leaves in the residual of each.
@@ -44,7 +52,7 @@ class CommonRecord(ABC):
 
     name: str
     role: str
-    kind: str
+    rig: PredictsChannels
     step: float
     measured: dict[str, np.ndarray]
     valid: dict[str, np.ndarray]
@@ -74,6 +82,11 @@ class CommonRecord(ABC):
     @abstractmethod
     def size(self) -> int:
         """Number of samples."""
+
+    @property
+    def time(self) -> np.ndarray:
+        """s, (n,)."""
+        return self.step * np.arange(self.size)
 
     @property
     @abstractmethod

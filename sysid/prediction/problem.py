@@ -18,7 +18,8 @@ from sysid.experiment.unknowns import Prior
 from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
 from sysid.prediction.channel_scales import put_scales
-from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
+from sysid.prediction.model import Model, Scales, scales_of, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.rig_model import RigModel
 from sysid.prediction.rig_models import RIG_MODELS
 

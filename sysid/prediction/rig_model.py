@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -16,9 +16,7 @@ from sysid.experiment.record import Record
 from sysid.experiment.unknowns import Prior, Unknown
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values
-
-if TYPE_CHECKING:
-    from sysid.prediction.model import Model, Scales
+from sysid.prediction.model import Model, Scales
 
 Channels = dict[str, np.ndarray]
 Effects = Sequence[Effect]

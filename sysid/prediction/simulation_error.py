@@ -26,7 +26,8 @@ from sysid.prediction.effect_terms import Values, axis_force, friction_axis, fri
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.simulate import simulate_driven_mass
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.rig_model import Start
 from sysid.prediction.rig_models import RIG_MODELS

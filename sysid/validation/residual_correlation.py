@@ -22,7 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincc
 
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, averaged
 
 QUANTILE = 2.5758

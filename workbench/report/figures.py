@@ -19,7 +19,8 @@ from stagecad.parameters.atomic import atomic_path
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.estimation.identifiability import public_key
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from workbench.identification.tables import revision_text
 from workbench.simulation.figures import INK, STYLE, new_figure
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,13 +18,12 @@ from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.prepare import prepare_driven_mass
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.simulate import simulate_driven_mass
+from sysid.prediction.model import Model
+from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
-
-if TYPE_CHECKING:
-    from sysid.prediction.model import Model
 
 LEAST_ROWS = 200
 """Scored rows below which a mass is not read off a record."""
@@ -41,7 +39,7 @@ class _DrivenMass(RigModel):
         longest_step = max(record.step for record in records)
         for record in records:
             balance = prepare_driven_mass(
-                record, self.name, noise, values["rig.mass"], stiffness, rig.input_hold, width, longest_step
+                self, record, noise, values["rig.mass"], stiffness, rig.input_hold, width, longest_step
             )
             width = balance.full_filter.width if balance.full_filter is not None else None
             prepared.append(balance)
@@ -79,7 +77,7 @@ class SpringPull(_DrivenMass):
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
         found = RigParameters(rig.known)
         stiffness = found.put("pull_stiffness", lambda: _guess_stiffness(records))
-        found.put("mass", lambda: _guess_mass(self.name, records, stiffness, noise))
+        found.put("mass", lambda: _guess_mass(self, records, stiffness, noise))
         return found
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
@@ -96,7 +94,7 @@ class ForceDrive(_DrivenMass):
 
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
         found = RigParameters(rig.known)
-        found.put("mass", lambda: _guess_mass(self.name, records, None, noise))
+        found.put("mass", lambda: _guess_mass(self, records, None, noise))
         return found
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
@@ -132,7 +130,9 @@ def _is_driven(record: Record) -> bool:
     return force is None or np.nanmax(force) > np.nanmin(force)
 
 
-def _guess_mass(rig: str, records: Sequence[Record], stiffness: float | None, noise: Mapping[str, Noise]) -> float:
+def _guess_mass(
+    rig: PredictsChannels, records: Sequence[Record], stiffness: float | None, noise: Mapping[str, Noise]
+) -> float:
     """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
     best = 1.0
     driven = [r for r in records if r.role == "fit" and _is_driven(r)]
@@ -144,7 +144,7 @@ def _guess_mass(rig: str, records: Sequence[Record], stiffness: float | None, no
     for record in driven[:1]:
         best = mass = _largest_mass(record, stiffness, noise)
         for _ in range(4):
-            balance = prepare_driven_mass(record, rig, noise, mass, stiffness)
+            balance = prepare_driven_mass(rig, record, noise, mass, stiffness)
             y, ok = balance.force, balance.valid[balance.force_channel]
             if ok.sum() < LEAST_ROWS:
                 # A filter as wide as this guess requires leaves nothing between the gaps.

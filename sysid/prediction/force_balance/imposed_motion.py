@@ -21,6 +21,7 @@ from sysid.prediction.force_balance.measured_motion import (
 )
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, integral, make_axis, optional_channel
+from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.rig_model import Noises, RigModel
 from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
@@ -41,7 +42,7 @@ BESIDE = 2
 that of the row before it, and a sample lies between two rows."""
 
 
-def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
+def velocity_drive(rig: PredictsChannels, record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
     """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered.
 
     Friction jumps at a reversal. Where the samples of the uniform grid lie between the rows, those beside a reversal
@@ -49,7 +50,7 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRe
     resemble presliding, and a motion that begins at a row would begin at the row before.
     """
     grid = uniform(record)
-    prepared = _on_grid(record, grid, noise)
+    prepared = _on_grid(rig, record, grid, noise)
     time, step, channels, hole = grid
     distance = distance_to_rows(record, time)
     if np.median(distance) <= ON_ROW * step:
@@ -57,7 +58,7 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRe
     beside = _beside_reversals(prepared)
     jumping = {name: y for name, y in record.channels.items() if name in ("friction_force", "position", "velocity")}
     taken = {name: np.where(beside, nearest_row(record, y, time), channels[name]) for name, y in jumping.items()}
-    prepared = _on_grid(record, (time, step, {**channels, **taken}, hole), noise)
+    prepared = _on_grid(rig, record, (time, step, {**channels, **taken}, hole), noise)
     timing = float(np.hypot(prepared.timing_uncertainty, np.sqrt(np.mean(distance[~hole] ** 2))))
     sign = prepared.velocity_sign
     if sign is not None and "velocity" not in channels and prepared.half_width_variant is None:
@@ -79,7 +80,9 @@ def _beside_reversals(record: ForceBalanceRecord) -> np.ndarray:
     return mask
 
 
-def _on_grid(record: Record, grid: UniformGrid, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
+def _on_grid(
+    rig: PredictsChannels, record: Record, grid: UniformGrid, noise: Mapping[str, Noise]
+) -> ForceBalanceRecord:
     """The record from its channels on a uniform grid."""
     time, step, channels, hole = grid
     force, gap = filled(channels["friction_force"])
@@ -94,7 +97,7 @@ def _on_grid(record: Record, grid: UniformGrid, noise: Mapping[str, Noise]) -> F
     prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
-        kind=VelocityDrive.name,
+        rig=rig,
         step=step,
         axis=make_axis(time, position, np.zeros(time.size), np.zeros(time.size), load, temperature, 0.0),
         measured={"friction_force": force},
@@ -198,7 +201,7 @@ class VelocityDrive(RigModel):
     predict = staticmethod(predict_balance)
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:
-        return [velocity_drive(record, noise) for record in records]
+        return [velocity_drive(self, record, noise) for record in records]
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
         # A measured force is too smooth for the course of a signal between the rows to matter.

@@ -27,6 +27,7 @@ from sysid.prediction.force_balance.record import (
 from sysid.prediction.force_balance.reversals import EventSearch, ResolvedMotion, resolve_events
 from sysid.prediction.force_balance.stick_event_times import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
+from sysid.prediction.prepared_record import PredictsChannels
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import dilated, filled, longer_than
 from sysid.signals.resampling import uniform
@@ -52,8 +53,8 @@ class _Motion(NamedTuple):
 
 
 def prepare_driven_mass(
+    rig: PredictsChannels,
     record: Record,
-    kind: str,
     noise: Mapping[str, Noise],
     mass: float,
     pull_stiffness: float | None = None,
@@ -88,7 +89,7 @@ def prepare_driven_mass(
     prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
-        kind=kind,
+        rig=rig,
         step=step,
         axis=axis,
         measured=measured,

@@ -15,7 +15,7 @@ import numpy as np
 
 from sim.effects.effect import Axis
 from sysid.prediction.force_balance.stick_event_times import SlipPhases
-from sysid.prediction.prepared_record import CommonRecord
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 
@@ -49,7 +49,7 @@ class VelocityAgreement(NamedTuple):
 
 
 @dataclass(eq=False, kw_only=True)
-class ForceBalanceRecord(CommonRecord):
+class ForceBalanceRecord(PreparedRecord):
     """One record as a force balance.
 
     `measured` has the force channel, filtered (spring force, drive force or friction force), and, where the force of a
@@ -91,11 +91,6 @@ class ForceBalanceRecord(CommonRecord):
     @property
     def size(self) -> int:
         return self.axis.time.size
-
-    @property
-    def time(self) -> np.ndarray:
-        """s, (n,)."""
-        return self.axis.time
 
     @property
     def settled_from(self) -> int:

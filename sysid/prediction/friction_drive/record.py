@@ -26,13 +26,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from designcalc.drive.friction_drive import GRAVITY
 from sim.effects.effect import Axis, Effect
 from sim.integration.driven_stage.event_driven import simulate_event_driven
 from sim.integration.driven_stage.inputs import DrivenStage, Nudging, TipMotion
 from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
 from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
 from stagecad.parameters.errors import InputError
-from sysid.experiment.experiment import Rig
+from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import piezo_stretch, piezo_voltages
@@ -48,6 +49,7 @@ from sysid.prediction.friction_drive.friction import (
     pad_friction,
     simulated_axis,
 )
+from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.rig_model import Channels, Effects
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
@@ -56,7 +58,6 @@ from sysid.signals.resampling import uniform
 
 TRANSVERSE = "position_y"
 """The channel across the travel: if it is measured, the motion is simulated in the plane."""
-GRAVITY = 9.80665
 PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: initial value of the pads' friction level."""
 REST_SIGMAS = 5.0
@@ -111,9 +112,10 @@ class FrictionDriveRecord(ForceBalanceRecord):
         )
 
 
-def friction_drive_record(record: Record, rig: Rig, noise: Mapping[str, Noise]) -> FrictionDriveRecord:
+def friction_drive_record(
+    rig: PredictsChannels, record: Record, known: Mapping[str, Known], noise: Mapping[str, Noise]
+) -> FrictionDriveRecord:
     """A record of a friction drive; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
-    known = rig.known
     time, step, channels, hole = uniform(record)
     drives, missing = piezo_voltages(channels, known)
     missing = hole | missing
@@ -133,7 +135,7 @@ def friction_drive_record(record: Record, rig: Rig, noise: Mapping[str, Noise]) 
     return FrictionDriveRecord(
         name=record.name,
         role=record.role,
-        kind=rig.kind,
+        rig=rig,
         step=step,
         axis=axis._replace(position=GaussianFilter(POSITION_STEPS * step, step, time.size)(position)),
         measured=measured,

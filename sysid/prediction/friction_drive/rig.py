@@ -44,7 +44,7 @@ class FrictionDrive(RigModel):
         return friction_drive_parameters(rig.known, [r for r in records if r.role == "fit"])
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[FrictionDriveRecord]:
-        return [friction_drive_record(record, rig, noise) for record in records]
+        return [friction_drive_record(self, record, rig.known, noise) for record in records]
 
     def shows(self, effect: Effect, records: Sequence[FrictionDriveRecord], channels: set[str]) -> bool:
         # Voltages are taken to go straight from row to row.

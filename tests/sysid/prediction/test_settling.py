@@ -10,7 +10,8 @@ import pytest
 from sim.effects.catalogue import find
 from sysid.compare import compare
 from sysid.estimation.misfit import misfit
-from sysid.prediction.model import PreparedRecord, predict, with_effect
+from sysid.prediction.model import predict, with_effect
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, load_problem
 
 ROWS, STEP, NOISE = 4000, 1e-3, 0.01

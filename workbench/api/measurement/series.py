@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, averaged
 from sysid.report import channel_unit
 

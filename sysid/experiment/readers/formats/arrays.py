@@ -55,6 +55,21 @@ def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices:
     return [Column(values) for values in arrays]
 
 
+def readers_of(
+    load: Callable[[Path, str], Mapping[str, np.ndarray]],
+) -> tuple[Callable[..., Header], Callable[..., list[Column]]]:
+    """`read_header` and `read_columns` of a format whose file is loaded as arrays by their paths; see `Reader`."""
+
+    def read_header(path: Path, name: str, settings: Format) -> Header:
+        return header_of(list(load(path, name)), {}, name)
+
+    def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
+        arrays = list(load(path, name).values())
+        return columns_of([arrays[index] for index in indices], name, header, indices)
+
+    return read_header, read_columns
+
+
 def vectors(array: np.ndarray, path: str) -> Iterator[tuple[str, np.ndarray]]:
     """The vectors of numbers in an array by their paths: itself, its fields, or the columns of a matrix, from 1."""
     for place, pick in vector_places(array.dtype, array.shape, path):

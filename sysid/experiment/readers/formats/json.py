@@ -3,29 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sysid.experiment.readers.base import Column, Header
-from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, row_number, vectors
+from sysid.experiment.readers.formats.arrays import damaged, readers_of, row_number, vectors
 
 __all__ = ["read_columns", "read_header", "row_number"]
-
-
-def read_header(path: Path, name: str, settings: Format) -> Header:
-    """The labels of a JSON file: arrays by their path with points, or the keys of its rows."""
-    return header_of(list(_load(path, name)), {}, name)
-
-
-def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
-    """Columns of a JSON file; see `Reader`."""
-    found = list(_load(path, name).values())
-    return columns_of([found[index] for index in indices], name, header, indices)
 
 
 @lru_cache(maxsize=1)
@@ -51,3 +38,6 @@ def _arrays(value: Any, path: str) -> Iterator[tuple[str, np.ndarray]]:
         except ValueError:
             return
         yield from vectors(array, path or "array")
+
+
+read_header, read_columns = readers_of(_load)
