@@ -7,7 +7,7 @@ Each draw makes records
 and refits the model to them from its best values. Only one sign per block is random, so the errors of a draw have the
 correlation and the local variance of the measured ones. `e_b` is the residual of block b corrected for its leverage,
 (1 - H_b)^-1 times the residual (MacKinnon and Webb 2018). `c_j` are the changes of
-`sysid.estimation.systematic_errors`; the means of the priors are drawn too. Unlike `sysid.estimation.covariance`, the
+`sysid.estimation.covariance`; the means of the priors are drawn too. Unlike `sysid.estimation.covariance`, the
 method does not assume linearity, and values may be near their bounds.
 """
 
@@ -25,11 +25,10 @@ import numpy as np
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
 from stagecad.parameters.errors import InputError
-from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE
+from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, systematic_errors
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, weighted_residual
-from sysid.estimation.systematic_errors import systematic_errors
 from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.effects.effect import Effect
-from sysid.estimation.driven_stage_search import lowest_minimum
-from sysid.estimation.driven_stage_starts import rough_starts
+from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.estimation.score_test import profiled_residual

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.effects.effect import Effect
-from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, synchronised_starts
-from sysid.estimation.driven_stage_starts import slipping_starts
+from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, slipping_starts, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
 from sysid.estimation.score_test import EVERY_ROW, ScoreStatistic, candidate_directions, project_out, score_test
 from sysid.prediction.friction_drive.record import FrictionDriveRecord

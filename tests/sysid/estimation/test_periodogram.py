@@ -11,8 +11,7 @@ from scipy.interpolate import CubicSpline
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.estimation.fit import fit_model
-from sysid.estimation.periodogram import pitches
-from sysid.estimation.score_test import profiled_residual
+from sysid.estimation.score_test import pitches, profiled_residual
 from sysid.estimation.screening import screen_and_refit
 from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sysid.estimation.covariance import intervals
+from sysid.estimation.covariance import CHANNEL_SKEW, intervals, systematic_errors
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.estimation.systematic_errors import CHANNEL_SKEW, systematic_errors
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem, load_problem
 

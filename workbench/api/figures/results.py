@@ -10,11 +10,11 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.estimation.residual_correlation import ResidualCorrelation
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 from sysid.report import channel_unit
-from sysid.validation.residual_correlation import ResidualCorrelation
 from workbench.api.figures.plot import COLUMN, WIDTH, Plot, new_plot, style
 from workbench.api.measurement.series import channel_named, record_named
 from workbench.report.figures import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from sysid.validation.residual_correlation import ResidualCorrelation
+from sysid.estimation.residual_correlation import ResidualCorrelation
 from workbench.api.result import Result, finite_json
 
 if TYPE_CHECKING:

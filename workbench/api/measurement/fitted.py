@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from sysid.estimation.fit import FittedModel
+    from sysid.estimation.information_criteria import InformationCriteria
     from sysid.prediction.model import Model
     from sysid.prediction.problem import Problem
-    from sysid.validation.information_criteria import InformationCriteria
     from workbench.api.measurement.correlation import Correlation
 
 Part = Literal["fit", "validate"]
@@ -112,7 +112,7 @@ class FittedResult(Result):
     @property
     def criteria(self) -> InformationCriteria:
         """AIC and BIC on the records of the fit."""
-        from sysid.validation.information_criteria import information_criteria
+        from sysid.estimation.information_criteria import information_criteria
 
         return information_criteria(self.fitted)
 
@@ -127,7 +127,7 @@ class FittedResult(Result):
         Raises:
             InputError: no such channel.
         """
-        from sysid.validation.residual_correlation import residual_correlation
+        from sysid.estimation.residual_correlation import residual_correlation
         from workbench.api.measurement.correlation import Correlation
 
         name = channel_named(self.problem, channel)

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from sysid.validation.residual_correlation import correlations
+from sysid.estimation.residual_correlation import correlations
 
 
 def test_correlations_are_their_sums_over_records_and_gaps() -> None:

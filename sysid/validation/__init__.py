@@ -1,1 +1,0 @@
-"""Validation of a fitted model in the terms of system identification: residual correlations, information criteria."""
