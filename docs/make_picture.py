@@ -1,4 +1,4 @@
-"""Put the README's pictures together, after `stagecad make` and `demo`: python docs/make_picture.py [BUILD]."""
+"""Put the README's pictures together, after `stagecad make`, `demo` and make_workbench_pictures.py: python docs/make_picture.py [BUILD]."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from PIL import Image
 
 from stagecad.parameters.atomic import atomic_write_bytes
 
+PAGE = Path(__file__).parent / "images" / "workbench_diagnosis.png"
 PICTURE = Path(__file__).parent / "images" / "stagecad.png"
 SHEET = Path(__file__).parent / "images" / "tip_sheet.png"
 SHEET_WIDTH = 1400
@@ -18,15 +19,12 @@ COLOURS = 255
 
 
 def picture(build: Path) -> bytes:
-    """The exploded view beside the figure of the ladder, as a PNG of few colours."""
-    machine = Image.open(build / "pictures" / "assembly_exploded.png").convert("RGB")
-    # The machine stands in the middle of a wide view.
-    width, height = machine.size
-    machine = machine.crop((int(0.18 * width), 0, int(0.82 * width), height))
+    """The page with a diagnosis beside the figure of the ladder, as a PNG of few colours."""
+    page = Image.open(PAGE).convert("RGB")
     ladder = Image.open(build / "demo" / "ladder.png").convert("RGBA")
     ladder = Image.alpha_composite(Image.new("RGBA", ladder.size, "white"), ladder).convert("RGB")
     parts = [
-        im.resize((round(im.width * HEIGHT / im.height), HEIGHT), Image.Resampling.LANCZOS) for im in (machine, ladder)
+        im.resize((round(im.width * HEIGHT / im.height), HEIGHT), Image.Resampling.LANCZOS) for im in (page, ladder)
     ]
     whole = Image.new("RGB", (sum(im.width for im in parts) + 10, HEIGHT), "white")
     left = 0
