@@ -1,4 +1,7 @@
-"""Put the README's pictures together, after `stagecad make`, `demo` and make_workbench_pictures.py: python docs/make_picture.py [BUILD]."""
+"""Put the README's pictures together, after `make`, `demo` and the pictures of the workbench.
+
+    python docs/make_picture.py [BUILD]
+"""
 
 from __future__ import annotations
 
