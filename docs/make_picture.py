@@ -1,6 +1,6 @@
 """Put the README's pictures together, after `make`, `demo` and the pictures of the workbench.
 
-    python docs/make_picture.py [BUILD]
+python docs/make_picture.py [BUILD]
 """
 
 from __future__ import annotations
