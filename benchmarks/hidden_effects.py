@@ -56,7 +56,7 @@ GENERATORS = {"first": "benchmarks.generators.hidden_effect", "second": "benchma
 
 def run_command(command: list[str]) -> dict[str, Any]:
     """The command's document, by calling the program inside this process."""
-    if command[0] == "diagnose" and importlib.util.find_spec("workbench.commands.diagnose") is None:
+    if command[0] == "diagnose" and importlib.util.find_spec("workbench.cli.commands.diagnose") is None:
         from sysid.diagnose import diagnose
         from sysid.report import diagnosis_json
 

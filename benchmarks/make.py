@@ -43,15 +43,15 @@ EMPTY, CHANGED, UNCHANGED = 40.0, 10.0, 3.0
 def stage_seconds(folder: Path, change: str) -> dict[str, tuple[int, float, int, float]]:
     """Number of tasks and their processor time by stage: with an empty cache, and after a change."""
     from stagecad.parameters.load import load_design
-    from workbench.machine.design_source import DesignSource
     from workbench.making.pool import absent
     from workbench.making.tasks import KINDS, Making
+    from workbench.operations.design import Design as StatedDesign
 
     counts: list[Counter[str]] = []
     times: list[dict[str, float]] = []
     for overrides in ((), (change,)):
         design = load_design(overrides=overrides)
-        making = Making(folder, design, design, DesignSource(None, "", overrides), simulations=True)
+        making = Making(folder, design, design, StatedDesign(None, overrides), simulations=True)
         counts.append(Counter())
         times.append(dict.fromkeys(KINDS, 0.0))
         for task in absent(making):

@@ -10,8 +10,8 @@ from importlib import import_module
 __version__ = "0.2.0"
 
 _MODULES = {
-    "Design": "workbench.api.machine.design",
-    "load_design": "workbench.api.machine.design",
+    "Design": "workbench.operations.design",
+    "load_design": "workbench.operations.design",
     "Effect": "sim.effects.effect",
     "Parameter": "sim.effects.effect",
     "Scan": "sim.effects.effect",

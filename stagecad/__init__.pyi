@@ -2,8 +2,6 @@ from sim.effects.effect import Effect as Effect
 from sim.effects.effect import Parameter as Parameter
 from sim.effects.effect import Scan as Scan
 from stagecad.parameters.errors import InputError as InputError
-from workbench.api.machine.design import Design as Design
-from workbench.api.machine.design import load_design as load_design
 from workbench.api.machine.design_results import (
     Checks as Checks,
 )
@@ -52,6 +50,8 @@ from workbench.api.simulation import (
 from workbench.api.simulation import (
     simulate as simulate,
 )
+from workbench.operations.design import Design as Design
+from workbench.operations.design import load_design as load_design
 
 __version__: str
 __all__ = [

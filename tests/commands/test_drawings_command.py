@@ -172,7 +172,7 @@ def test_nothing_is_drawn_twice(
 def test_a_lint_hit_is_exit_status_1(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     sheet = {"part": "tip", "paper": "A3", "scale": "1:1", "views": [], "files": [], "hits": ["'20.0' lies over 'A'"]}
     document = {"sheets": {"tip": sheet}, "changed": [], "files": 0}
-    monkeypatch.setattr("workbench.commands.drawings.write_drawings", lambda run, names: document)
+    monkeypatch.setattr("workbench.cli.commands.drawings.write_drawings", lambda run, names: document)
     assert run(["drawings", "tip", "--lint"]) == 1
     assert "tip: '20.0' lies over 'A'" in capsys.readouterr().err
     assert run(["drawings", "tip"]) == 0

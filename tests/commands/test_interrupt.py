@@ -32,7 +32,7 @@ main()
     [
         ("click", ["--help"]),
         ("stagecad.parameters.errors", ["check"]),
-        ("workbench.commands.simulate", ["simulate", "tip"]),
+        ("workbench.cli.commands.simulate", ["simulate", "tip"]),
         ("numpy", ["simulate", "tip"]),
     ],
 )

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from sysid.experiment.experiment import trust_experiment
-from workbench.dispatch import COMMANDS, stagecad
+from workbench.cli.dispatch import COMMANDS, stagecad
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-import workbench.commands.parts as command
+import workbench.cli.commands.parts as command
 from stagecad.parameters.errors import LostProcessError
 from workbench.cli import run
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.api.machine.design import Design, load_design
 from workbench.api.measurement.experiment import Experiment, as_experiment
-from workbench.api.result import Result, finite_json
-from workbench.options import ProgressCallback
+from workbench.operations.design import Design, load_design
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,7 +63,7 @@ class Simulation(Result):
         """The document of `stagecad simulate NAME --json`."""
         from workbench.simulation.experiments import features_of
 
-        return finite_json({self.name: features_of(self.results)})
+        return finite({self.name: features_of(self.results)})
 
     def plot(self, table: str | None = None) -> Figure:
         """Motions and forces of one table over its time; the first table when left out.
@@ -109,7 +109,7 @@ class SimulatedRecords(Result):
         """The document of `stagecad simulate EXPERIMENT --json`, without files."""
         from workbench.simulation.records import simulated_json
 
-        return finite_json(simulated_json(self.found, self.seed, ()))
+        return finite(simulated_json(self.found, self.seed, ()))
 
     def plot(self, record: str | None = None) -> Figure:
         """The channels of a record over time; the first record when left out.

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.calculators.catalogue import Calculator, Option, Values, constant, from_key, from_model, quantities
-from workbench.options import Run
+from workbench.cli.options import Run
 
 if TYPE_CHECKING:
     from designcalc.checks.inputs import DesignInputs
@@ -96,7 +96,7 @@ def _suspensions(run: Run, v: Values) -> dict[str, Any]:
             "stable": c.stable,
             "fits_drive": c.fits_drive,
         }
-        for c in ranking(DesignInputs(run.design))
+        for c in ranking(DesignInputs(run.design.values))
     ]
     return {"table": rows}
 

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.units import as_json
-from workbench.options import Run
+from workbench.cli.options import Run
 
 if TYPE_CHECKING:
     from designcalc.checks.inputs import DesignInputs
@@ -151,7 +151,7 @@ def _teeth(run: Run, v: Values) -> dict[str, Any]:
             "error": as_json(field.error, ""),
         }
     # The irons keep their number of teeth: another pitch makes them wider.
-    point = circuit(DesignInputs(run.design)).forces(**{name: v[name] for name in v if name != "magnet"})
+    point = circuit(DesignInputs(run.design.values)).forces(**{name: v[name] for name in v if name != "magnet"})
     return {
         "lateral_over_normal": as_json(point.lateral_stiffness / point.normal_stiffness, ""),
         "lateral_stiffness": as_json(CIRCUITS * point.lateral_stiffness, "N/m"),

@@ -17,7 +17,7 @@ from workbench.calculators.catalogue import (
     from_model,
     quantities,
 )
-from workbench.options import Run
+from workbench.cli.options import Run
 
 if TYPE_CHECKING:
     from designcalc.checks.inputs import DesignInputs
@@ -88,7 +88,7 @@ def _tip_over(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
     from designcalc.friction_stage.physics.pads import pad_positions
 
-    places = pad_positions(DesignInputs(run.design))
+    places = pad_positions(DesignInputs(run.design.values))
     share = tip_force_limit(places, (0.0, 0.0), (-v["position"], 0.0))
     return quantities(
         share_of_load=(share, ""),
@@ -121,7 +121,7 @@ def _clamp(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.friction_stage.physics.clamp import clamp_finger
 
     changed = {name: v[name] for name in ("neck", "screw_lever", "press_lever", "modulus", "poisson")}
-    finger = replace(clamp_finger(DesignInputs(run.design)), **changed)
+    finger = replace(clamp_finger(DesignInputs(run.design.values)), **changed)
     force = float(preload_of_torque(v["torque"], v["screw_diameter"], v["nut_factor"]))
     gap = v["play"] / 2 * (1 + math.cos(v["press_angle"]))
     press = finger.press_force(force, gap)

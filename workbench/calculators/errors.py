@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.units import as_json
 from workbench.calculators.catalogue import Calculator, Option, Values, from_key, from_material, from_model, quantities
-from workbench.options import Run
+from workbench.cli.options import Run
 
 if TYPE_CHECKING:
     pass
@@ -44,7 +44,7 @@ def _budget(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.friction_stage.checks.budget import budgets
 
     found: dict[str, Any] = {}
-    for one in budgets(DesignInputs(run.design)):
+    for one in budgets(DesignInputs(run.design.values)):
         rows = [(cause.name, float(abs(e[one.axis])), cause.random) for cause, e in one.rows]
         found[one.name] = [
             {"contribution": name, "error": as_json(size, "m"), "adds": "by squares" if random else "in full"}
@@ -59,7 +59,7 @@ def _dynamic_budget(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 
-    return dynamic_document(dynamic_budgets(DesignInputs(run.design)), 1 / run.design.loop.observation)
+    return dynamic_document(dynamic_budgets(DesignInputs(run.design.values)), 1 / run.design.values.loop.observation)
 
 
 ERROR_CALCULATORS: dict[str, Calculator] = {

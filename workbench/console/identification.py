@@ -12,6 +12,7 @@ from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.estimation.identifiability import public_key
 from sysid.ladder import Addition
+from workbench.cli.options import Run
 from workbench.console.tables import rich_table
 from workbench.identification.statements import (
     comparison_statement,
@@ -34,7 +35,6 @@ from workbench.identification.tables import (
     ranking_table,
     simulation_table,
 )
-from workbench.options import Run
 
 if TYPE_CHECKING:
     from rich.progress import Progress

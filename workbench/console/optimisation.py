@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from rich.markup import escape
 
 from designcalc.checks.analysis.report import counted, shown, shown_margin
+from workbench.cli.options import Run
 from workbench.console.tables import plain_table
 from workbench.machine.levels import level_rows, never_met, price_rows
-from workbench.options import Run
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check

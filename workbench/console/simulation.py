@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from workbench.cli.options import Run
 from workbench.console.tables import feature_text, plain_table, rich_table
 from workbench.identification.tables import CODE, STRONG, TEXT, make_table, quantity_text
-from workbench.options import Run
 from workbench.simulation.monte_carlo import Study
 
 MOST_LISTED = 8

@@ -11,7 +11,7 @@ from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key
 from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit
-from workbench.options import Run
+from workbench.cli.options import Run
 
 
 def bootstrap_case(

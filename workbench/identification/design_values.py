@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue
-from workbench.options import Run
+from workbench.operations.progress import remark
 
 if TYPE_CHECKING:
     from designcalc.checks.inputs import DesignInputs
+    from workbench.operations.design import Design
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
@@ -39,7 +40,7 @@ ENTRIES = {
 """Numbers of an experiment that are entries of the parameter file, by their key there."""
 
 
-def design_values(run: Run) -> Callable[[str], DesignValue]:
+def design_values(design: Design) -> Callable[[str], DesignValue]:
     """A function that returns the design's value of a quantity, SI.
 
     A deviation given in the parameter file (`"1.2 +- 0.1 N"`) comes with it, and is a prior of the fit.
@@ -49,30 +50,30 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
         if name == "mass":
             from designcalc.friction_stage.physics.loads import moved_mass
 
-            mass = moved_mass(_inputs(run))
+            mass = moved_mass(_inputs(design))
             return DesignValue(mass, MASS_DEVIATION * mass)
         if name == "contact_stiffness":
             # Its elliptic integrals come from a library that takes a third of a second to load.
             from designcalc.friction_stage.physics.loads import load
             from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 
-            r = _inputs(run)
+            r = _inputs(design)
             contact = contact_stiffness(r, load(r))
-            run.note(
+            remark(
                 f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "
                 f"{format_quantity(contact.normal, 'N/m')} across it (Hertz), under the {contact.load:.3g} N of weight "
                 f"and preload"
             )
             return DesignValue(contact.tangential, CONTACT_DEVIATION * contact.tangential)
         if name == "stribeck.force":
-            breakaway, coulomb = _entry(run, "friction.breakaway"), _entry(run, "friction.coulomb")
+            breakaway, coulomb = _entry(design, "friction.breakaway"), _entry(design, "friction.coulomb")
             deviations = [d.std for d in (breakaway, coulomb) if d.std is not None]
             return DesignValue(max(breakaway.value - coulomb.value, 0.0), hypot(*deviations) if deviations else None)
         if name == "frictional_lag.delay":
-            low, high = _entry(run, "friction.lag_low").value, _entry(run, "friction.lag_high").value
+            low, high = _entry(design, "friction.lag_low").value, _entry(design, "friction.lag_high").value
             return DesignValue(0.5 * (low + high), None, low, high)
         if name in ENTRIES:
-            return _entry(run, ENTRIES[name])
+            return _entry(design, ENTRIES[name])
         known = [*ENTRIES, "mass", "contact_stiffness", "stribeck.force", "frictional_lag.delay"]
         place = f"model.parameters.{name}" if "." in name else f"rig.known.{name}"
         raise InputError(f"{place} = 'design': the design has no such number{nearest(name, known)}")
@@ -80,17 +81,17 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
     return value
 
 
-def _inputs(run: Run) -> DesignInputs:
+def _inputs(design: Design) -> DesignInputs:
     """The design with the masses of its solids, as checks and simulation of the stage read it."""
     from designcalc.checks.inputs import DesignInputs
     from stagecad.friction_stage.assembly.machine import body_masses
 
-    return DesignInputs(run.design, body_masses(run.design))
+    return DesignInputs(design.values, body_masses(design.values))
 
 
-def _entry(run: Run, key: str) -> DesignValue:
-    entry = run.design.entry(key)
-    value = run.design.si(key)
+def _entry(design: Design, key: str) -> DesignValue:
+    entry = design.values.entry(key)
+    value = design.si(key)
     # The deviation is kept in the attribute's unit, as the value is.
     std = None if entry.std is None or not entry.value else abs(entry.std * value / entry.value)
     return DesignValue(value, std)

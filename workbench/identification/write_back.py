@@ -20,7 +20,7 @@ from sysid.experiment.file_lock import file_lock
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit
-from workbench.options import Run
+from workbench.cli.options import Run
 
 LOCK_SECONDS = 10.0
 
@@ -63,7 +63,7 @@ def parameter_terms(run: Run, problem: Problem) -> dict[str, list[Terms]]:
         "friction.bristle_stiffness": [{"presliding.stiffness": 1.0}],
         "friction.bristle_damping": [{"presliding.damping": 1.0}, {"bristle_damping.damping": 1.0}],
         "friction.mass": [{"rig.mass": 1.0}],
-        "piezo.stroke": [{"rig.gain": run.design.si("piezo.highest_voltage")}],
+        "piezo.stroke": [{"rig.gain": run.design.values.si("piezo.highest_voltage")}],
     }
     loads = [r.axis.load for r in problem.fit_records if isinstance(r, ForceBalanceRecord)]
     if any("normal_load" in record.channels for record in problem.records) and loads:
@@ -78,9 +78,9 @@ def parameter_file(run: Run) -> Path:
     Raises:
         InputError: there is none, or it is the packaged design.
     """
-    path = run.params if run.params is not None else Path("stage.toml")
+    path = run.design.path
     advice = "'stagecad params --write stage.toml' makes a file of your own; then give --params stage.toml"
-    if run.params is None and not path.is_file():
+    if path is None:
         raise InputError(f"--write-back: no stage.toml here, and the packaged design is not written to; {advice}")
     if path.resolve() == packaged_path().resolve():
         raise InputError(f"--write-back: {path}: the packaged design is not written to; {advice}")
@@ -158,7 +158,7 @@ def _measured(run: Run, problem: Problem, fitted: FittedModel) -> _Measured:
 
 def _value(run: Run, item: str, measured: _Measured, known: Mapping[str, list[Terms]], origin: str) -> Written:
     key, given, name = (part.strip() for part in item.partition("="))
-    entry = run.design.entry(key)
+    entry = run.design.values.entry(key)
     if isinstance(entry.value, bool | str):
         raise InputError(f"--write-back {item}: {key} is not a number")
     if given:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from workbench.options import Run
+from workbench.cli.options import Run
 
 if TYPE_CHECKING:
     from drawings.friction_stage.procedure.figures import ProcedureValues
@@ -48,14 +48,14 @@ def built_machine(run: Run, store: Any = None) -> Machine:
     from stagecad.friction_stage.assembly.machine import build_machine, find_machine
     from stagecad.solids.modelling.registry import part_names
 
-    machine = find_machine(run.design, store)
+    machine = find_machine(run.design.values, store)
     if machine is not None:
         return machine
     with run.progress() as progress:
         if not progress.disable:
             run.note("making the parts; Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
-        task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
-        return build_machine(run.design, store, lambda name: progress.update(task, advance=1, description=name))
+        task = progress.add_task("parts", total=len(part_names(run.design.values)) + 1)
+        return build_machine(run.design.values, store, lambda name: progress.update(task, advance=1, description=name))
 
 
 def procedure_values(store: ArtefactStore, design: Design) -> ProcedureValues:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.load import Difference, diff
 from stagecad.parameters.units import as_json
-from workbench.machine.parameter_json import difference_json
-from workbench.options import ProgressCallback
+from workbench.operations.parameter_json import difference_json
+from workbench.operations.progress import ProgressCallback
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check

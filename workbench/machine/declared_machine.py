@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
-from workbench.machine.design_source import source_of
+from workbench.cli.options import Run
 from workbench.machine.own_part import OwnPart, built_solid, called, draw_part, load_part, own_design
-from workbench.options import Run
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
@@ -33,11 +32,11 @@ def declared_machine(run: Run) -> MachineDeclaration | None:
     from stagecad.parameters.file import read_parameter_file
     from stagecad.solids.assembly.machine_declaration import read_machine
 
-    path = run.parameter_file
+    path = run.design.path
     if path is None:
         return None
     file = read_parameter_file(path)
-    return None if file.machine is None else read_machine(file.machine, file.name, run.design)
+    return None if file.machine is None else read_machine(file.machine, file.name, run.design.values)
 
 
 def build(
@@ -50,21 +49,21 @@ def build(
     """
     from stagecad.solids.assembly.declared import DeclaredMachine, put_together
 
-    assert run.parameter_file is not None
-    folder = run.parameter_file.parent
+    assert run.design.path is not None
+    folder = run.design.path.parent
     solids: dict[str, DeclaredSolid] = {}
     own: dict[str, OwnPart] = {}
     designs: dict[str, Design] = {}
     for part in declaration.parts:
         advance(part.key)
         if part.file:
-            own[part.key] = _own(run.design, part, folder, trust)
+            own[part.key] = _own(run.design.values, part, folder, trust)
             solids[part.key] = _own_solid(own[part.key], part)
         else:
-            designs[part.key] = source_of(run).design(*(f"{key}={text}" for key, text in part.parameters.items()))
-            solids[part.key] = _packaged_solid(designs[part.key], part, str(run.parameter_file))
+            designs[part.key] = run.design.values_with(*(f"{key}={text}" for key, text in part.parameters.items()))
+            solids[part.key] = _packaged_solid(designs[part.key], part, str(run.design.path))
     datums = {key: solid.datums for key, solid in solids.items()}
-    instances = put_together(declaration, datums, str(run.parameter_file))
+    instances = put_together(declaration, datums, str(run.design.path))
     return BuiltMachine(DeclaredMachine(declaration, solids, instances), own, designs)
 
 
@@ -162,7 +161,7 @@ def checks(run: Run, built: BuiltMachine) -> list[Check]:
     from designcalc.checks.run import OWN, run_checks
     from stagecad.parameters.file import Entry
 
-    design, machine = run.design, built.machine
+    design, machine = run.design.values, built.machine
     entries = list(design.entries)
     for key, own in built.own.items():
         prefix = f"{own.name}."

@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from stagecad.parallel import parallel_map
-from workbench.machine.design_source import DesignSource, source_of
+from workbench.cli.options import Run
 from workbench.machine.own_checks import register
-from workbench.options import Run
+from workbench.operations.design import Design as StatedDesign
 
 FEW_POINTS = 30
 """Without solids so few points are quicker in one process than in several, which start first."""
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
 
 def evaluated_checks(run: Run, masses: BodyMasses | None) -> list[Check]:
     """Every check of the design, the changes that the failed ones propose evaluated."""
-    return evaluated(source_of(run), run.design, masses)
+    return evaluated(run.design, run.design.values, masses)
 
 
-def evaluated(source: DesignSource, design: Design, masses: BodyMasses | None) -> list[Check]:
+def evaluated(source: StatedDesign, design: Design, masses: BodyMasses | None) -> list[Check]:
     """Like `evaluated_checks`, for the design that `source` gives."""
     from designcalc.checks.analysis.proposals import evaluate_proposals
     from designcalc.checks.run import run_checks
 
-    register(source.own)
+    register(source.check_files)
     return evaluate_proposals(run_checks(design, masses), design, masses, source.further_override())
 
 
-def swept_point(source: DesignSource, swept: Range, base: Design, solids: bool, value: float) -> Point:
+def swept_point(source: StatedDesign, swept: Range, base: Design, solids: bool, value: float) -> Point:
     """The checks at one value of a sweep, with the masses of its own solids (or of plain volumes)."""
     from designcalc.checks.analysis.sweep import run_point
     from stagecad.friction_stage.assembly.machine import body_masses
 
-    return run_point(swept, value, source.design, base, body_masses if solids else _no_solids)
+    return run_point(swept, value, source.values_with, base, body_masses if solids else _no_solids)
 
 
 def _no_solids(design: Design) -> None:
@@ -54,7 +54,7 @@ def sweep(run: Run, swept: Range, solids: bool, scheduler: str | None) -> list[P
 
     Without solids a point takes a tenth of a second: then other local processes would cost more than they save.
     """
-    job = partial(swept_point, source_of(run), swept, run.design, solids)
+    job = partial(swept_point, run.design, swept, run.design.values, solids)
     with run.progress() as progress:
         task = progress.add_task("sweep", total=len(swept.values))
         return parallel_map(
@@ -67,20 +67,20 @@ def sweep(run: Run, swept: Range, solids: bool, scheduler: str | None) -> list[P
 
 
 def grid_point(
-    source: DesignSource, ranges: Sequence[Range], base: Design, solids: bool, values: tuple[float, ...]
+    source: StatedDesign, ranges: Sequence[Range], base: Design, solids: bool, values: tuple[float, ...]
 ) -> GridPoint:
     """The checks at one point of a grid, with the masses of its own solids (or of plain volumes)."""
     from designcalc.checks.analysis.grid import run_grid_point
     from stagecad.friction_stage.assembly.machine import body_masses
 
-    return run_grid_point(ranges, values, source.design, base, body_masses if solids else _no_solids)
+    return run_grid_point(ranges, values, source.values_with, base, body_masses if solids else _no_solids)
 
 
 def grid(run: Run, ranges: Sequence[Range], solids: bool, scheduler: str | None) -> list[GridPoint]:
     """Every point of a grid of several ranges."""
     from designcalc.checks.analysis.grid import combinations
 
-    job = partial(grid_point, source_of(run), tuple(ranges), run.design, solids)
+    job = partial(grid_point, run.design, tuple(ranges), run.design.values, solids)
     wanted = combinations(ranges)
     with run.progress() as progress:
         task = progress.add_task("grid", total=len(wanted))
@@ -99,7 +99,7 @@ def tolerance(
     """Monte-Carlo study of the margins over the tolerances, the dimensions side by side."""
     from designcalc.checks.analysis.tolerance import tolerance_study
 
-    load = partial(source_of(run).design, rules=False)
+    load = partial(run.design.values_with, rules=False)
     with run.progress() as progress:
         task = progress.add_task("tolerances", total=None)
 
@@ -107,4 +107,4 @@ def tolerance(
             progress.update(task, total=len(keys))
             return parallel_map(job, keys, progress=lambda key: progress.update(task, advance=1), scheduler=scheduler)
 
-        return tolerance_study(run.design, load, masses, samples, seed, run_all=in_parallel)
+        return tolerance_study(run.design.values, load, masses, samples, seed, run_all=in_parallel)

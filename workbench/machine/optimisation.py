@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.machine.design_source import DesignSource, source_of
-from workbench.options import Run
+from workbench.cli.options import Run
+from workbench.operations.design import Design as StatedDesign
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
@@ -36,21 +36,16 @@ class Effort:
     seed: int
 
 
-def evaluator_of(source: DesignSource, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
+def evaluator_of(source: StatedDesign, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
     """The evaluator of a design given as text and overrides."""
     from designcalc.optimisation.evaluation import Evaluator
 
     return Evaluator(_variations(source, ()), free, masses, SAFETY if masses is not None else 0.0)
 
 
-def _variations(source: DesignSource, more: Sequence[str]) -> Variations:
+def _variations(source: StatedDesign, more: Sequence[str]) -> Variations:
     """The design with `more` overrides, and its changes."""
-    from stagecad.parameters.load import load_variations, variations_from_text
-
-    overrides = (*source.overrides, *more)
-    if source.text is None:
-        return load_variations(None, overrides)
-    return variations_from_text(source.text, source.name, overrides, source.folder)
+    return source.variations(*more)
 
 
 def studied_levels(run: Run, freed: Sequence[str], effort: Effort, masses: BodyMasses | None) -> Levels:
@@ -58,8 +53,8 @@ def studied_levels(run: Run, freed: Sequence[str], effort: Effort, masses: BodyM
     from designcalc.optimisation.requirement_levels import requirement_levels
     from designcalc.optimisation.space import free_parameters
 
-    source = source_of(run)
-    free = free_parameters(source.design(rules=False), freed)
+    source = run.design
+    free = free_parameters(source.values_with(rules=False), freed)
     with run.progress() as progress:
         task = progress.add_task("levels", total=None)
         return requirement_levels(
@@ -93,8 +88,8 @@ def optimised(
     from designcalc.optimisation.space import free_parameters
     from stagecad.parallel import parallel_map
 
-    source = source_of(run)
-    free = free_parameters(source.design(rules=False), freed)
+    source = run.design
+    free = free_parameters(source.values_with(rules=False), freed)
     evaluator = evaluator_of(source, free, masses)
     required = required_checks(evaluator.checks, keep)
     with run.progress() as progress:
@@ -118,7 +113,7 @@ def optimised(
 
 
 def seeded_search(
-    source: DesignSource,
+    source: StatedDesign,
     free: Sequence[Free],
     masses: BodyMasses | None,
     required: Sequence[str],
@@ -152,21 +147,13 @@ def unverified(outcome: Outcome, after: Sequence[Check]) -> list[str]:
 def written(run: Run, outcome: Outcome, target: Path) -> None:
     """Write the parameter file with the changes, their reasons as origins; comments are kept."""
     from stagecad.parameters.atomic import atomic_write_text
-    from stagecad.parameters.file import packaged_text
-    from stagecad.parameters.load import changed_text
 
-    source = source_of(run)
     changes: dict[str, tuple[str | float | bool, str]] = {}
-    for override in source.overrides:
-        key = override.partition("=")[0].strip()
-        entry = run.design.entry(key)
-        changes[key] = (_written(entry.formula or entry.text, entry.unit, entry.value), entry.origin)
     for change in outcome.changes:
-        entry = run.design.entry(change.key)
+        entry = run.design.values.entry(change.key)
         value = _written(change.after, entry.unit, entry.value)
         changes[change.key] = (value, f"assumed: optimised from {change.before}: {change.reason}")
-    text = source.text if source.text is not None else packaged_text()
-    atomic_write_text(target, changed_text(text, str(target), changes))
+    atomic_write_text(target, run.design.to_toml(changes, str(target)))
 
 
 def _written(text: str, unit: str, present: object) -> str | float | bool:

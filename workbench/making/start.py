@@ -20,7 +20,7 @@ from stagecad.private import cache_root
 from stagecad.worker_process import Ahead, inside_worker, started_ahead
 
 if TYPE_CHECKING:
-    from workbench.options import Run
+    from workbench.cli.options import Run
 
 WITH_KERNEL = "with the CAD kernel"
 """Kind of the tasks that the processes are for."""
@@ -54,9 +54,8 @@ def _was_last(run: Run) -> bool:
 
 
 def _key(run: Run) -> str:
-    file = run.parameter_file
-    text = run.text if run.text is not None or file is None else file.read_bytes()
-    return hashlib.sha256(repr((text, run.overrides)).encode()).hexdigest()
+    design = run.design
+    return hashlib.sha256(repr((design.text, design.overrides)).encode()).hexdigest()
 
 
 def _load() -> None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from designcalc.checks.check import Check
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
-    from workbench.machine.design_source import DesignSource
+    from workbench.operations.design import Design as StatedDesign
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 """The friction experiments of the thesis."""
@@ -50,7 +50,7 @@ def check_figure(store: ArtefactStore, design: Design, masses: BodyMasses, title
     return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.report.check_figures",), make)
 
 
-def stored_checks(store: ArtefactStore, source: DesignSource, design: Design, masses: BodyMasses) -> list[Check]:
+def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, masses: BodyMasses) -> list[Check]:
     """Every check with its proposals evaluated.
 
     They depend on the whole parameter file, since a proposal is a change of any parameter. A project's own checks may
@@ -58,18 +58,18 @@ def stored_checks(store: ArtefactStore, source: DesignSource, design: Design, ma
     """
     from workbench.machine.margin_studies import evaluated
 
-    if source.own:
+    if source.check_files:
         return evaluated(source, design, masses)
 
     depends = _all_parameters(source, design, masses)
     return stored_object(store, "checks", design, CHECKED_BY, lambda _: evaluated(source, design, masses), depends)
 
 
-def _all_parameters(source: DesignSource, design: Design, masses: BodyMasses) -> tuple[str, ...]:
+def _all_parameters(source: StatedDesign, design: Design, masses: BodyMasses) -> tuple[str, ...]:
     return (source.contents(), repr(design.entries), design.file, repr((masses.moving, masses.tip)))
 
 
-def check_files(store: ArtefactStore, source: DesignSource, design: Design, masses: BodyMasses) -> Artefact:
+def check_files(store: ArtefactStore, source: StatedDesign, design: Design, masses: BodyMasses) -> Artefact:
     """The checks as files with their figures: what `workbench.report.checks.write_check_files` writes.
 
     For a design without a project's own checks (`stored_checks`).

@@ -36,7 +36,7 @@ from workbench.report.reduced_sheet import reduced_sheet
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from workbench.machine.design_source import DesignSource
+    from workbench.operations.design import Design as StatedDesign
 
 PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION = (
     "part",
@@ -108,7 +108,7 @@ class Making:
     folder: Path
     design: Design
     drawn: Design
-    source: DesignSource
+    source: StatedDesign
     simulations: bool
 
     @cached_property
@@ -132,7 +132,7 @@ class Making:
         tasks |= {f"{RENDERING} {ASSEMBLY}": machine, CHECKS: machine, VALUES: machine}
         figures = tuple(f"{FIGURE} {title}" for title in figures_of(self.design))
         tasks |= dict.fromkeys(figures, machine)
-        if self.source.own:
+        if self.source.check_files:
             del tasks[CHECKS]
         else:
             tasks[CHECK_FILES] = (CHECKS, *figures)

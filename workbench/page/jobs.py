@@ -21,7 +21,7 @@ from typing import Any, Literal
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from workbench.options import finite
+from workbench.operations.result import finite
 from workbench.page.job_process import serve
 
 State = Literal["waiting", "running", "done", "failed", "cancelled"]

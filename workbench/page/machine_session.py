@@ -16,9 +16,9 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry, packaged_text
 from stagecad.parameters.load import changed_text
 from stagecad.parameters.rules.registry import violations
-from workbench.api.machine.design import Design, load_design
 from workbench.api.machine.differences import diff
 from workbench.api.machine.live_checks import LiveChecks, LiveResult, check_row
+from workbench.operations.design import Design, load_design
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.api.machine.design import Design
+from workbench.operations.design import Design
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3

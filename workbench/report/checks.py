@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from designcalc.checks.analysis import report
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
-from workbench.options import finite
+from workbench.operations.result import finite
 from workbench.report.html import embedded, render
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from designcalc.checks.check import Check
     from drawings.friction_stage.procedure.procedure import Procedure
     from stagecad.solids.assembly.interference import Interference
-    from workbench.options import Run
+    from workbench.cli.options import Run
 
 REPORT = "report.html"
 TEMPLATE = "machine.html"
@@ -63,7 +63,7 @@ def write_report(run: Run, results: MachineResults) -> Path:
     document, pictures = results.parts, results.pictures
     page = render(
         TEMPLATE,
-        title=run.design.file,
+        title=run.design.values.file,
         assembly=embedded(pictures["assembly"]),
         exploded=embedded(pictures["assembly_exploded"]),
         interferences=_by_kind(results.interferences),
@@ -82,7 +82,7 @@ def write_report(run: Run, results: MachineResults) -> Path:
         check_figures=[(name, embedded(path)) for name, path in results.check_figures.items()],
         simulation_figures=[(_caption(path), embedded(path)) for path in results.simulation_figures],
         entries=_by_table(run),
-        digest=run.design.digest,
+        digest=run.design.values.digest,
         versions=versions(),
     )
     atomic_write_text(target, page)
@@ -130,7 +130,7 @@ def _reduced(path: Path, run: Run) -> str:
     """A sheet's picture, small enough for an overview."""
     from stagecad.solids.artefacts.store import ArtefactStore, sha256
 
-    entry = reduced_sheet(ArtefactStore(), run.design, path, sha256(path.read_bytes()))
+    entry = reduced_sheet(ArtefactStore(), run.design.values, path, sha256(path.read_bytes()))
     return data_url(entry.data(SMALL))
 
 
@@ -173,6 +173,6 @@ def _by_kind(interferences: Sequence[Interference]) -> list[dict[str, Any]]:
 
 def _by_table(run: Run) -> list[tuple[str, list[Any]]]:
     tables: dict[str, list[Any]] = {}
-    for entry in run.design.entries:
+    for entry in run.design.values.entries:
         tables.setdefault(entry.key.rpartition(".")[0], []).append(entry)
     return list(tables.items())

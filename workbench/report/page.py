@@ -21,7 +21,8 @@ from sysid.estimation.bootstrap import Bootstrap
 from sysid.experiment_design.t_optimal_design import Suggestion, columns_of
 from sysid.prediction.problem import Problem
 from sysid.report import suggestion_json
-from workbench.options import Run, finite
+from workbench.cli.options import Run
+from workbench.operations.result import finite
 from workbench.report.figures import bootstrap_figure
 from workbench.report.html import render
 from workbench.report.sections import (

@@ -18,8 +18,8 @@ from designcalc.errors.monte_carlo import (
 from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
-from workbench.machine.design_source import DesignSource, source_of
-from workbench.options import Run
+from workbench.cli.options import Run
+from workbench.operations.design import Design as StatedDesign
 from workbench.simulation.experiments import (
     FeaturePath,
     Selection,
@@ -104,7 +104,7 @@ class Study:
 class _Common:
     """Data common to all samples, sent to each worker once."""
 
-    source: DesignSource
+    source: StatedDesign
     selection: Selection
     parameters: tuple[UncertainParameter, ...]
     base: Design
@@ -119,7 +119,7 @@ def run_monte_carlo(run: Run, selection: Selection, count: int, seed: int, sched
     Raises:
         InputError: no uncertain parameter, the design itself is refused, or every sample is.
     """
-    parameters = uncertain_parameters(run.design, selection.reads)
+    parameters = uncertain_parameters(run.design.values, selection.reads)
     if not parameters:
         raise InputError(
             f"--draws: nothing that {', '.join(selection.names)} read has a tolerance or a '+-'; give one, like "
@@ -128,7 +128,7 @@ def run_monte_carlo(run: Run, selection: Selection, count: int, seed: int, sched
     random = np.random.default_rng(seed)
     values = np.column_stack([parameter.sample(random, count) for parameter in parameters])
     common = _common(run, selection, parameters)
-    nominal = _simulate(run.design, common.selection, common.masses)
+    nominal = _simulate(run.design.values, common.selection, common.masses)
     with run.progress() as progress:
         task = progress.add_task("samples", total=count)
         # Several samples per task: one takes less time than its transfer to the worker.
@@ -151,9 +151,9 @@ def _common(run: Run, selection: Selection, parameters: tuple[UncertainParameter
     from stagecad.friction_stage.assembly.machine import body_masses
 
     if selection.mass == "design" and selection.friction_experiments:
-        selection = replace(selection, mass=f"{moving_mass(run.design, 'design')!r} kg")
-    masses = body_masses(run.design) if "stage" in selection.names else None
-    return _Common(source_of(run), selection, parameters, run.design, masses)
+        selection = replace(selection, mass=f"{moving_mass(run.design.values, 'design')!r} kg")
+    masses = body_masses(run.design.values) if "stage" in selection.names else None
+    return _Common(run.design, selection, parameters, run.design.values, masses)
 
 
 def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
@@ -166,7 +166,7 @@ def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
         overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(common.parameters, row.tolist())]
         try:
             # Rules across values apply to the nominal design, not to a machine within its tolerances.
-            design = common.source.design(*overrides, rules=False)
+            design = common.source.values_with(*overrides, rules=False)
             masses = scaled_masses(design, common.base, common.masses)
             found.append(_simulate(design, common.selection, masses))
         except (InputError, SimulationError) as refused:

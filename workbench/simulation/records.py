@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json
+from workbench.cli.options import Run
 from workbench.identification.design_values import design_values
-from workbench.options import Run
 from workbench.simulation.tables import write_table
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def write_simulated_records(
         task = progress.add_task("fitting the model where it has no values", total=None)
         simulated = simulate_experiment(
             place.path,
-            design_values(run),
+            design_values(run.design),
             motion,
             lambda name: progress.update(task, description=f"{name} done"),
         )

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
-from workbench.machine.design_source import DesignSource, source_of
-from workbench.options import Run
+from workbench.cli.options import Run
+from workbench.operations.design import Design as StatedDesign
 from workbench.simulation.experiments import Selection, features_of, flat_features, simulate_selection
 
 if TYPE_CHECKING:
@@ -22,23 +22,23 @@ Point = dict[str, Any] | str
 """Features at one value, or why the design or motion is refused."""
 
 
-def simulate_point(source: DesignSource, selection: Selection, override: str) -> Point:
+def simulate_point(source: StatedDesign, selection: Selection, override: str) -> Point:
     """Features of every selected experiment with one more override."""
     from sim.integration.simulate import SimulationError
 
     try:
-        return features_of(simulate_selection(source.design(override), selection))
+        return features_of(simulate_selection(source.values_with(override), selection))
     except (InputError, SimulationError) as refused:
         return " ".join(str(refused).split())
 
 
 def sweep(run: Run, swept: Range, selection: Selection, scheduler: str | None) -> list[Point]:
     """Features at every value of the range, in parallel on the local cores or on a cluster."""
-    whole = isinstance(run.design.value(swept.key), int)
+    whole = isinstance(run.design.values.value(swept.key), int)
     overrides = [swept.override(int(value) if whole else value) for value in swept.values]
     with run.progress() as progress:
         task = progress.add_task("sweep", total=len(overrides))
-        job = partial(simulate_point, source_of(run), selection)
+        job = partial(simulate_point, run.design, selection)
         return parallel_map(
             job, overrides, progress=lambda override: progress.update(task, advance=1), scheduler=scheduler
         )

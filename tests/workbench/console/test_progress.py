@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from sysid.diagnose import diagnose
 from workbench import cli
-from workbench.commands.demo import fresh_copy
+from workbench.cli.commands.demo import fresh_copy
 from workbench.console.identification import search_progress
 
 

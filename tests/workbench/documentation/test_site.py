@@ -13,8 +13,8 @@ import pytest
 
 import stagecad
 from stagecad.parameters.errors import InputError
-from workbench.dispatch import COMMANDS
-from workbench.dispatch import stagecad as group
+from workbench.cli.dispatch import COMMANDS
+from workbench.cli.dispatch import stagecad as group
 from workbench.documentation.reference import GROUPS, commands_page, parameters_page
 from workbench.documentation.server import documentation_server
 from workbench.documentation.site import build_site, contents, site_links

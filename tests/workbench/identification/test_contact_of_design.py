@@ -11,16 +11,16 @@ from designcalc.checks.inputs import DesignInputs
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 from sysid.experiment.known import DesignValue
+from workbench.cli.options import Run
 from workbench.identification.design_values import design_values
-from workbench.options import Run
 
 
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch: pytest.MonkeyPatch, capsys):
     run = Run(None, (), Path("build"), None)
-    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design))
-    r = DesignInputs(run.design)
+    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design.values))
+    r = DesignInputs(run.design.values)
     expected = contact_stiffness(r, load(r))
-    value = design_values(run)("contact_stiffness")
+    value = design_values(run.design)("contact_stiffness")
     assert value == DesignValue(pytest.approx(expected.tangential), pytest.approx(0.2 * expected.tangential))
     printed = " ".join(capsys.readouterr())
     assert "note: contact_stiffness = " in printed

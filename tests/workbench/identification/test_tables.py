@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench import cli
-from workbench.commands.demo import fresh_copy
+from workbench.cli.commands.demo import fresh_copy
 from workbench.console.tables import rich_table
 from workbench.identification.tables import parameter_table, ranking_table, revision_text
 

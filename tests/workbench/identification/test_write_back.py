@@ -18,7 +18,7 @@ from sysid.experiment.known import DesignValue
 from sysid.prediction.problem import load_problem
 from workbench.cli import run
 from workbench.identification.design_values import design_values
-from workbench.options import Run
+from workbench.operations.design import Design
 
 COULOMB, VISCOUS, STRIBECK, STRIBECK_VELOCITY = 1.3, 8.0, 0.6, 4e-3
 NOISE = 0.01
@@ -230,8 +230,8 @@ def test_what_the_design_does_not_say_is_named(
 
 
 def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design))
-    told = design_values(Run(None, ("payload.mass=0.5 kg",), Path("build"), None))("mass")
+    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design.values))
+    told = design_values(Design(None, ("payload.mass=0.5 kg",)))("mass")
     mass = 0.23 * 0.27 * 0.012 * 2700 + 0.5
     assert told == DesignValue(pytest.approx(mass), pytest.approx(0.01 * mass))
 
@@ -242,7 +242,7 @@ def test_the_breakaway_force_above_the_coulomb_force_is_the_stribeck_force(tmp_p
         'extends = "thesis"\n[friction]\ncoulomb = {value = "1.1 +- 0.3 N", origin = "assumed: a test"}\n'
         'breakaway = {value = "1.6 +- 0.4 N", origin = "assumed: a test"}\n'
     )
-    told = design_values(Run(path, (), Path("build"), None))
+    told = design_values(Design(path))
     assert told("stribeck.force").value == pytest.approx(0.5)
     assert told("stribeck.force").std == pytest.approx(0.5)
     assert told("frictional_lag.delay") == DesignValue(pytest.approx(6e-3), None, 3e-3, 9e-3)

@@ -14,8 +14,8 @@ from designcalc.checks.run import run_checks
 from designcalc.friction_stage.physics.assembly_values import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from workbench.cli.options import Run
 from workbench.identification.design_values import design_values
-from workbench.options import Run
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
@@ -41,7 +41,7 @@ PULL = 78.7
 def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkeypatch):
     monkeypatch.setattr(stagecad.friction_stage.assembly.machine, "body_masses", lambda design: MASSES)
     run = Run(None, overrides, Path("build"), None)
-    design = run.design
+    design = run.design.values
     checks = {check.name: check for check in run_checks(design, MASSES)}
     machine = stage_machine(design, MASSES)
     assert machine.load == pytest.approx(load, rel=2e-3)
@@ -52,7 +52,7 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     depth = (machine.load / machine.contact.rate) ** (2 / 3)
     normal = 1.5 * machine.load / depth
     assert checks["tip contact against piezo stiffness"].value == pytest.approx(normal)
-    experiment = design_values(run)
+    experiment = design_values(run.design)
     assert experiment("contact_stiffness").value == pytest.approx(normal * machine.contact.tangential_ratio)
     assert experiment("mass").value == pytest.approx(machine.stage.mass)
     # The pads: stiffness of the checks is that of the simulated springs, but for unequal pad loads.
@@ -79,9 +79,9 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
 def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
     found = []
     for overrides in ((), ("materials.al_6061_t6.youngs_modulus=35 GPa",)):
-        checks = {c.name: c for c in run_checks(Run(None, overrides, Path("build"), None).design, MASSES)}
+        checks = {c.name: c for c in run_checks(Run(None, overrides, Path("build"), None).design.values, MASSES)}
         lowest = checks["resonances of the stage on its pads against the drive"].substituted.split("modes ")[1]
-        simulated = flexible_machine(Run(None, overrides, Path("build"), None).design, MASSES).stage.bending
+        simulated = flexible_machine(Run(None, overrides, Path("build"), None).design.values, MASSES).stage.bending
         found.append(
             (
                 float(lowest.split(" ")[0]),

@@ -38,7 +38,7 @@ def test_the_packaged_design_is_a_fault_of_the_program(design: Design) -> None:
 
 
 def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    import workbench.commands.parts as command
+    import workbench.cli.commands.parts as command
 
     def refused(run: object, wanted: object) -> None:
         raise PartError("tip", load_design(None, ["tip.hub_diameter=24 mm"]), "failed")

@@ -16,10 +16,10 @@ from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
-from workbench.machine.design_source import DesignSource
 from workbench.making import pool
 from workbench.making.pool import absent, is_long, make_absent
 from workbench.making.tasks import LOADING, Making, needs_kernel
+from workbench.operations.design import Design as StatedDesign
 
 CHANGES = {
     "stage.thickness=12.5 mm": {"stage", "assembly", "drawing of stage", "picture of stage"},
@@ -32,7 +32,7 @@ CHANGES = {
 
 def making(folder: Path, *overrides: str) -> Making:
     design = load_design(overrides=overrides)
-    return Making(folder, design, design, DesignSource(None, "", overrides), simulations=True)
+    return Making(folder, design, design, StatedDesign(None, overrides), simulations=True)
 
 
 def test_each_task_comes_after_those_that_it_needs(tmp_path: Path) -> None:
@@ -85,9 +85,9 @@ import sys
 from workbench.making.tasks import LIBRARIES, LOADING, Making
 from pathlib import Path
 from stagecad.parameters.load import load_design
-from workbench.machine.design_source import DesignSource
+from workbench.operations.design import Design as StatedDesign
 design = load_design()
-Making(Path(sys.argv[1]), design, design, DesignSource(None, "", ()), simulations=True).run(LOADING)
+Making(Path(sys.argv[1]), design, design, StatedDesign(None, ()), simulations=True).run(LOADING)
 assert set(LIBRARIES) <= set(sys.modules) and "cadquery" not in sys.modules
 """
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True)

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from workbench.cli.options import Run
 from workbench.making import start
 from workbench.making.start import kernel_processes, note_made
-from workbench.options import Run
 
 RUN = Run(None, ("stage.thickness=12.5 mm",), Path("build"), None)
 
@@ -60,15 +60,15 @@ def test_the_processes_make_the_tasks_with_the_kernel(tmp_path: Path) -> None:
 import sys
 from pathlib import Path
 from workbench.making import start
-from workbench.options import Run
+from workbench.cli.options import Run
 start.processors = lambda: 2
 with start.kernel_processes(Run(None, (), Path("."), None)) as ahead:
     from stagecad.parameters.load import load_design
-    from workbench.machine.design_source import DesignSource
+    from workbench.operations.design import Design as StatedDesign
     from workbench.making.pool import make_absent
     from workbench.making.tasks import Making
     design = load_design()
-    making = Making(Path(sys.argv[1]), design, design, DesignSource(None, "", ()), simulations=True)
+    making = Making(Path(sys.argv[1]), design, design, StatedDesign(None, ()), simulations=True)
     make_absent(making, ["part buffer", "part magnet"], ahead=ahead)
     assert making.has("part buffer") and making.has("part magnet")
     assert not any(process.waits for process in ahead) and "cadquery" not in sys.modules

@@ -12,10 +12,9 @@ import workbench.page
 
 PAGE = Path(workbench.page.__file__).parent
 PROJECT = ("stagecad", "designcalc", "drawings", "sim", "sysid", "workbench")
-ALLOWED = ("workbench.api", "workbench.page", "stagecad.parameters")
+ALLOWED = ("workbench.api", "workbench.operations", "workbench.page", "stagecad.parameters")
 """The parameter file is the input of the interface, and its errors are those of all layers."""
 EXCEPTIONS = {
-    "workbench.options": "options that every command has; numbers as JSON holds them",
     "stagecad.__version__": "shown on the page",
     "stagecad.blas_threads": "threads of a process that runs jobs",
     "stagecad.process_start.end_with_parent": "a process that runs jobs ends with the server",

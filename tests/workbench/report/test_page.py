@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.options import Run
+from workbench.cli.options import Run
 from workbench.report.figures import axis_scale, decimate, worst_stretch
 from workbench.report.page import ordered_sections, report_html, section_key, write_ladder
 

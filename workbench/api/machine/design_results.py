@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.api.machine.design import Design, load_design
-from workbench.api.result import Result, finite_json
+from workbench.cli.options import results_in
+from workbench.operations.design import Design, load_design
+from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,7 +68,7 @@ class Checks(Result):
 
     def to_json(self) -> list[dict[str, Any]]:
         """The document of `stagecad check --json`."""
-        return finite_json([check.as_json() for check in self.checks])
+        return finite([check.as_json() for check in self.checks])
 
     def plot(self, subject: str | None = None) -> Figure:
         """The margins of the checks of one subject; those of the failed checks when left out.
@@ -99,11 +100,11 @@ def checks(design: Design | None = None, solids: bool = True, proposals: bool = 
     """
     from designcalc.checks.run import run_checks
     from stagecad.blas_threads import one_thread
-    from workbench.commands.check import masses_of_solids
+    from workbench.cli.commands.check import masses_of_solids
     from workbench.machine.margin_studies import evaluated_checks
 
     design = design or load_design()
-    run = design.run()
+    run = results_in("build", design)
     masses = masses_of_solids(run) if solids else None
     with one_thread():
         found = evaluated_checks(run, masses) if proposals else run_checks(design.values, masses)
@@ -121,7 +122,7 @@ class Parts(Result):
     @property
     def moving_body(self) -> dict[str, Any]:
         """Mass properties of the stage with irons and magnets, SI."""
-        return finite_json(self.machine.moving_body.as_json())
+        return finite(self.machine.moving_body.as_json())
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each part: mass, volume, and size along x, y, z; SI."""
@@ -140,21 +141,21 @@ class Parts(Result):
 
         machine = self.machine
         masses = {name: machine.whole if name == ASSEMBLY else machine.masses[name] for name in self.names}
-        return finite_json({name: mass.as_json() for name, mass in masses.items()})
+        return finite({name: mass.as_json() for name, mass in masses.items()})
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad parts --json`, without files: `write` gives those."""
-        from workbench.commands.parts import measures_json
+        from workbench.cli.commands.parts import measures_json
 
         parts = {name: {**part, "files": []} for name, part in self._masses.items()}
-        return {"parts": parts, "moving_body": self.moving_body, "measures": finite_json(measures_json(self.machine))}
+        return {"parts": parts, "moving_body": self.moving_body, "measures": finite(measures_json(self.machine))}
 
     def write(self, folder: str | Path) -> dict[str, Any]:
         """Write STEP, STL and GLB of the parts into a folder; the document of `stagecad parts --json`."""
-        from workbench.commands.parts import write_parts
+        from workbench.cli.commands.parts import write_parts
 
-        document = write_parts(self.design.run(folder), self.names)
-        return finite_json({key: document[key] for key in ("parts", "moving_body", "measures")})
+        document = write_parts(results_in(folder, self.design), self.names)
+        return finite({key: document[key] for key in ("parts", "moving_body", "measures")})
 
     def __repr__(self) -> str:
         return f"<Parts of '{self.design.values.file}': {', '.join(self.names)}>"
@@ -174,7 +175,7 @@ def parts(design: Design | None = None, names: Sequence[str] = ()) -> Parts:
     from workbench.machine.artefacts import built_machine
 
     design = design or load_design()
-    return Parts(design, chosen(tuple(names), design.values), built_machine(design.run()))
+    return Parts(design, chosen(tuple(names), design.values), built_machine(results_in("build", design)))
 
 
 class Drawings(Result):
@@ -201,7 +202,7 @@ class Drawings(Result):
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad drawings --json`."""
-        return finite_json(self.document)
+        return finite(self.document)
 
     def plot(self, sheet: str | None = None) -> Figure:
         """A sheet as a picture; the first one when left out.
@@ -232,7 +233,7 @@ def drawings(design: Design | None = None, names: Sequence[str] = (), out: str |
     Raises:
         InputError: no such part or sheet.
     """
-    from workbench.commands.drawings import write_drawings
+    from workbench.cli.commands.drawings import write_drawings
 
     design = design or load_design()
-    return Drawings(design, write_drawings(design.run(out), tuple(names)))
+    return Drawings(design, write_drawings(results_in(out, design), tuple(names)))

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.api.machine.design import Design, as_design
-from workbench.api.result import Result, finite_json
 from workbench.machine.comparison import DesignComparison, compare_designs
-from workbench.options import ProgressCallback
+from workbench.operations.design import Design, as_design
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,7 +85,7 @@ class Differences(Result):
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad diff --json`, of what was compared."""
-        return finite_json(self.found.as_json())
+        return finite(self.found.as_json())
 
     def plot(self) -> Figure:
         """Margins before and after, of the checks whose margin differs."""

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
-from workbench.api.machine.design import Design, load_design
-from workbench.api.result import Result, finite_json, without_options
-from workbench.options import ProgressCallback
+from workbench.operations.design import Design, load_design
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:
     import numpy as np
@@ -107,7 +107,7 @@ class Optimisation(Result):
         from designcalc.optimisation.optimise import outcome_document
 
         verified = {} if self.after is None else {"verified": not self.unverified}
-        return finite_json(outcome_document(self.outcome, self.evaluator, self.after) | verified)
+        return finite(outcome_document(self.outcome, self.evaluator, self.after) | verified)
 
     def plot(self, conflict: int | None = None) -> Figure:
         """The margins that differ, before and after; or the Pareto front of a conflict, by its position.
@@ -181,18 +181,16 @@ def optimize(
     from designcalc.optimisation.space import free_parameters
     from stagecad.friction_stage.assembly.machine import body_masses
     from stagecad.parameters.rules.registry import violations
-    from workbench.machine.design_source import source_of
     from workbench.machine.optimisation import evaluator_of, verified_checks
 
     design, free, report = design or load_design(), free or {}, progress or (lambda step, done, total: None)
-    source = source_of(design.run())
-    values = source.design(rules=False)
+    values = design.values_with(rules=False)
     with without_options():
         freed = free_parameters(values, [f"{key}={text}" for key, text in free.items()])
     report("masses of the solids", 0, 0)
     # A design that violates a rule may have no solids.
     masses = body_masses(values) if solids and not violations(values) else None
-    evaluator = evaluator_of(source, [one for one in freed if not only or one.key in free], masses)
+    evaluator = evaluator_of(design, [one for one in freed if not only or one.key in free], masses)
     step = "search"
 
     def tell(words: str) -> None:

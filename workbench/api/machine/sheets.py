@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from workbench.api.machine.design import Design, load_design
+from workbench.operations.design import Design, load_design
 
 
 @dataclass(frozen=True)

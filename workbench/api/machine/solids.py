@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from workbench.api.machine.design import Design, load_design
-from workbench.api.result import Result, finite_json
-from workbench.options import ProgressCallback
+from workbench.operations.design import Design, load_design
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +68,7 @@ class Solids(Result):
             }
             for name, part in self.parts.items()
         }
-        return finite_json(
+        return finite(
             {
                 "digest": self.design.values.digest,
                 "parts": {name: {**self._masses[name], **more[name]} for name in self.parts},

@@ -11,13 +11,13 @@ from sysid.compare import compare as compare_problem
 from sysid.report import comparison_json
 from workbench.api.measurement.experiment import Experiment, as_experiment
 from workbench.api.measurement.fitted import FittedResult, document, error_frame
-from workbench.api.result import results_in
+from workbench.cli.options import results_in
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from workbench.api.machine.design import Design
+    from workbench.operations.design import Design
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
 

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from sysid.estimation.residual_correlation import ResidualCorrelation
-from workbench.api.result import Result, finite_json
+from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,7 +39,7 @@ class Correlation(Result):
 
     def to_json(self) -> dict[str, Any]:
         """The correlations as plain data; lags are multiples of `step`."""
-        return finite_json(asdict(self.found))
+        return finite(asdict(self.found))
 
     def plot(self) -> Figure:
         """Each correlation over its lag, with its 99 % bound."""

@@ -13,15 +13,15 @@ from sysid.report import diagnosis_json
 from workbench.api.measurement.comparison import where_frame
 from workbench.api.measurement.experiment import Experiment, as_experiment
 from workbench.api.measurement.fitted import FittedResult, document, error_frame
-from workbench.api.result import results_in
-from workbench.options import ProgressCallback
+from workbench.cli.options import results_in
+from workbench.operations.progress import ProgressCallback
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
     from sysid.prediction.model import Model
-    from workbench.api.machine.design import Design
+    from workbench.operations.design import Design
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
 

@@ -16,14 +16,14 @@ from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.known import DesignValues
 from sysid.experiment.model_table import model_of
 from workbench.api.measurement.statement import Model, Record, Rig, RigKind
-from workbench.api.result import Result
+from workbench.operations.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
     from sysid.prediction.problem import Problem
-    from workbench.api.machine.design import Design
+    from workbench.operations.design import Design
 
 
 class Experiment(Result):
@@ -232,8 +232,8 @@ def as_experiment(source: Experiment | str | Path, design: Design | None = None)
 
 def design_source(design: Design | None) -> DesignValues:
     """Values of settings stated as `"design"`; those of the packaged machine where no design is given."""
-    from workbench.api.machine.design import load_design
     from workbench.identification.design_values import design_values
+    from workbench.operations.design import load_design
 
     # Read when a value is needed.
-    return lambda key: design_values((design or load_design()).run())(key)
+    return lambda key: design_values(design or load_design())(key)

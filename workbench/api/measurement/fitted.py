@@ -17,7 +17,7 @@ from workbench.api.measurement.series import (
     part_of,
     prediction_error_table,
 )
-from workbench.api.result import Result, finite_json
+from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -194,4 +194,4 @@ def error_frame(errors: Mapping[str, Any]) -> pd.DataFrame:
 
 def document(found: Any) -> Any:
     """A document as the command prints it."""
-    return finite_json(found)
+    return finite(found)

@@ -11,14 +11,15 @@ from sysid.ladder import Addition as Found
 from sysid.ladder import add_effects, addition_json, current_ladder
 from workbench.api.measurement.experiment import Experiment, as_experiment, design_source
 from workbench.api.measurement.fitted import FittedResult, document, error_frame, parameter_frame
-from workbench.api.result import Result, results_in
+from workbench.cli.options import results_in
 from workbench.identification.undo import Undoing, undo_last
+from workbench.operations.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from workbench.api.machine.design import Design
+    from workbench.operations.design import Design
 
 
 class Addition(FittedResult):

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from workbench.api.result import Result, finite_json, without_options
+from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from sysid.experiment.columns.proposal import ExperimentProposal
     from sysid.experiment.readers.open import RecordFile
-    from workbench.api.machine.design import Design
     from workbench.api.measurement.experiment import Experiment
+    from workbench.operations.design import Design
 
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""
@@ -125,7 +125,7 @@ class Proposal(Result):
         rig, rotary = find_rig(self.found.kind, "kind"), self.found.rotary
         known = {key: one.rotary_unit if rotary else one.unit for key, one in rig.known.items()}
         known.pop("mass" if rotary else "inertia", None)
-        return finite_json(
+        return finite(
             {
                 "kind": self.found.kind,
                 "question": self.found.question,
@@ -210,6 +210,6 @@ def _text(document: Mapping[str, Any]) -> str:
 
 def fresh_demo(folder: str | Path) -> Path:
     """Copy the packaged demonstration to a folder, or to the next free one; returns the folder."""
-    from workbench.commands.demo import free_folder, fresh_copy
+    from workbench.cli.commands.demo import free_folder, fresh_copy
 
     return fresh_copy(free_folder(Path(folder)))

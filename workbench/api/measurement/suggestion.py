@@ -13,14 +13,15 @@ from sysid.report import suggestion_json
 from workbench.api.measurement.diagnosis import Diagnosis
 from workbench.api.measurement.experiment import Experiment, as_experiment
 from workbench.api.measurement.fitted import document
-from workbench.api.result import Result, results_in
-from workbench.options import ProgressCallback
+from workbench.cli.options import results_in
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from workbench.api.machine.design import Design
+    from workbench.operations.design import Design
 
 
 class Suggestion(Result):

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.api.machine.sheets import cached_file, chosen_sheets, sheet_names
-from workbench.options import finite
+from workbench.operations.result import finite
 from workbench.page.machine_session import Changes, MachineSession
 
 FULL = 1e9

@@ -9,7 +9,7 @@ from fastapi.responses import FileResponse
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError
-from workbench.options import finite
+from workbench.operations.result import finite
 from workbench.page.routes.experiments import project_of
 from workbench.page.routes.machine import Body, Text
 from workbench.page.security import REPORT_POLICY

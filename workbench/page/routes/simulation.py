@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.options import finite
+from workbench.operations.result import finite
 from workbench.page.machine_session import parameter_json
 from workbench.page.routes.machine import Body, Text
 

@@ -8,7 +8,6 @@ from typing import Any
 
 from stagecad.parameters.errors import InputError
 from workbench.api.figure_data import curves, free_values, residual_maps, stated
-from workbench.api.machine.design import Design
 from workbench.api.measurement.comparison import Comparison
 from workbench.api.measurement.comparison import compare as compare_model
 from workbench.api.measurement.diagnosis import diagnose as diagnose_model
@@ -18,6 +17,7 @@ from workbench.api.measurement.growth import add as add_effects
 from workbench.api.measurement.growth import ladder
 from workbench.api.measurement.growth import undo as undo_last
 from workbench.api.measurement.suggestion import suggest as suggest_motions
+from workbench.operations.design import Design
 from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 

@@ -21,7 +21,7 @@ from designcalc.friction_stage.checks.budget import budgets
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-from workbench.options import finite
+from workbench.operations.result import finite
 
 CASES = tomllib.loads((Path(__file__).parents[3] / "reference" / "contradictions.toml").read_text())["check"]
 BODY = MassProperties(8e-4, 2.1, (0.0, 0.0, 0.033), np.eye(3) * 0.01, ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)))

@@ -9,7 +9,7 @@ import pytest
 
 import stagecad
 from stagecad import InputError
-from workbench.dispatch import run_line
+from workbench.cli.dispatch import run_line
 
 SMALLER = (
     'extends = "thesis"\n[actuator]\nstroke_amplitude = {value = "8.5 um", origin = "assumed: within the piezo"}\n'

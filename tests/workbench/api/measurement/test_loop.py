@@ -12,9 +12,9 @@ import pytest
 import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
 from tests.workbench.api.slide_log import NOISE, slide_log
-from workbench.dispatch import run_line
+from workbench.cli.dispatch import run_line
+from workbench.cli.options import Run
 from workbench.identification.tables import correlation_table
-from workbench.options import Run
 from workbench.report.page import write_comparison
 
 

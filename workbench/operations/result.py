@@ -1,21 +1,19 @@
-"""What every result of the Python interface has: a short text, a page for notebooks, a table, a JSON document."""
+"""What every result has: a short text, a page for notebooks, a table, a JSON document."""
 
 from __future__ import annotations
 
 import html
+import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from workbench.options import Run
 
 MOST_ROWS = 20
 """Rows of the table that a notebook shows."""
@@ -57,18 +55,17 @@ class Result(ABC):
         return f"<div class='stagecad'>{STYLE}<b>{title}</b>{f'<table>{facts}</table>' if facts else ''}{table}</div>"
 
 
-def finite_json(document: Any) -> Any:
-    """A document as the commands print it: no numbers that JSON cannot hold, no numpy scalars."""
-    from workbench.options import finite
-
-    return finite(document)
-
-
-def results_in(out: str | Path) -> Run:
-    """The options of a command that writes below the folder `out`, and reads no design."""
-    from workbench.options import Run
-
-    return Run(None, (), Path(out), None)
+def finite(value: Any) -> Any:
+    """`value` with numbers that JSON cannot hold (infinite, not a number) as null, and numpy scalars as plain ones."""
+    if isinstance(value, dict):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
 
 
 @contextmanager

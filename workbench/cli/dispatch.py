@@ -39,17 +39,8 @@ COMMANDS = {
 }
 
 
-MODULES = {
-    "diff": "workbench.commands.design.diff",
-    "docs": "workbench.documentation.command",
-    "optimize": "workbench.commands.design.optimize",
-    "workbench": "workbench.page.command",
-}
-"""Modules of commands that are not `workbench.commands.NAME`."""
-
-
 class LazyGroup(click.Group):
-    """A command group that imports `workbench.commands.NAME` only when NAME is run."""
+    """A command group that imports `workbench.cli.commands.NAME` only when NAME is run."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -57,7 +48,7 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        return import_module(MODULES.get(cmd_name, f"workbench.commands.{cmd_name}")).command
+        return import_module(f"workbench.cli.commands.{cmd_name}").command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

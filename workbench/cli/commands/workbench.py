@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -45,8 +45,5 @@ def command(run: Run, host: str, port: int, token: str | None, browser: bool, tr
         raise InputError("--token: at least 16 characters are required")
     if token is None and host not in LOOPBACK:
         token = secrets.token_urlsafe(24)
-    params = run.params
-    if params is None and Path("stage.toml").is_file():
-        params = Path("stage.toml")
-    project = Project(Path.cwd(), run.out, params, trust)
+    project = Project(Path.cwd(), run.out, run.design.path, trust)
     serve(project, host, port, token, run.note, browser)

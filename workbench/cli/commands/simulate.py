@@ -13,7 +13,7 @@ import click
 
 from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.errors import InputError, nearest
-from workbench.options import Run, common_options, consent, trust_option
+from workbench.cli.options import Run, common_options, consent, trust_option
 from workbench.simulation.experiments import (
     EXPERIMENTS,
     EXTRA,
@@ -208,7 +208,7 @@ def _simulate(run: Run, selection: Selection, scheduler: str | None, output: Out
     from sim.integration.simulate import SimulationError
     from workbench.console.simulation import print_features
 
-    mass = moving_mass(run.design, selection.mass) if selection.friction_experiments else 1.0
+    mass = moving_mass(run.design.values, selection.mass) if selection.friction_experiments else 1.0
     if selection.friction_experiments:
         run.echo(f"mass {mass:.6g} kg")
     document: dict[str, Any] = {}
@@ -243,9 +243,9 @@ def _experiment(
     if name == "passivity":
         from sim.experiments.passivity import passive_below
 
-        below = passive_below(friction_of(run.design))
+        below = passive_below(friction_of(run.design.values))
         run.echo(f"lugre is passive at any stretch below 4 Fc/a1 = {below * 1e3:.2f} mm/s")
-    results = simulate_experiment(run.design, name, models, mass, advance)
+    results = simulate_experiment(run.design.values, name, models, mass, advance)
     if output.formats:
         output.write(tables_of(name, results))
     if output.figures:
@@ -259,7 +259,7 @@ def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output
     from stagecad.friction_stage.assembly.machine import body_masses
     from stagecad.parallel import fork_map, parallel_map
 
-    drive = stage_drive(run.design, body_masses(run.design))
+    drive = stage_drive(run.design.values, body_masses(run.design.values))
     # A forked process has the compiled kernels; a new one would load them, for each study.
     forking = scheduler is None and sys.platform == "linux"
     map_cases: Callable[..., list[Any]] = fork_map if forking else partial(parallel_map, scheduler=scheduler)
@@ -290,7 +290,7 @@ def _sweep(run: Run, options: Options, selection: Selection, output: Output) -> 
     from workbench.simulation.sweep import sweep, sweep_columns, sweep_document
 
     assert options.swept is not None
-    swept = read_range(options.swept, run.design)
+    swept = read_range(options.swept, run.design.values)
     points = sweep(run, swept, selection, options.scheduler)
     if all(isinstance(point, str) for point in points):
         raise InputError(f"--sweep {swept.key}: every value is refused: {points[0]}")

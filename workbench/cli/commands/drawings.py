@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,7 +47,7 @@ def command(
     run: Run, names: tuple[str, ...], own: Path | None, trust: bool, lint: bool, since: Path | None, **issue: str | None
 ) -> int:
     """Draw the sheets of all parts, or of those NAMEd only (a part, or one of its sheets: base_2)."""
-    from workbench.commands.design.declared import run_declared
+    from workbench.cli.commands.declared import run_declared
     from workbench.machine.declared_machine import declared_machine
 
     entries = tuple(f"drawing.{key}={value}" for key, value in issue.items() if value is not None)
@@ -76,7 +76,7 @@ def _draw_own(run: Run, path: Path, names: tuple[str, ...], trust: bool, lint: b
 
     if names:
         raise InputError(f"--part {path}: draws this part alone; leave out '{names[0]}'")
-    document = draw_part(load_part(path, run.design, trust), run.out)
+    document = draw_part(load_part(path, run.design.values, trust), run.out)
     hits = [hit for sheet in document["sheets"] for hit in sheet["hits"]]
     for file in document["files"]:
         run.echo(file)
@@ -152,19 +152,18 @@ def with_sheet_overrides(run: Run) -> Design:
     from drawings.artefacts.names import sheet_names
     from drawings.sheets.overrides import FILE, read_overrides
 
-    path = (run.parameter_file or Path("stage.toml")).parent / FILE
+    path = (run.design.path or Path("stage.toml")).parent / FILE
     if not path.is_file():
-        return run.design
-    known = [sheet for sheets in sheet_names(run.design).values() for sheet in sheets]
-    return replace(run.design, sheets=read_overrides(path, known))
+        return run.design.values
+    known = [sheet for sheets in sheet_names(run.design.values).values() for sheet in sheets]
+    return replace(run.design.values, sheets=read_overrides(path, known))
 
 
 def _write_parameters(run: Run, sheets: Sequence[BuiltSheet]) -> list[str]:
     """Write the parameters beside the sheets, under the names that their title blocks give: `holder_c7088e19.toml`."""
     from stagecad.parameters.atomic import atomic_write_text
-    from workbench.machine.parameter_text import parameter_text
 
-    text = parameter_text(run)
+    text = run.design.to_toml()
     paths = dict.fromkeys(run.out / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets)
     for path in paths:
         if not path.is_file() or path.read_text("utf-8") != text:

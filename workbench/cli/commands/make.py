@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
@@ -35,8 +35,8 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 
     with kernel_processes(run) as ahead:
         from stagecad.solids.artefacts.store import ArtefactStore
-        from workbench.commands.check import trust_own_checks
-        from workbench.commands.design.declared import WHAT, run_declared
+        from workbench.cli.commands.check import trust_own_checks
+        from workbench.cli.commands.declared import WHAT, run_declared
         from workbench.machine.declared_machine import declared_machine
 
         declaration = declared_machine(run)
@@ -60,14 +60,13 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
     from stagecad.solids.modelling.registry import chosen
-    from workbench.commands.drawings import write_drawings
-    from workbench.commands.parts import write_parts
+    from workbench.cli.commands.drawings import write_drawings
+    from workbench.cli.commands.parts import write_parts
     from workbench.machine.artefacts import built_machine, stored_values, with_repair
-    from workbench.machine.design_source import source_of
     from workbench.making.stored_results import stored_checks
     from workbench.report.machine import MachineResults, write_report
 
-    design = run.design
+    design = run.design.values
     document = write_parts(run, chosen((), design))
     run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
     machine = built_machine(run, store)
@@ -80,7 +79,7 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
     run.echo(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
-    checks = stored_checks(store, source_of(run), design, masses)
+    checks = stored_checks(store, run.design, design, masses)
     run.echo(f"checks: {counted(checks)}")
     check_figures = with_repair(run, store, lambda: _check_figures(run, store, masses))
     with_repair(run, store, lambda: _write_checks(run, store, checks, masses, check_figures))
@@ -128,7 +127,7 @@ def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[s
     """The figures of the checks by title."""
     from workbench.making.stored_results import check_figure, figures_of
 
-    entries = {title: check_figure(store, run.design, masses, title) for title in figures_of(run.design)}
+    entries = {title: check_figure(store, run.design.values, masses, title) for title in figures_of(run.design.values)}
     return {title: path for title, entry in entries.items() for path in _write(run.out / "checks", [entry])[0]}
 
 
@@ -136,15 +135,14 @@ def _write_checks(
     run: Run, store: ArtefactStore, checks: Sequence[Check], masses: BodyMasses, figures: Mapping[str, Path]
 ) -> None:
     """Write the checks as files; those of a project's own are not kept in the cache."""
-    from workbench.machine.design_source import source_of
     from workbench.making.stored_results import check_files
     from workbench.report.checks import write_check_files
 
-    source, folder = source_of(run), run.out / "checks"
-    if source.own:
-        write_check_files(checks, run.design, masses, folder, figures)
+    source, folder = run.design, run.out / "checks"
+    if source.check_files:
+        write_check_files(checks, run.design.values, masses, folder, figures)
     else:
-        _write(folder, [check_files(store, source, run.design, masses)])
+        _write(folder, [check_files(store, source, run.design.values, masses)])
 
 
 def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
@@ -155,7 +153,7 @@ def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
         task = progress.add_task("simulations", total=len(SIMULATED))
         entries = []
         for name in SIMULATED:
-            entries.append(simulation(store, run.design, name))
+            entries.append(simulation(store, run.design.values, name))
             progress.update(task, advance=1, description=name)
     files, written = _write(run.out / "simulate", entries)
     run.echo(f"simulations: {written} files written" if written else "simulations: unchanged")
@@ -178,12 +176,11 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahe
     Args:
         ahead: processes that load the kernel meanwhile.
     """
-    from workbench.commands.drawings import with_sheet_overrides
-    from workbench.machine.design_source import source_of
+    from workbench.cli.commands.drawings import with_sheet_overrides
     from workbench.making.pool import absent, is_long, make_absent
     from workbench.making.tasks import Making, needs_kernel
 
-    making = Making(store.folder, run.design, with_sheet_overrides(run), source_of(run), simulations)
+    making = Making(store.folder, run.design.values, with_sheet_overrides(run), run.design, simulations)
     tasks = absent(making)
     if not any(needs_kernel(task) for task in tasks):
         for process in ahead:
@@ -203,7 +200,6 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahe
 
 def _prepare_writing(run: Run) -> None:
     """Load what the results are written with, and form the text of the parameters, which is kept for its writing."""
-    from workbench.machine.parameter_text import parameter_text
     from workbench.report.html import compiled
     from workbench.report.machine import TEMPLATE
 
@@ -212,4 +208,4 @@ def _prepare_writing(run: Run) -> None:
     compiled(TEMPLATE)
     # An error is reported where the text is written.
     with suppress(InputError):
-        parameter_text(run)
+        run.design.to_toml()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from workbench.options import Run
+from workbench.cli.options import Run
 
 if TYPE_CHECKING:
     from stagecad.solids.assembly.machine_declaration import MachineDeclaration
@@ -33,17 +33,16 @@ def run_declared(
     from designcalc.checks.analysis.report import counted
     from workbench.console.checks import print_checks
     from workbench.machine.declared_machine import build, checks, draw
-    from workbench.machine.design_source import source_of
     from workbench.machine.own_checks import register
 
     if refused:
-        raise InputError(f"'{refused[0]}': is for the machine of the thesis; {run.parameter_file} declares another one")
+        raise InputError(f"'{refused[0]}': is for the machine of the thesis; {run.design.path} declares another one")
     if trust:
-        from workbench.commands.check import trust_own_checks
+        from workbench.cli.commands.check import trust_own_checks
 
         trust_own_checks(run)
     if "checks" in what:
-        register(source_of(run).own)
+        register(run.design.check_files)
     status, document = 0, {}
     with run.progress() as progress:
         task = progress.add_task("parts", total=len(declaration.parts))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from workbench.options import Run, common_options, experiment_options
+from workbench.cli.options import Run, common_options, experiment_options
 
 
 @click.command("ladder")
@@ -22,7 +22,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     from workbench.identification.statements import in_command
     from workbench.identification.tables import ladder_table
 
-    found = load_experiment(experiment, design_values(run))
+    found = load_experiment(experiment, design_values(run.design))
     rungs, edited = current_ladder(found)
     if not rungs:
         command = f"stagecad diagnose {in_command(found.folder)}"

@@ -8,12 +8,12 @@ if TYPE_CHECKING:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run one command line (without the program's name) and return its exit status, see `workbench.dispatch`.
+    """Run one command line (without the program's name) and return its exit status, see `workbench.cli.dispatch`.
 
     Ctrl-C at any moment: `stopped`, and 130.
     """
     try:
-        from workbench.dispatch import run_line
+        from workbench.cli.dispatch import run_line
 
         return run_line(arguments)
     except KeyboardInterrupt:
@@ -52,7 +52,3 @@ def main() -> None:
         os._exit(status)
     gc.freeze()
     sys.exit(status)
-
-
-if __name__ == "__main__":
-    main()

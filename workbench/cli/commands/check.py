@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks.analysis.sweep import Range
@@ -52,7 +52,7 @@ def command(
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks.analysis.grid import combinations
     from designcalc.checks.analysis.sweep import read_range
-    from workbench.commands.design.declared import run_declared
+    from workbench.cli.commands.declared import run_declared
     from workbench.console.checks import print_checks, print_tolerance
     from workbench.machine.declared_machine import declared_machine
     from workbench.machine.margin_studies import evaluated_checks
@@ -65,7 +65,7 @@ def command(
     if declaration is not None:
         refused = [*swept, *(word for word in ("--tolerance",) if tolerance)]
         return run_declared(run, declaration, ("checks",), asked["trust"], refused=refused)
-    design = run.design
+    design = run.design.values
     if asked["trust"]:
         trust_own_checks(run)
     wanted = [read_range(text, design) for text in swept]
@@ -107,10 +107,9 @@ def command(
 
 def trust_own_checks(run: Run) -> None:
     """Consent to run the user's own checks as they are now, and name them."""
-    from workbench.machine.design_source import source_of
     from workbench.machine.own_checks import register
 
-    files = source_of(run).own
+    files = run.design.check_files
     register(files, trust=True)
     for name in files:
         run.note(f"trusted as it is now: {name}")
@@ -153,7 +152,7 @@ def masses_of_solids(run: Run) -> BodyMasses | None:
     from stagecad.friction_stage.assembly.machine import body_masses
 
     try:
-        return body_masses(run.design)
+        return body_masses(run.design.values)
     except ImportError as error:
         run.note(f"no solids can be made here ({error}): masses are estimated from plain volumes")
         return None
@@ -166,6 +165,6 @@ def draw_figures(run: Run, masses: BodyMasses | None, folder: Path) -> dict[str,
     drawn: dict[str, Path] = {}
     for title, (name, draw) in FIGURES.items():
         path = folder / f"{name}.png"
-        if draw(run.design, masses, path):
+        if draw(run.design.values, masses, path):
             drawn[title] = path
     return drawn

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from workbench.options import Run, common_options, experiment_options
+from workbench.cli.options import Run, common_options, experiment_options
 
 
 @click.command("suggest")
@@ -24,7 +24,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     from workbench.report.page import write_motions, write_suggestion
 
     with run.progress() as progress:
-        found = suggest(experiment, design_values(run), search_progress(progress))
+        found = suggest(experiment, design_values(run.design), search_progress(progress))
     motions = write_motions(run, found)
     run.console.print(rich_table(motion_table(motions)))
     for line in suggestion_statements(found):

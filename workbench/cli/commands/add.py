@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options, experiment_options
+from workbench.cli.options import Run, common_options, experiment_options
 
 if TYPE_CHECKING:
     from sysid.estimation.fit import FittedModel
@@ -74,7 +74,7 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
 
         parameter_file(run)
     with run.busy(f"fitting the model {_change(effects, drop)}"):
-        step = add_effects(experiment, effects, design_values(run), drop, accept)
+        step = add_effects(experiment, effects, design_values(run.design), drop, accept)
     document = addition_json(step)
     print_revision(run, step, document)
     if keys:
@@ -98,7 +98,7 @@ def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
     from workbench.identification.design_values import design_values
 
     with run.busy("fitting the model as it stands"):
-        problem = load_problem(experiment, design_values(run))
+        problem = load_problem(experiment, design_values(run.design))
         fitted = fit_stated_model(problem).fitted
     rungs = read_history(problem.experiment)
     rung = rungs[-1].number if rungs and not edited_by_hand(problem.experiment, rungs) else None

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 
 @click.command("effects")

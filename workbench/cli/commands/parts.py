@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from stagecad.friction_stage.assembly.machine import Machine
@@ -23,13 +23,13 @@ BILL = "bill_of_materials"
 def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
     """Write STEP, STL and GLB of the parts and the assembly, or of those NAMEd only, and print their mass."""
     from stagecad.solids.modelling.registry import chosen
-    from workbench.commands.design.declared import run_declared
+    from workbench.cli.commands.declared import run_declared
     from workbench.machine.declared_machine import declared_machine
 
     declaration = declared_machine(run)
     if declaration is not None:
         return run_declared(run, declaration, ("parts",), trust, refused=names)
-    wanted = chosen(names, run.design)
+    wanted = chosen(names, run.design.values)
     document = write_parts(run, wanted)
     _tell(run, document)
     run.emit({"parts": document["parts"], "moving_body": document["moving_body"], "measures": document["measures"]})
@@ -66,7 +66,7 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
     if ASSEMBLY in wanted:
         rows = machine.bill_of_materials
         texts = {
-            f"{BILL}.csv": csv_text(rows, accessories(run.design)),
+            f"{BILL}.csv": csv_text(rows, accessories(run.design.values)),
             f"{BILL}.json": json.dumps(bill_document(rows), indent=1) + "\n",
         }
         from stagecad.solids.artefacts.store import sha256

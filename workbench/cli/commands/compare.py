@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options, experiment_options
+from workbench.cli.options import Run, common_options, experiment_options
 
 
 @click.command("compare")
@@ -33,7 +33,7 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     from workbench.identification.design_values import design_values
 
     with run.busy("fitting the model as it stands"):
-        found = compare(experiment, design_values(run))
+        found = compare(experiment, design_values(run.design))
     document = comparison_json(found)
     print_comparison(run, found, document)
     if bootstrap is not None:

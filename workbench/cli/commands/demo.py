@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from sysid.diagnose import Diagnosis

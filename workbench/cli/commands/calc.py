@@ -13,7 +13,7 @@ from workbench.calculators.bearing import BEARING_CALCULATORS
 from workbench.calculators.catalogue import CALCULATORS, Calculator, Values
 from workbench.calculators.drive import DRIVE_CALCULATORS
 from workbench.calculators.errors import ERROR_CALCULATORS
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks.inputs import DesignInputs
@@ -85,7 +85,7 @@ def _values(run: Run, name: str, calculator: Calculator, written: Mapping[str, s
             values[key] = parse_quantity(written[key], option.unit, f"calc {name}: --{key.replace('_', '-')}")
             continue
         if inputs is None:
-            inputs = DesignInputs(run.design)
+            inputs = DesignInputs(run.design.values)
         values[key] = option.default(inputs, values)
     for key, allowed in calculator.words.items():
         word = written.get(key)

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 
 @click.command("diff")
@@ -23,7 +23,7 @@ def command(run: Run, first: Path, second: Path, solids: bool) -> None:
     """
     from stagecad.parameters.file import PACKAGED
     from stagecad.parameters.load import load_design
-    from workbench.commands.params import show_differences
+    from workbench.cli.commands.params import show_differences
     from workbench.console.comparison import print_changes
     from workbench.machine.comparison import compare_designs
 

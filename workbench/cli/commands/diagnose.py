@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from workbench.options import Run, common_options, experiment_options
+from workbench.cli.options import Run, common_options, experiment_options
 
 
 @click.command("diagnose")
@@ -22,7 +22,7 @@ def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> Non
     from workbench.identification.design_values import design_values
 
     with run.progress() as progress:
-        found = diagnose(experiment, all_effects, design_values(run), search_progress(progress))
+        found = diagnose(experiment, all_effects, design_values(run.design), search_progress(progress))
     document = diagnosis_json(found)
     print_diagnosis(run, found, document)
     if figures:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path | None) -> None:
     """The parameters with unit, tolerance and origin; all of them, or those of the tables and keys named."""
     from stagecad.parameters.load import diff, load_design
-    from workbench.machine.parameter_json import difference_json, entry_json
+    from workbench.operations.parameter_json import difference_json, entry_json
 
-    design = run.design
+    design = run.design.values
     if target is not None:
         _write(run, target)
     if other is not None:
@@ -73,11 +73,10 @@ def _named(key: str, names: tuple[str, ...], design: Design) -> bool:
 def _write(run: Run, target: Path) -> None:
     from stagecad.parameters.atomic import atomic_write_text
     from stagecad.parameters.errors import InputError
-    from workbench.machine.parameter_text import parameter_text
 
     if target.exists():
         raise InputError(f"{target}: is there already; name a new file")
-    atomic_write_text(target, parameter_text(run))
+    atomic_write_text(target, run.design.to_toml())
     run.note(f"written: {target}")
 
 

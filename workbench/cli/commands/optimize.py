@@ -11,7 +11,7 @@ import click
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options, without_rules
+from workbench.cli.options import Run, common_options, without_rules
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
@@ -92,7 +92,7 @@ def command(run: Run, **given: Any) -> int:
     """
     from designcalc.optimisation.optimise import outcome_document
     from stagecad.parameters.rules.registry import violations
-    from workbench.commands.check import masses_of_solids
+    from workbench.cli.commands.check import masses_of_solids
     from workbench.console.optimisation import print_outcome
     from workbench.machine.optimisation import Effort, optimised, unverified, verified_checks, written
     from workbench.report.optimisation import optimisation_report
@@ -102,7 +102,7 @@ def command(run: Run, **given: Any) -> int:
     if target is not None and target.exists():
         raise InputError(f"{target}: is there already; name a new file")
     # A design that violates a rule may have no solids.
-    masses = masses_of_solids(run) if options.solids and not violations(run.design) else None
+    masses = masses_of_solids(run) if options.solids and not violations(run.design.values) else None
     effort = Effort(options.budget, options.evaluations, _seconds(options.limit), options.seed)
     if options.levels:
         return _levels(run, options, effort, masses)
@@ -118,7 +118,7 @@ def command(run: Run, **given: Any) -> int:
     document = outcome_document(outcome, evaluator, after)
     if after is not None:
         document["verified"] = not wrong
-    report = optimisation_report(outcome, evaluator.checks, after, run.design.file)
+    report = optimisation_report(outcome, evaluator.checks, after, run.design.values.file)
     atomic_write_text(run.out / "optimize" / "report.md", report)
     if target is not None and found is not None and after is not None:
         written(run, outcome, target)
@@ -146,7 +146,7 @@ def _levels(run: Run, options: Options, effort: Effort, masses: BodyMasses | Non
         raise InputError("--levels: --keep and --write are not used with it")
     levels = studied_levels(run, options.freed, effort, masses)
     print_levels(run, levels)
-    atomic_write_text(run.out / "optimize" / "levels.md", levels_report(levels, run.design.file))
+    atomic_write_text(run.out / "optimize" / "levels.md", levels_report(levels, run.design.values.file))
     document = levels_document(levels)
     if options.figures:
         from workbench.report.design_figures import fronts_figure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-import math
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -22,11 +22,8 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-    from stagecad.parameters.design import Design
-
-
-ProgressCallback = Callable[[str, int, int], None]
-"""Called with the name of a step, the steps done, and all steps (0: not known)."""
+    from workbench.operations.design import Design
+    from workbench.operations.progress import ProgressCallback
 
 
 @dataclass(frozen=True)
@@ -44,26 +41,13 @@ class Run:
     """Parameter file of an earlier issue of the design, for the revision table of the drawings."""
     rules: bool = True
     """whether the design must satisfy the rules; a command that repairs a design has none"""
-    text: str | None = None
-    """Text of the parameter file `params` where it is not that of the file now"""
 
     @functools.cached_property
     def design(self) -> Design:
-        """The design of `--params` (default: stage.toml here, else the packaged thesis design) with `--set` applied."""
-        from stagecad.parameters.load import design_from_text, load_design
+        """The design of `--params` with `--set` applied."""
+        from workbench.operations.design import Design
 
-        if self.text is not None:
-            assert self.params is not None
-            return design_from_text(self.text, str(self.params), self.overrides, rules=self.rules)
-        design = load_design(self.parameter_file, self.overrides, rules=self.rules)
-        return design if self.earlier is None else design.since(load_design(self.earlier))
-
-    @property
-    def parameter_file(self) -> Path | None:
-        """File of `--params`, else stage.toml here; None for the packaged design."""
-        if self.params is None and Path("stage.toml").is_file():
-            return Path("stage.toml")
-        return self.params
+        return Design.chosen(self.params, self.overrides, self.rules, self.earlier)
 
     @functools.cached_property
     def console(self) -> Console:
@@ -86,6 +70,8 @@ class Run:
         """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
         if self.json_target is None:
             return
+        from workbench.operations.result import finite
+
         text = json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
         if self.json_target != "-":
             atomic_write_text(self.json_target, text)
@@ -108,6 +94,17 @@ class Run:
         )
 
     @contextmanager
+    def reporting(self, words: str = "") -> Iterator[ProgressCallback]:
+        """A bar as the progress callback of an operation; `words` in place of the names of the steps."""
+        with self.progress() as progress:
+            task = progress.add_task(words, total=None)
+
+            def report(step: str, done: int, steps: int) -> None:
+                progress.update(task, description=words or step, completed=done, total=steps or None)
+
+            yield report
+
+    @contextmanager
     def busy(self, words: str) -> Iterator[None]:
         """A bar without an end, drawn on a terminal only, while something is done whose steps cannot be counted."""
         with self.progress() as progress:
@@ -115,17 +112,26 @@ class Run:
             yield
 
 
-def finite(value: Any) -> Any:
-    """`value` with numbers that JSON cannot hold (infinite, not a number) as null, and numpy scalars as plain ones."""
-    if isinstance(value, dict):
-        return {str(key): finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    if hasattr(value, "tolist"):
-        return finite(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+class _ToStandardError(logging.Handler):
+    """Prints the remarks of operations."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        click.echo(record.getMessage(), err=True)
+
+
+def _show_remarks() -> None:
+    log = logging.getLogger("stagecad")
+    if not log.handlers:
+        log.addHandler(_ToStandardError())
+        log.propagate = False
+
+
+def results_in(out: str | Path, design: Design | None = None) -> Run:
+    """The options of a command that writes below the folder `out`."""
+    run = Run(None, (), Path(out), None)
+    if design is not None:
+        run.__dict__["design"] = design
+    return run
 
 
 def _need_writable(file: Path) -> None:
@@ -200,11 +206,12 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     def wrapper(
         params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
     ) -> Any:
+        _show_remarks()
         run = Run(params, overrides, out, json_target, rules=not getattr(function, "without_rules", False))
         try:
             if params is not None or overrides:
                 # A mistake in them is reported by every command, also by one that reads little of the design.
-                _ = run.design
+                _ = run.design.values
             if json_target not in (None, "-"):
                 _need_writable(Path(json_target))
             return function(run, **rest)

@@ -10,7 +10,7 @@ import click
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
-from workbench.options import Run, common_options
+from workbench.cli.options import Run, common_options
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -125,7 +125,7 @@ def hardware(run: Run, kind: str) -> None:
 
     if kind not in kinds():
         raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds())}")
-    _write(Path(f"{kind}.csv"), table_text(run.design, kind))
+    _write(Path(f"{kind}.csv"), table_text(run.design.values, kind))
     click.echo(f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"')
     for slot in kinds()[kind].slots[:1]:
         click.echo(f"and the name of a row as {slot}.{ROW}")

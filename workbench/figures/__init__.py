@@ -1,0 +1,1 @@
+"""Figures of results: one function a figure, which returns a matplotlib `Figure`."""
