@@ -17,7 +17,7 @@ from workbench.identification.design_values import design_values
 
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch: pytest.MonkeyPatch, capsys):
     run = Run(None, (), Path("build"), None)
-    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design.values))
+    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda design: DesignInputs(design.values))
     r = DesignInputs(run.design.values)
     expected = contact_stiffness(r, load(r))
     value = design_values(run.design)("contact_stiffness")

@@ -230,7 +230,7 @@ def test_what_the_design_does_not_say_is_named(
 
 
 def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design.values))
+    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda design: DesignInputs(design.values))
     told = design_values(Design(None, ("payload.mass=0.5 kg",)))("mass")
     mass = 0.23 * 0.27 * 0.012 * 2700 + 0.5
     assert told == DesignValue(pytest.approx(mass), pytest.approx(0.01 * mass))

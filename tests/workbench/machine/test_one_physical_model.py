@@ -98,7 +98,7 @@ def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
 
 
 def test_the_tip_of_the_checks_is_the_simulated_one():
-    design = Run(None, (), Path("build"), None).design
+    design = Run(None, (), Path("build"), None).design.values
     tip = stage_machine(design, MASSES).tip
     found = {check.name: check for check in run_checks(design, MASSES, ("piezo actuator",))}
     stated = found["drive frequency against the tip's resonances"].substituted
