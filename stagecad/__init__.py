@@ -7,6 +7,10 @@
 
 from importlib import import_module
 
+from stagecad.companions import use_companions
+
+use_companions()
+
 __version__ = "0.2.0"
 
 _MODULES = {
