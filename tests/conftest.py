@@ -25,9 +25,9 @@ def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def short_wait_for_a_cluster() -> None:
     """A cluster on this machine answers at once; one that is not there is not waited for."""
-    import stagecad.cluster
+    import stagecad.processes
 
-    stagecad.cluster.ANSWER_TIME = 1.0
+    stagecad.processes.ANSWER_TIME = 1.0
 
 
 @pytest.fixture(scope="session")

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, BuiltSheet, CalculateValues, build_sheets, find_sheets
-from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
-from stagecad.schedule import Order
+from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.kernel import load_kernel
@@ -19,9 +18,9 @@ from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 BUILD = "build "
 """Begins the name of a task that builds a part; the other tasks draw the sheets of their name."""
 
-TIME_LIMIT = 120.0
-"""Processor time after which a task is repeated without exact hidden-line removal, which can hang, s; the longest takes
-some ten."""
+TIME_LIMIT = 240.0
+"""Time after which a task is repeated without exact hidden-line removal, which can hang, s; the longest takes some ten
+of processor time."""
 
 SLOWEST_FIRST = ("base", "spring", ASSEMBLY, PROCEDURE, "stage", "holder", "tip", "tooth_bar", "bearing_way")
 """Order in which parts are built and sheets drawn, so that no long task is left for the end."""
@@ -70,7 +69,7 @@ def build_all_sheets(
         run = partial(_run, store.folder, design, calculate)
         limit = TimeLimit(TIME_LIMIT, fallback=partial(run, exact=False))
         try:
-            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, order=Order(requires))
+            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
         except LostProcessError as error:
             if str(error.item).startswith(BUILD):
                 raise PartError(str(error.item).removeprefix(BUILD), design, CRASHED) from None

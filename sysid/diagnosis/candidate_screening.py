@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.effects.effect import Effect
-from stagecad.parallel import fork_map
+from stagecad.processes import fork_map
 from sysid.estimation.driven_stage_search import truncated
 from sysid.estimation.reference_fit import ReferenceFit
 from sysid.estimation.score_test import EVERY_ROW, GridPoint, candidate_directions, profiled_residual, score_test

@@ -18,7 +18,7 @@ from functools import cached_property, partial
 from typing import Any
 
 from sim.effects.effect import Effect
-from stagecad.parallel import fork_map
+from stagecad.processes import fork_map
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
 from sysid.diagnosis.candidate_screening import Progress, ScreeningResult, screen_all
 from sysid.diagnosis.constants import SUFFICIENT_SHARE

@@ -16,7 +16,7 @@ from sim.effects.catalogue import find, laws_of
 from sim.effects.effect import Effect
 from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_stretches
 from sim.numerics.elasto_plastic import elements_along
-from stagecad.parallel import fork_map
+from stagecad.processes import fork_map
 from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import residual_weights, weighted_residual

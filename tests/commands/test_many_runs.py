@@ -7,9 +7,9 @@ from functools import partial
 
 import pytest
 
-from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from stagecad.processes import parallel_map
 from workbench.cli import run
 
 # One cluster for all of them: they go to one test process.

@@ -226,7 +226,7 @@ def _thesis_experiment(name: str, design: Design, models: Sequence[str], report:
 def _stage(design: Design, studies: Sequence[str], report: ProgressCallback) -> Simulation:
     from sim.friction_stage.studies import STUDIES, stage_drive
     from stagecad.friction_stage.assembly.machine import body_masses
-    from stagecad.parallel import fork_map
+    from stagecad.processes import fork_map
 
     for study in studies:
         if study not in STUDIES:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from stagecad.parallel import parallel_map
+from stagecad.processes import parallel_map
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stagecad.parallel import parallel_map
+from stagecad.processes import parallel_map
 from workbench.cli.options import Run
 from workbench.machine.own_checks import register
 from workbench.operations.design import Design as StatedDesign

@@ -86,7 +86,7 @@ def optimised(
     """
     from designcalc.optimisation.optimise import optimise, required_checks
     from designcalc.optimisation.space import free_parameters
-    from stagecad.parallel import parallel_map
+    from stagecad.processes import parallel_map
 
     source = run.design
     free = free_parameters(source.values_with(rules=False), freed)

@@ -6,21 +6,17 @@ again. One pool and not one for each kind of result, since a process needs secon
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 
 from drawings.artefacts.tasks import TIME_LIMIT
-from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.parameters.errors import LostProcessError, PartError
-from stagecad.schedule import Order
+from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.modelling.registry import ASSEMBLY
-from stagecad.worker_process import Ahead
-from workbench.making.start import WITH_KERNEL
 from workbench.making.tasks import (
     CONTACTS,
-    LOADING,
     PART,
     RENDERING,
     SHAPES,
@@ -48,25 +44,10 @@ def absent(making: Making) -> list[str]:
     return found
 
 
-WITH_DRAWINGS = "with the libraries of drawings, checks and figures"
-"""Kind of the tasks that are not `WITH_KERNEL`."""
-
-
-def _kind(task: str) -> str:
-    """Kind of a task by the libraries that it loads, which takes a second.
-
-    Solids and pictures need few besides the CAD kernel. The sheets of parts need the kernel and those of drawings,
-    checks and figures; a process that is forked from one with the kernel has it
-    (`stagecad.worker_process.started_ahead`).
-    """
-    return WITH_KERNEL if task.startswith((PART, SHAPES, CONTACTS, VIEW, RENDERING)) else WITH_DRAWINGS
-
-
 def make_absent(
     making: Making,
     tasks: Collection[str],
     advance: Callable[[str], None] = lambda task: None,
-    ahead: Sequence[Ahead] = (),
 ) -> None:
     """Make the results of tasks in several processes.
 
@@ -74,25 +55,15 @@ def make_absent(
         making: what is made.
         tasks: of `absent`.
         advance: called with each task that is completed.
-        ahead: processes that have been started already (`workbench.making.start`).
 
     Raises:
         PartError: the CAD kernel makes no valid solid of a part, or ends its process.
     """
     making = replace(making)  # without the solids that it has loaded, which do not pickle
     requires = {task: [other for other in making.tasks[task] if other in tasks] for task in tasks}
-    order = Order(requires, _kind, ahead)
-    names = list(tasks)
-    if len({_kind(task) for task in tasks}) > 1:
-        names.insert(1, LOADING)
-
-    def report(task: str) -> None:
-        if task != LOADING:
-            advance(task)
-
     limit = TimeLimit(TIME_LIMIT, fallback=partial(making.run, exact=False))
     try:
-        parallel_map(making.run, names, progress=report, limit=limit, order=order, isolate=True)
+        parallel_map(making.run, list(tasks), progress=advance, limit=limit, requires=requires, isolate=True)
     except LostProcessError as error:
         lost = str(error.item)
         if lost.startswith(f"{PART} "):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,23 +52,6 @@ PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VAL
 )
 """Kinds of task; the name of what is made follows."""
 KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION)
-LOADING = "libraries"
-"""A task without a result: loads what drawings, checks and figures use, while the first solids are made."""
-LIBRARIES = (
-    "designcalc.checks.analysis.tolerance",
-    "designcalc.friction_stage.physics.assembly_values",
-    "drawings.friction_stage.procedure.sheet",
-    "drawings.export.lint",
-    "matplotlib.backends.backend_agg",
-    "matplotlib.figure",
-    "pypdfium2",
-    "reportlab.pdfbase.ttfonts",
-    "reportlab.pdfgen.canvas",
-    "scipy.linalg",
-    "stagecad.solids.export.rasteriser",
-    "workbench.machine.margin_studies",
-    "workbench.report.check_figures",
-)
 
 
 def needs_kernel(task: str) -> bool:
@@ -153,7 +135,7 @@ class Making:
         """Make the result of a task, in this process.
 
         Args:
-            task: of `tasks`, or `LOADING`.
+            task: of `tasks`.
             exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
         """
         if needs_kernel(task):
@@ -175,11 +157,6 @@ class Making:
     @property
     def masses(self) -> BodyMasses:
         return BodyMasses(self.machine.moving_body, self.machine.masses["tip"])
-
-
-def _libraries(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    for library in LIBRARIES:
-        import_module(library)
 
 
 def _part(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
@@ -234,7 +211,6 @@ def _simulation(making: Making, store: ArtefactStore, name: str, exact: bool) ->
 
 
 _MAKERS: Mapping[str, Callable[[Making, ArtefactStore, str, bool], None]] = {
-    LOADING: _libraries,
     PART: _part,
     SHAPES: _assembly,
     CONTACTS: _interferences,

@@ -1,19 +1,16 @@
-"""The process that runs jobs: it takes one after another, and keeps what it loaded (CAD kernel, compiled effects)."""
+"""What the processes of the page do: one job after another, with what they have loaded before."""
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
 import traceback
 from collections.abc import Callable
 from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any
 
-from stagecad import blas_threads
 from stagecad.parameters.errors import InputError
-from stagecad.process_start import end_with_parent
+from stagecad.processes import begin_worker
 
 Report = Callable[[str, int, int], None]
 """Called by a task with what it does, the steps done, and all steps (0: not known)."""
@@ -33,28 +30,28 @@ TASKS = {
 """Module of each task, of the function of the same name."""
 
 
-def serve(pipe: Connection, parent: int, folder: str) -> None:
-    """Loop of a process: requests `(task, arguments)`, answers `(kind, content)`; ends with its parent.
+_reports: Connection | None = None
 
-    Args:
-        pipe: to the server.
-        parent: process id of the server.
-        folder: working folder.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent(parent)
-    os.environ.update(dict.fromkeys(blas_threads.VARIABLES, "1"))
+
+def begin_jobs(reports: Connection, folder: str) -> None:
+    """Prepare a process: `reports` is a pipe to the server, `folder` where it works."""
+    global _reports
+    begin_worker()
+    _reports = reports
     os.environ.setdefault("MPLBACKEND", "Agg")
     os.chdir(folder)
-    with contextlib.suppress(EOFError, OSError):
-        while True:
-            task, arguments = pipe.recv()
-            pipe.send(perform(task, arguments, lambda *step: pipe.send(("progress", step))))
 
 
-def perform(task: str, arguments: dict[str, Any], report: Report) -> tuple[str, Any]:
+def perform(number: int, task: str, arguments: dict[str, Any]) -> tuple[str, Any]:
     """Run one task: `("result", document)`, `("refused", line)` for a fault of the input, or `("failure", text)`."""
+
+    def report(step: str, done: int, total: int) -> None:
+        assert _reports is not None
+        # A short message is written in one piece: several processes write to the pipe, and each may be ended.
+        _reports.send((number, step[:200], done, total))
+
     try:
+        report("", 0, 0)
         module = import_module(f"workbench.page.{TASKS[task]}")
         return "result", getattr(module, task)(report=report, **arguments)
     except InputError as error:

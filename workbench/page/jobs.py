@@ -1,7 +1,7 @@
 """Jobs: work that takes longer than a request, in processes of their own, one for each kind of work.
 
-A lane is a process and its queue. The process stays for the next job, since loading the CAD kernel or the compiled
-effects takes seconds; to cancel a running job, its process is killed, with all processes that it started, and the next
+A lane is a pool of one process. The process stays for the next job, since loading the CAD kernel or the compiled
+effects takes seconds; to cancel a running job, its process is ended, with all processes that it started, and the next
 job gets a new one. Finished jobs are kept as files, so that a page finds them after a reload or a new start.
 """
 
@@ -14,18 +14,23 @@ import os
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from concurrent.futures import CancelledError, Future
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.processes import started_pool
 from workbench.operations.result import finite
-from workbench.page.job_process import serve
+from workbench.page.job_process import begin_jobs, perform
+
+if TYPE_CHECKING:
+    from pebble import ProcessFuture, ProcessPool
 
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
-LANES = ("solids", "optimisation", "identification", "simulation")
 SCHEMA = 1
 """Schema of the results; those of another version of the program are not shown."""
 KEPT = 60
@@ -84,11 +89,14 @@ class JobRunner:
     def __init__(self, folder: Path, working: Path, changed: Callable[[Job], None] = lambda job: None) -> None:
         self.folder, self.working, self.changed = folder, working, changed
         self.jobs: dict[int, Job] = {}
-        self._lock = threading.Condition()
-        self._closed = False
+        self._lock = threading.RLock()
+        self._lanes: dict[str, ProcessPool] = {}
+        self._pools = ExitStack()
+        self._futures: dict[int, ProcessFuture[tuple[str, Any]]] = {}
         self._read()
         self._numbers = itertools.count(1 + max(self.jobs, default=0))
-        self._lanes = {name: _Lane(self, name) for name in LANES}
+        self._reports, self._reporting = multiprocessing.Pipe(duplex=False)
+        threading.Thread(target=self._receive, daemon=True).start()
 
     def submit(
         self,
@@ -109,8 +117,8 @@ class JobRunner:
                         self._end(other, "cancelled", "replaced by a newer one")
             job = Job(next(self._numbers), lane, task, title, subject, arguments, passing)
             self.jobs[job.number] = job
-            self._lock.notify_all()
         self.changed(job)
+        self._begin(job)
         return job
 
     def get(self, number: int) -> Job:
@@ -139,46 +147,67 @@ class JobRunner:
         job = self.get(number)
         with self._lock:
             if job.state in ("waiting", "running"):
-                running = job.state == "running"
                 self._end(job, "cancelled", "")
-                if running:
-                    self._lanes[job.lane].kill()
         return job
 
     def close(self) -> None:
         """End all processes."""
         with self._lock:
-            self._closed = True
             for job in self.jobs.values():
                 if job.state in ("waiting", "running"):
                     self._end(job, "cancelled", "the server ended")
-            for lane in self._lanes.values():
-                lane.kill()
-            self._lock.notify_all()
+        self._pools.close()
 
     def job_folder(self, job: Job) -> Path:
         """Folder for the files of a job."""
         return self.folder / f"{job.number:05d}"
 
-    def _next(self, lane: str) -> Job | None:
-        """The next job of a lane, now running; waits for one; None when the runner is closed."""
-        with self._lock:
-            while not self._closed:
-                waiting = [job for job in self.jobs.values() if job.lane == lane and job.state == "waiting"]
-                if waiting:
-                    waiting[0].state, waiting[0].began = "running", time.time()
-                    return waiting[0]
-                self._lock.wait()
-        return None
+    def _begin(self, job: Job) -> None:
+        """Hand a job to the process of its lane, a new one where the last ended."""
+        arguments = {**job.arguments, "folder": str(self.job_folder(job))}
+        try:
+            with self._lock:
+                if job.state != "waiting":
+                    return
+                if job.lane not in self._lanes or not self._lanes[job.lane].active:
+                    pool = started_pool(1, begin=begin_jobs, arguments=(self._reporting, str(self.working)))
+                    self._lanes[job.lane] = self._pools.enter_context(pool)
+                future = self._lanes[job.lane].schedule(perform, (job.number, job.task, arguments))
+                self._futures[job.number] = future
+        except (OSError, RuntimeError) as error:
+            self._finish(job, "failure", f"no process can be started: {error}")
+        else:
+            future.add_done_callback(partial(self._completed, job))
 
-    def _progress(self, job: Job, step: str, done: int, total: int) -> None:
-        job.step, job.done, job.total = step, done, total
-        self.changed(job)
+    def _receive(self) -> None:
+        """Take what the processes report of the jobs that they run."""
+        with suppress(EOFError, OSError):
+            while True:
+                number, step, done, total = self._reports.recv()
+                with self._lock:
+                    job = self.jobs.get(number)
+                    if job is None or job.state not in ("waiting", "running"):
+                        continue
+                    if job.state == "waiting":
+                        job.state, job.began = "running", time.time()
+                    job.step, job.done, job.total = step, done, total
+                self.changed(job)
+
+    def _completed(self, job: Job, future: Future[tuple[str, Any]]) -> None:
+        self._futures.pop(job.number, None)
+        try:
+            self._finish(job, *future.result())
+        except CancelledError:
+            pass
+        except (OSError, RuntimeError) as error:
+            status = getattr(error, "exitcode", None)
+            self._finish(job, "failure", f"its process ended without a result (exit status {status})")
 
     def _finish(self, job: Job, kind: str, content: Any) -> None:
         with self._lock:
-            if job.state != "running":
+            if job.state not in ("waiting", "running"):
                 return
+            job.began = job.began or time.time()
             if kind == "result":
                 text = json.dumps(finite(content), allow_nan=False)
                 try:
@@ -194,6 +223,8 @@ class JobRunner:
 
     def _end(self, job: Job, state: State, error: str) -> None:
         job.state, job.error, job.ended = state, error, time.time()
+        if state == "cancelled" and job.number in self._futures:
+            self._futures[job.number].cancel()
         if not job.passing:
             kept = {"schema": SCHEMA, **job.as_json(), "arguments": job.arguments}
             with suppress(OSError):
@@ -219,57 +250,3 @@ class JobRunner:
                 if kept.pop("schema") == SCHEMA:
                     job = Job(**kept)
                     self.jobs[job.number] = job
-
-
-class _Lane:
-    """A thread that hands jobs to a process, and starts a new process after one that ended."""
-
-    def __init__(self, runner: JobRunner, name: str) -> None:
-        self.runner, self.name = runner, name
-        self._process: Any = None
-        self._pipe: Any = None
-        # On Linux a process dies with the thread that started it: this one lives as long as the server.
-        threading.Thread(target=self._run, name=f"jobs: {name}", daemon=True).start()
-
-    def kill(self) -> None:
-        """End the process; its pipe then reads as closed."""
-        process = self._process
-        if process is not None:
-            process.kill()
-
-    def _run(self) -> None:
-        while (job := self.runner._next(self.name)) is not None:
-            self.runner.changed(job)
-            kind, content = self._perform(job)
-            self.runner._finish(job, kind, content)
-        self.kill()
-
-    def _perform(self, job: Job) -> tuple[str, Any]:
-        arguments = {**job.arguments, "folder": str(self.runner.job_folder(job))}
-        try:
-            if self._process is None or not self._process.is_alive():
-                self._start()
-        except (OSError, RuntimeError) as error:
-            self._process = None
-            return "failure", f"no process can be started: {error}"
-        try:
-            if job.state != "running":
-                return "failure", "cancelled"
-            self._pipe.send((job.task, arguments))
-            while True:
-                kind, content = self._pipe.recv()
-                if kind != "progress":
-                    return kind, content
-                self.runner._progress(job, *content)
-        except (EOFError, OSError):
-            process: Any = self._process
-            self._process = None
-            process.join(5.0)
-            return "failure", f"its process ended without a result (exit status {process.exitcode})"
-
-    def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pipe, other = context.Pipe()
-        self._process = context.Process(target=serve, args=(other, os.getpid(), str(self.runner.working)))
-        self._process.start()
-        other.close()

@@ -15,7 +15,6 @@ from designcalc.errors.monte_carlo import (
     strongest_correlation,
     uncertain_parameters,
 )
-from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
 from workbench.cli.options import Run

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
 from workbench.cli.options import Run

@@ -26,7 +26,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from sim.numerics.compilation import compile_callback, is_cached
-from stagecad.background import forked
+from stagecad.processes import forked
 
 
 class View(types.Type):

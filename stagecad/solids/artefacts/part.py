@@ -17,10 +17,9 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parallel import parallel_map
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, LostProcessError, PartError
-from stagecad.schedule import Order
+from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.mass import Geometry, geometry_of
@@ -265,8 +264,9 @@ def in_processes(
     """
     count = 1 if len(names) - len(requires or {}) <= FEW else workers
     try:
-        order = Order(requires or {})
-        parallel_map(partial(_with_kernel, run), names, progress=advance, workers=count, order=order, isolate=isolate)
+        parallel_map(
+            partial(_with_kernel, run), names, progress=advance, workers=count, requires=requires, isolate=isolate
+        )
     except LostProcessError as error:
         raise PartError(str(error.item), design, CRASHED) from None
 

@@ -74,7 +74,7 @@ def _ask(
     """
     from stagecad import blas_threads
 
-    request = json.dumps([module, str(path.resolve()), name, asdict(settings), indices, os.getpid()])
+    request = json.dumps([module, str(path.resolve()), name, asdict(settings), indices])
     environment = {
         **os.environ,
         **dict.fromkeys(blas_threads.VARIABLES, "1"),
@@ -83,7 +83,13 @@ def _ask(
     environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"
     # -P: nothing is imported from the working folder, which may be the experiment's.
     command = [sys.executable, "-P", "-c", f"from {__name__} import answer; answer()", request]
-    ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, check=False)
+    # The process ends when this end of its standard input is closed.
+    standard_input, kept_open = os.pipe()
+    try:
+        ended = subprocess.run(command, stdin=standard_input, capture_output=True, env=environment, check=False)
+    finally:
+        os.close(standard_input)
+        os.close(kept_open)
     if ended.returncode == -getattr(signal, "SIGXCPU", 0):
         raise InputError(f"{name}: is not read within {SECONDS} s")
     try:
@@ -99,10 +105,10 @@ def _ask(
 
 def answer() -> None:
     """Read a file in the separate process, and answer on standard output."""
-    from stagecad.process_start import end_with_parent
+    from stagecad.processes import end_with_parent
 
-    module, path, name, settings, indices, parent = json.loads(sys.argv[1])
-    end_with_parent(parent)
+    module, path, name, settings, indices = json.loads(sys.argv[1])
+    end_with_parent(sys.stdin.fileno())
     _limit(MEMORY + 2 * Path(path).stat().st_size)
     try:
         head, columns = _read(module, Path(path), name, Format(**settings), indices)

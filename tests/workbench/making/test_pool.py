@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
+from stagecad.processes import parallel_map
 from workbench.making import pool
 from workbench.making.pool import absent, is_long, make_absent
 from workbench.making.tasks import LOADING, Making, needs_kernel

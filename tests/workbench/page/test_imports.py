@@ -16,8 +16,7 @@ ALLOWED = ("workbench.api", "workbench.operations", "workbench.page", "stagecad.
 """The parameter file is the input of the interface, and its errors are those of all layers."""
 EXCEPTIONS = {
     "stagecad.__version__": "shown on the page",
-    "stagecad.blas_threads": "threads of a process that runs jobs",
-    "stagecad.process_start.end_with_parent": "a process that runs jobs ends with the server",
+    "stagecad.processes": "jobs run in processes of their own",
 }
 FILES = sorted(PAGE.rglob("*.py"))
 

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING
 
 import click
 
-from stagecad.parameters.errors import InputError
 from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
@@ -19,7 +15,6 @@ if TYPE_CHECKING:
     from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-    from stagecad.worker_process import Ahead
 
 
 @click.command("make")
@@ -31,23 +26,18 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
-    from workbench.making.start import kernel_processes, note_made
+    from stagecad.solids.artefacts.store import ArtefactStore
+    from workbench.cli.commands.check import trust_own_checks
+    from workbench.cli.commands.declared import WHAT, run_declared
+    from workbench.machine.declared_machine import declared_machine
 
-    with kernel_processes(run) as ahead:
-        from stagecad.solids.artefacts.store import ArtefactStore
-        from workbench.cli.commands.check import trust_own_checks
-        from workbench.cli.commands.declared import WHAT, run_declared
-        from workbench.machine.declared_machine import declared_machine
-
-        declaration = declared_machine(run)
-        store = ArtefactStore()
-        if declaration is None:
-            if trust:
-                trust_own_checks(run)
-            _fill(run, store, simulations, ahead)
-            note_made(run)
+    declaration = declared_machine(run)
     if declaration is not None:
         return run_declared(run, declaration, WHAT, trust)
+    if trust:
+        trust_own_checks(run)
+    store = ArtefactStore()
+    _fill(run, store, simulations)
     _write_results(run, store, simulations)
     return 0
 
@@ -168,44 +158,21 @@ def _write(folder: Path, entries: Iterable[Artefact]) -> tuple[list[Path], int]:
     return [folder / name for name in files], len(write_stored(folder, files))
 
 
-def _fill(run: Run, store: ArtefactStore, simulations: bool, ahead: Sequence[Ahead]) -> None:
+def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
     """Make what the store lacks, side by side.
 
     The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
-
-    Args:
-        ahead: processes that load the kernel meanwhile.
     """
     from workbench.cli.commands.drawings import with_sheet_overrides
     from workbench.making.pool import absent, is_long, make_absent
-    from workbench.making.tasks import Making, needs_kernel
+    from workbench.making.tasks import Making
 
     making = Making(store.folder, run.design.values, with_sheet_overrides(run), run.design, simulations)
     tasks = absent(making)
-    if not any(needs_kernel(task) for task in tasks):
-        for process in ahead:
-            process.end()
     if not any(is_long(task) for task in tasks):
         return
     with run.progress() as progress:
         if not progress.disable:
             run.note("Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
         task = progress.add_task("results", total=len(tasks))
-        # Meanwhile this process waits.
-        loading = Thread(target=_prepare_writing, args=(run,), daemon=True)
-        loading.start()
-        make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name), ahead)
-        loading.join()
-
-
-def _prepare_writing(run: Run) -> None:
-    """Load what the results are written with, and form the text of the parameters, which is kept for its writing."""
-    from workbench.report.html import compiled
-    from workbench.report.machine import TEMPLATE
-
-    for name in ("designcalc.checks.analysis.report", "drawings.friction_stage.procedure.procedure"):
-        import_module(name)
-    compiled(TEMPLATE)
-    # An error is reported where the text is written.
-    with suppress(InputError):
-        run.design.to_toml()
+        make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name))

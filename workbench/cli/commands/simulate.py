@@ -257,7 +257,7 @@ def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output
     """Run the studies of the stage, write their tables and figures; their features."""
     from sim.friction_stage.studies import STUDIES, stage_drive
     from stagecad.friction_stage.assembly.machine import body_masses
-    from stagecad.parallel import fork_map, parallel_map
+    from stagecad.processes import fork_map, parallel_map
 
     drive = stage_drive(run.design.values, body_masses(run.design.values))
     # A forked process has the compiled kernels; a new one would load them, for each study.
