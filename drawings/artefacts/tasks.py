@@ -18,9 +18,9 @@ from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 BUILD = "build "
 """Begins the name of a task that builds a part; the other tasks draw the sheets of their name."""
 
-TIME_LIMIT = 240.0
-"""Time after which a task is repeated without exact hidden-line removal, which can hang, s; the longest takes some ten
-of processor time."""
+TIME_LIMIT = 120.0
+"""Processor time after which a task is repeated without exact hidden-line removal, which can hang, s; the longest takes
+some ten."""
 
 SLOWEST_FIRST = ("base", "spring", ASSEMBLY, PROCEDURE, "stage", "holder", "tip", "tooth_bar", "bearing_way")
 """Order in which parts are built and sheets drawn, so that no long task is left for the end."""

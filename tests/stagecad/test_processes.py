@@ -60,6 +60,11 @@ def fallback(folder: Path, name: str) -> str:
     return "fallback"
 
 
+def sleep(seconds: float) -> float:
+    time.sleep(seconds)
+    return seconds
+
+
 def noted(folder: Path, name: str) -> list[str]:
     done = sorted(path.name for path in folder.iterdir())
     (folder / name).touch()
@@ -112,6 +117,11 @@ def test_the_fallback_replaces_a_task_that_exceeds_the_time_limit(tmp_path: Path
 def test_a_task_that_exceeds_the_time_limit_without_a_fallback_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(TimeoutError, match="'slow' took more than 1 s"):
         parallel_map(partial(loop, tmp_path), ["slow"], limit=TimeLimit(1.0))
+
+
+@pytest.mark.skipif(not LINUX, reason="elsewhere the limit is of elapsed time")
+def test_the_limit_is_of_processor_time() -> None:
+    assert parallel_map(sleep, [1.5], limit=TimeLimit(1.0)) == [1.5]
 
 
 def test_a_task_waits_for_those_it_requires_while_others_go_on(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from stagecad.private import cache_root
 from stagecad.processes import parallel_map
 from workbench.making import pool
 from workbench.making.pool import absent, is_long, make_absent
-from workbench.making.tasks import LOADING, Making, needs_kernel
+from workbench.making.tasks import Making
 from workbench.operations.design import Design as StatedDesign
 
 CHANGES = {
@@ -67,32 +67,6 @@ def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
 def test_processes_are_started_for_long_tasks_only() -> None:
     assert is_long("part tip") and is_long("simulation: tip") and is_long("sheet of tip")
     assert not is_long("checks") and not is_long("figure: error budgets")
-
-
-def test_a_task_that_loads_libraries_is_run_where_there_are_tasks_with_and_without_the_kernel(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run: list[list[str]] = []
-    monkeypatch.setattr(pool, "parallel_map", lambda function, items, **named: run.append(list(items)))
-    for tasks in (["part tip", "sheet of tip", "rendering of tip"], ["part tip"], ["checks"]):
-        make_absent(making(tmp_path), tasks)
-    assert run == [["part tip", LOADING, "sheet of tip", "rendering of tip"], ["part tip"], ["checks"]]
-
-
-def test_tasks_that_load_no_kernel_need_none(tmp_path: Path) -> None:
-    program = """
-import sys
-from workbench.making.tasks import LIBRARIES, LOADING, Making
-from pathlib import Path
-from stagecad.parameters.load import load_design
-from workbench.operations.design import Design as StatedDesign
-design = load_design()
-Making(Path(sys.argv[1]), design, design, StatedDesign(None, ()), simulations=True).run(LOADING)
-assert set(LIBRARIES) <= set(sys.modules) and "cadquery" not in sys.modules
-"""
-    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True)
-    assert needs_kernel("part tip") and needs_kernel("assembly") and needs_kernel("sheet of tip")
-    assert not needs_kernel("sheet of assembly") and not needs_kernel("rendering of assembly")
 
 
 def test_a_solid_that_cannot_be_made_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
