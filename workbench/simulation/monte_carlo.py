@@ -17,6 +17,7 @@ from designcalc.errors.monte_carlo import (
 )
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
+from stagecad.processes import parallel_map
 from workbench.cli.options import Run
 from workbench.operations.design import Design as StatedDesign
 from workbench.simulation.experiments import (

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
+from stagecad.processes import parallel_map
 from workbench.cli.options import Run
 from workbench.operations.design import Design as StatedDesign
 from workbench.simulation.experiments import Selection, features_of, flat_features, simulate_selection
