@@ -1,4 +1,5 @@
-"""Bending of a rectangular plate on point springs, with point masses: static compliance and natural modes.
+"""Bending of a rectangular plate on point springs, with point masses and bodies that stand on it: static compliance and
+natural modes.
 
 Kirchhoff's plate by finite elements (`designcalc.bearing.plate_elements`).
 """
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designcalc.bearing.plate_elements import SLOPES, Place, Row, low_rank, outline
+from designcalc.bearing.plate_elements import Place, Row, low_rank, outline
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
@@ -75,13 +76,41 @@ class Modes:
     shapes: Array
 
 
+@dataclass(frozen=True)
+class StandingBody:
+    """A rigid body that stands on feet, which leave the plate free to bend between them.
+
+    Each foot carries an equal share of its mass. With its centre at a height over the plate's middle plane it is moved
+    along the plate as it turns: the inertia m h^2 turns by the mean slopes of the feet,
+    ``sum (x_i - x_0) w_i/sum (x_i - x_0)^2``. The slope of the plate at a single point would not do: under a moment
+    there it grows without bound with the number of elements.
+
+    Args:
+        feet: places, m.
+        mass: m, kg.
+        height: h, m.
+    """
+
+    feet: tuple[Place, ...]
+    mass: float
+    height: float
+
+    def turns(self) -> list[list[tuple[Place, float]]]:
+        """Mean slopes along x and y: weights of the deflections of the feet, 1/m."""
+        away = np.array(self.feet) - np.mean(self.feet, axis=0)
+        return [
+            list(zip(self.feet, (along / (along @ along)).tolist(), strict=True)) for along in away.T if np.any(along)
+        ]
+
+
 class SupportedPlate:
-    """A plate with springs and masses at points, divided into equal elements.
+    """A plate with springs, masses and standing bodies, divided into equal elements.
 
     Args:
         plate: the plate.
         springs: places (x, y), m, with stiffnesses normal to the plate, N/m.
-        masses: places with masses, kg, and their radii of gyration about axes in the plate, m.
+        masses: places with masses, kg.
+        bodies: that stand on the plate.
         elements: number along the shorter side.
 
     Raises:
@@ -92,22 +121,30 @@ class SupportedPlate:
         self,
         plate: Plate,
         springs: Sequence[tuple[Place, float]] = (),
-        masses: Sequence[tuple[Place, float, float]] = (),
+        masses: Sequence[tuple[Place, float]] = (),
+        bodies: Sequence[StandingBody] = (),
         elements: int = 20,
     ) -> None:
         self.plate = plate
         shorter = min(plate.length, plate.width)
         counts = (round(elements * plate.length / shorter), round(elements * plate.width / shorter))
         self._outline = outline(plate.length, plate.width, plate.poisson, *counts)
-        self._springs, self._masses = list(springs), list(masses)
+        shares = [(foot, body.mass / len(body.feet)) for body in bodies for foot in body.feet]
+        self._springs, self._masses = list(springs), [*masses, *shares]
         self._spring_rows = [(self._outline.row(place), k) for place, k in springs]
-        self._mass_rows = [(self._outline.row(place), m) for place, m, _ in masses]
+        self._mass_rows = [(self._outline.row(place), m) for place, m in self._masses]
         self._mass_rows += [
-            (self._outline.row(place, slope), m * radius**2)
-            for place, m, radius in masses
-            for slope in SLOPES
-            if radius != 0
+            (self._combined(turn), body.mass * body.height**2)
+            for body in bodies
+            if body.height
+            for turn in body.turns()
         ]
+
+    def _combined(self, weights: list[tuple[Place, float]]) -> Row:
+        """A weighted sum of deflections as a combination of the degrees of freedom."""
+        rows = [self._outline.row(place) for place, _ in weights]
+        values = [weight * row[1] for row, (_, weight) in zip(rows, weights, strict=True)]
+        return np.concatenate([row[0] for row in rows]), np.concatenate(values)
 
     @property
     def _area_density(self) -> float:
@@ -148,7 +185,7 @@ class SupportedPlate:
             shape (n,).
         """
         unit = gravity / self.plate.rigidity
-        loads = [(place, unit * mass) for place, mass, _ in self._masses]
+        loads = [(place, unit * mass) for place, mass in self._masses]
         return self._at(places, self._deflections(loads, unit * self._area_density))
 
     def _deflections(self, loads: list[tuple[Place, float]], weight: float = 0.0) -> Array:
@@ -167,7 +204,7 @@ class SupportedPlate:
         # A spring or mass far beyond those of the plate's own modes leaves no digits for the others.
         extreme = _EXTREME * self.plate.length * self.plate.width
         stiff = any(k > extreme * free[kept - 1] * self.plate.rigidity for _, k in self._springs)
-        if stiff or any(m > extreme * self._area_density for _, m, _ in self._masses):
+        if stiff or any(m > extreme * self._area_density for _, m in self._masses):
             frequency, vectors = self._eigenvectors(count)
             return Modes(frequency, self._at(places, vectors))
         frequency, parts = self._from_free_modes(count, kept, free, shapes)

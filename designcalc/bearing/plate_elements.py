@@ -29,10 +29,9 @@ Array = NDArray[np.float64]
 Place = tuple[float, float]
 Slope = tuple[int, int]
 Row = tuple[NDArray[np.int_], Array]
-"""Degrees of freedom of an element and their factors, each of shape (12,)."""
+"""Degrees of freedom and their factors, each of shape (n,): 12 for a place."""
 
 DEFLECTION: Slope = (0, 0)
-SLOPES: tuple[Slope, Slope] = ((1, 0), (0, 1))
 
 _POWERS = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (3, 1), (1, 3)])
 _KEPT = 1024
@@ -63,8 +62,8 @@ class Outline:
         corners = np.stack([node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]], axis=-1).reshape(-1, 4)
         self.numbers = (3 * corners[:, :, None] + np.arange(3)).reshape(-1, 12)
         self.stiffness, self.mass = self._assembled()
-        self._held: dict[tuple[Place, Slope], Array] = {}
-        self._rows: dict[tuple[Place, Slope], Row] = {}
+        self._held: dict[Place, Array] = {}
+        self._rows: dict[Place, Row] = {}
 
     def _assembled(self) -> tuple[csc_array, csc_array]:
         from scipy.sparse import coo_array
@@ -77,22 +76,21 @@ class Outline:
             found.append(coo_array((values, (rows, columns)), shape=(self.size, self.size)).tocsc())
         return found[0], found[1]
 
-    def row(self, place: Place, slope: Slope = DEFLECTION) -> Row:
-        """Deflection (or a slope) at a place as a combination of the degrees of freedom; kept."""
-        key = (place, slope)
-        if key not in self._rows:
+    def row(self, place: Place) -> Row:
+        """Deflection at a place as a combination of the degrees of freedom; kept."""
+        if place not in self._rows:
             if len(self._rows) >= _KEPT:
                 self._rows.clear()
-            self._rows[key] = self._row(place, slope)
-        return self._rows[key]
+            self._rows[place] = self._row(place)
+        return self._rows[place]
 
-    def _row(self, place: Place, slope: Slope) -> Row:
+    def _row(self, place: Place) -> Row:
         (a, b), nx, ny = self.sides, self.along, self.across
         u, v = place[0] / a + nx / 2, place[1] / b + ny / 2
         if not (-1e-9 <= u <= nx + 1e-9 and -1e-9 <= v <= ny + 1e-9):
             raise InputError(f"plate: the place ({place[0]:g} m, {place[1]:g} m) is outside the plate")
         i, j = min(max(int(u), 0), nx - 1), min(max(int(v), 0), ny - 1)
-        values = _monomials(np.array([(u - i) * a]), np.array([(v - j) * b]), slope) @ _to_coefficients(a, b)
+        values = _monomials(np.array([(u - i) * a]), np.array([(v - j) * b]), DEFLECTION) @ _to_coefficients(a, b)
         return self.numbers[j * nx + i], values[0]
 
     @cached_property
@@ -112,17 +110,16 @@ class Outline:
         held = csc_array(self.stiffness + low_rank([(self.row(corner), k) for corner in corners], self.size))
         return splu(held)
 
-    def _solved(self, place: Place, slope: Slope = DEFLECTION) -> Array:
+    def _solved(self, place: Place) -> Array:
         """Deflections of the plate on its corners under a unit force at a place, shape (size,)."""
-        key = (place, slope)
-        if key not in self._held:
+        if place not in self._held:
             if len(self._held) >= _KEPT:
                 self._held.clear()
-            columns, values = self.row(place, slope)
+            columns, values = self.row(place)
             force = np.zeros(self.size)
             force[columns] = values
-            self._held[key] = self._factors.solve(force)
-        return self._held[key]
+            self._held[place] = self._factors.solve(force)
+        return self._held[place]
 
     @cached_property
     def _weight(self) -> tuple[Array, Array]:
@@ -205,8 +202,8 @@ def low_rank(terms: list[tuple[Row, float]], size: int) -> csc_array:
 
     if not terms:
         return csc_array((size, size))
-    rows = np.concatenate([np.repeat(columns, 12) for (columns, _), _ in terms])
-    columns = np.concatenate([np.tile(columns, 12) for (columns, _), _ in terms])
+    rows = np.concatenate([np.repeat(columns, columns.size) for (columns, _), _ in terms])
+    columns = np.concatenate([np.tile(columns, columns.size) for (columns, _), _ in terms])
     values = np.concatenate([factor * np.outer(row, row).ravel() for (_, row), factor in terms])
     return coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
 

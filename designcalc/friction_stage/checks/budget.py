@@ -22,7 +22,7 @@ from designcalc.friction_stage.physics.loads import load, moved_mass, tip_load
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness, rail
 from designcalc.friction_stage.physics.plate_vibration import at_payload
 from designcalc.friction_stage.physics.position_loop import air_error
-from designcalc.friction_stage.physics.stage_plate import payload_place
+from designcalc.friction_stage.physics.stage_plate import payload_height, payload_places
 from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
 from stagecad.parameters.design import Design
 
@@ -43,6 +43,8 @@ class Budget:
     """contributions with the displacement of the payload by each, m, the largest in the direction first"""
     total: Array
     """per direction, m"""
+    point: tuple[float, float, float]
+    """of the payload with the largest error, from the middle of the stage, m"""
 
     @property
     def axis(self) -> int:
@@ -65,7 +67,7 @@ def _roughness(r: DesignInputs) -> float:
     return float(averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), radius))
 
 
-def resolution(r: DesignInputs) -> list[Contribution]:
+def resolution(r: DesignInputs, place: int) -> list[Contribution]:
     """Smallest step along the travel, in closed loop with the stage at rest."""
     noise = filtered_noise(
         r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
@@ -80,16 +82,16 @@ def resolution(r: DesignInputs) -> list[Contribution]:
     ]
 
 
-def smoothness(r: DesignInputs) -> list[Contribution]:
+def smoothness(r: DesignInputs, place: int) -> list[Contribution]:
     """Error normal to the motion, shorter than the travel, at the least required acceleration."""
     rough, wave = _roughness(r), r("bearing.way_waviness") / np.sqrt(2)
     lever = r("pads.spacing_along")
     pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
     way = rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
-    corner = at_payload(r, pulse)
-    bent = float(corner.static[0]) + pulse / (2 * float(total_stiffness(way, M, tau)))
-    shaken = float(corner.vibration[0])
+    payload = at_payload(r, pulse)
+    bent = float(payload.static[place]) + pulse / (2 * float(total_stiffness(way, M, tau)))
+    shaken = float(payload.vibration[place])
     floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
     turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
     return [
@@ -106,7 +108,7 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
     ]
 
 
-def straightness(r: DesignInputs) -> list[Contribution]:
+def straightness(r: DesignInputs, place: int) -> list[Contribution]:
     """Error normal to the motion over the travel."""
     bow, length = r("bearing.way_straightness"), r("bearing_way.length")
     share = (r("stage.travel") / length) ** 2  # of a bow over the way's length, what the travel covers
@@ -123,7 +125,7 @@ def straightness(r: DesignInputs) -> list[Contribution]:
     ]
 
 
-def repeatability(r: DesignInputs) -> list[Contribution]:
+def repeatability(r: DesignInputs, place: int) -> list[Contribution]:
     """Repeatability of a position along the travel after a change of temperature."""
     change = r("environment.temperature_change")
     growth = r.material("base", "expansion") * r("stage.travel") / 2 * change
@@ -147,7 +149,7 @@ def repeatability(r: DesignInputs) -> list[Contribution]:
     ]
 
 
-_KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs], list[Contribution]]]] = {
+_KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs, int], list[Contribution]]]] = {
     "resolution": ("along", "resolution_coarse", "Table 1: resolution", resolution),
     "smoothness": ("normal", "smoothness", "Table 1: smoothness", smoothness),
     "straightness": ("normal", "straightness", "Section 2.3.2: straightness (Table 1 has none)", straightness),
@@ -158,18 +160,22 @@ _KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs], list[Contributio
         repeatability,
     ),
 }
-"""Budgets by name: the direction that is judged, the key of the limit, the requirement, the contributions."""
+"""Budgets by name: the direction that is judged, the key of the limit, the requirement, the contributions at one of
+`payload_places`."""
 
 
 def worked_out(r: DesignInputs, name: str) -> Budget:
-    """One budget at the payload."""
+    """One budget at the payload, at its place with the largest error."""
     direction, key, requirement, parts = _KINDS[name]
-    rows, total = budget(parts(r), payload_place(r))
-    axis = AXES[direction]
+    axis, height = AXES[direction], payload_height(r)
+    points = [(*place, height) for place in payload_places(r)]
+    found = [budget(parts(r, k), point) for k, point in enumerate(points)]
+    worst = int(np.argmax([total[axis] for _, total in found]))
+    rows, total = found[worst]
     # Rotations reach across their own axis in second order: below 1e-5 of the total they are omitted.
     rows = [row for row in rows if abs(row[1][axis]) > 1e-5 * total[axis]]
     rows.sort(key=lambda row: -abs(row[1][axis]))
-    return Budget(name, direction, key, requirement, tuple(rows), total)
+    return Budget(name, direction, key, requirement, tuple(rows), total, points[worst])
 
 
 def budgets(r: DesignInputs) -> list[Budget]:
@@ -185,12 +191,12 @@ def checks(design: Design) -> list[CheckFunction]:
 def total_error(r: DesignInputs, name: str) -> Check:
     found = worked_out(r, name)
     largest = found.rows[0][0]
-    _, rest = budget([cause for cause, _ in found.rows[1:]], payload_place(r))
+    _, rest = budget([cause for cause, _ in found.rows[1:]], found.point)
     return Check(
         f"error budget at the payload: {name}",
         at_most(float(found.total[found.axis]), r(f"requirements.{found.key}"), "m"),
         source="homogeneous transforms; random errors by squares, systematic ones by size",
-        formula=f"sum |e_i| + sqrt(sum e_j^2) {found.direction} at the payload",
+        formula=f"sum |e_i| + sqrt(sum e_j^2) {found.direction} at the worst foot or corner of the payload",
         substituted="; ".join(f"{cause.name} {show(abs(float(e[found.axis])), 'm')}" for cause, e in found.rows),
         proposal=f"start with {largest.name} ({largest.source}): without it {show(float(rest[found.axis]), 'm')}",
         requirement=found.requirement,

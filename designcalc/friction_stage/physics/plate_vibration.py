@@ -32,7 +32,7 @@ from designcalc.friction_stage.physics.stage_plate import (
     give_at,
     modal_damping,
     payload_feet,
-    payload_place,
+    payload_places,
     stage_modes,
     stage_plate,
 )
@@ -51,10 +51,11 @@ class HeldPlate:
 
     Args:
         frequency: Hz, shape (m,); damping: ratio.
-        tip, payload: deflection there of modes of mass 1 kg, kg^-1/2, shape (m,).
+        tip: deflection there of modes of mass 1 kg, kg^-1/2, shape (m,).
+        payload: the same at the places of the payload, shape (places, m).
         participation: Gamma of a translation of the floor, kg^1/2, shape (m,).
         push: stiffness of stacks and contact of the tip, N/m.
-        compliance: static deflection of the payload by a unit force at the tip, m/N.
+        compliance: static deflection of the places by a unit force at the tip, m/N, shape (places,).
     """
 
     frequency: Array
@@ -63,18 +64,18 @@ class HeldPlate:
     payload: Array
     participation: Array
     push: float
-    compliance: float
+    compliance: Array
 
     def responses(self, f: Array) -> tuple[Response, Response]:
-        """At frequencies in Hz: motion of the payload relative to the floor over that of the floor, and motion of the
-        payload over that of the free tip."""
+        """At frequencies in Hz, shape (n,): motion of the places relative to the floor over that of the floor, and
+        motion of the places over that of the free tip, each of shape (n, places)."""
         resonances = resonant_response(f[:, None], self.frequency, self.damping)
-        floor = resonances * (f[:, None] / self.frequency) ** 2 @ (self.payload * self.participation)
+        floor = resonances * (f[:, None] / self.frequency) ** 2 @ (self.payload * self.participation).T
         shares = self.tip * self.payload / (2 * np.pi * self.frequency) ** 2
-        return floor, self.push * (self.compliance + (resonances - 1.0) @ shares)
+        return floor, self.push * (self.compliance + (resonances - 1.0) @ shares.T)
 
     def ring_down(self, force: float, limit: float) -> float:
-        """Time after which the vibration by a force that leaves the tip at once stays below a limit, s.
+        """Time after which the vibration of every place by a force that leaves the tip at once stays below a limit, s.
 
         The envelope ``sum_m |phi_m(tip) phi_m(payload)| F/omega_m^2 exp(-zeta_m omega_m t)``: all modes add up.
 
@@ -84,10 +85,10 @@ class HeldPlate:
         """
         rates = 2 * np.pi * self.frequency
         sizes, decays = force * np.abs(self.tip * self.payload) / rates**2, self.damping * rates
-        low, high = 0.0, float(np.log(max(sizes.sum() / limit, 1.0)) / decays.min())
+        low, high = 0.0, float(np.log(max(sizes.sum(axis=1).max() / limit, 1.0)) / decays.min())
         for _ in range(60):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if float(sizes @ np.exp(-decays * middle)) > limit else (low, middle)
+            low, high = (middle, high) if float((sizes @ np.exp(-decays * middle)).max()) > limit else (low, middle)
         return high
 
 
@@ -95,13 +96,13 @@ class HeldPlate:
 def held_plate(r: DesignInputs) -> HeldPlate:
     """Modes of the stage at rest; each is damped by pads and plate in proportion to the energy that they store."""
     push = 1 / (1 / (PIEZOS * stack_stiffness(r)) + 1 / contact_stiffness(r, load(r)).normal)
-    plate, pads, at = stage_plate(r, tip=push), pad_positions(r), payload_place(r)[:2]
-    modes = plate.modes(MODES, [TIP, at, *pads.tolist()])
-    tip, payload, at_pads = modes.shapes[0], modes.shapes[1], modes.shapes[2:]
+    plate, pads, places = stage_plate(r, tip=push), pad_positions(r), payload_places(r)
+    modes = plate.modes(MODES, [TIP, *places, *pads.tolist()])
+    tip, payload, at_pads = modes.shapes[0], modes.shapes[1 : 1 + len(places)], modes.shapes[1 + len(places) :]
     stiffness, rates = pad_spring_stiffness(r)[:, None], (2 * np.pi * modes.frequency) ** 2
     damping = modal_damping(r, modes.frequency, at_pads)
     pulled = (stiffness * at_pads).sum(axis=0) + push * tip
-    compliance = float(plate.compliance([TIP], [at])[0, 0])
+    compliance = plate.compliance([TIP], places)[:, 0]
     return HeldPlate(modes.frequency, damping, tip, payload, pulled / rates, push, compliance)
 
 
@@ -115,8 +116,8 @@ PHASES = 256
 
 @remembered
 def driven_modes(r: DesignInputs) -> Modes:
-    """Modes of the stage on its pads: at the tip, the payload's feet, its corner, and the pads."""
-    places = [TIP, *payload_feet(r), payload_place(r)[:2], *pad_positions(r).tolist()]
+    """Modes of the stage on its pads: at the tip, the places of the payload, and the pads."""
+    places = [TIP, *payload_places(r), *pad_positions(r).tolist()]
     return stage_modes(r, DRIVEN_MODES, places)
 
 
@@ -146,7 +147,7 @@ class Shaken:
 
 
 def compliance(r: DesignInputs, frequency: float) -> Response:
-    """G at a frequency, m/N: at the tip, the payload's feet and its corner, shape (places,)."""
+    """G at a frequency, m/N: at the tip and the places of the payload, shape (1 + places,)."""
     modes, pads = driven_modes(r), len(pad_positions(r))
     shapes, at_pads = modes.shapes[:-pads], modes.shapes[-pads:]
     damping = modal_damping(r, modes.frequency, at_pads)
@@ -156,7 +157,7 @@ def compliance(r: DesignInputs, frequency: float) -> Response:
 
 
 def _static(r: DesignInputs) -> Array:
-    places: ArrayLike = [TIP, *payload_feet(r), payload_place(r)[:2]]
+    places: ArrayLike = [TIP, *payload_places(r)]
     return give_at(r, places)
 
 
@@ -177,11 +178,11 @@ def above_tip(r: DesignInputs, mean: float) -> Shaken:
 
 def at_feet(r: DesignInputs, mean: float) -> Shaken:
     """The feet of the payload, shape (feet,)."""
-    found = _shaken(r, mean)
-    return Shaken(found.static[1:-1], found.parts[:, 1:-1])
+    found, feet = _shaken(r, mean), len(payload_feet(r))
+    return Shaken(found.static[-feet:], found.parts[:, -feet:])
 
 
 def at_payload(r: DesignInputs, mean: float) -> Shaken:
-    """The corner of the payload's pattern of holes, shape (1,)."""
+    """The feet of the payload and the corners of its pattern of holes, as `payload_places`, shape (places,)."""
     found = _shaken(r, mean)
-    return Shaken(found.static[-1:], found.parts[:, -1:])
+    return Shaken(found.static[1:], found.parts[:, 1:])

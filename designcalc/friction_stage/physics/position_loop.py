@@ -36,7 +36,7 @@ from designcalc.friction_stage.physics.body import moving_body
 from designcalc.friction_stage.physics.loads import load, moved_mass
 from designcalc.friction_stage.physics.pads import pads_stiffness
 from designcalc.friction_stage.physics.plate_vibration import held_plate
-from designcalc.friction_stage.physics.stage_plate import payload_place
+from designcalc.friction_stage.physics.stage_plate import payload_height
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, holding_stiffness, tip_noise
 
 Array = NDArray[np.float64]
@@ -161,17 +161,21 @@ def _sensor_noise(r: DesignInputs, sensor: str, f: Array, loop: PositionLoop, no
 
 
 def _normal(r: DesignInputs) -> DynamicBudget:
+    """At the place of the payload with the largest error."""
     held = held_plate(r)
     f = _grid(list(zip(held.frequency.tolist(), held.damping.tolist(), strict=True)))
-    floor, (shaken, lifted) = floor_density(f, r("environment.floor_velocity"), BANDS), held.responses(f)
     # Two amplifiers tilt the tip by d2 - d1 times h/D; three raise it by the mean of d1, d2, d3.
     rise = r("actuator.piezo_spacing") / r("actuator.tip_height") / math.sqrt(2) / math.sqrt(PIEZOS)
+    floor, (shaken, lifted) = floor_density(f, r("environment.floor_velocity"), BANDS), held.responses(f)
+    amplifiers = _amplifiers(r, f) * rise
+    power = (floor[:, None] * np.abs(shaken)) ** 2 + (amplifiers[:, None] * np.abs(lifted)) ** 2
+    worst = int(np.argmax(np.trapezoid(power, f, axis=0)))
     rows = (
-        Disturbance("floor", "VC criterion, modes of the plate on pads and tip", floor * np.abs(shaken)),
+        Disturbance("floor", "VC criterion, modes of the plate on pads and tip", floor * np.abs(shaken[:, worst])),
         Disturbance(
             "amplifier noise",
             "three amplifiers; the tip lifts stage and payload",
-            _amplifiers(r, f) * rise * np.abs(lifted),
+            amplifiers * np.abs(lifted[:, worst]),
         ),
     )
     return DynamicBudget("normal", f, rows)
@@ -215,4 +219,4 @@ def _pitch_per_floor(r: DesignInputs, f: Array, relative: Response) -> Response:
     first, damping = _pitch_mode(r)
     acceleration = (2 * np.pi * f) ** 2 * (1 + relative)
     moment = body.mass * body.centre_of_mass[2] * acceleration
-    return payload_place(r)[2] * moment / pads_stiffness(r).pitch * resonant_response(f, first, damping)
+    return payload_height(r) * moment / pads_stiffness(r).pitch * resonant_response(f, first, damping)

@@ -2,7 +2,7 @@
 
 The plate is the plain one, its density such that it has the mass of the stage with irons and magnets; pockets and ribs
 of the payload's holes neither weaken nor stiffen it. Each pad is a spring at its own load. The payload stands on four
-feet, two pitches of its holes apart, and its height adds to the inertia of turning; a ballast is a point in the middle.
+feet, two pitches of its holes apart, as one rigid body; a ballast is a point in the middle.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from designcalc.bearing.plate import Modes, Place, Plate, SupportedPlate
+from designcalc.bearing.plate import Modes, Place, Plate, StandingBody, SupportedPlate
 from designcalc.checks.inputs import DesignInputs, remembered
 from designcalc.friction_stage.physics.body import ballast, bare_stage
 from designcalc.friction_stage.physics.loads import gravity, preload
@@ -30,11 +30,17 @@ def payload_feet(r: DesignInputs) -> list[Place]:
     return [(x, y) for x in (-half, half) for y in (-half, half)]
 
 
-def payload_place(r: DesignInputs) -> tuple[float, float, float]:
-    """Corner of the payload's pattern of holes, at the height of its centre over the stage's middle plane, m."""
+def payload_places(r: DesignInputs) -> list[Place]:
+    """Places at which an error may reach the payload, m: its feet, and the corners of its pattern of holes, the corner
+    at positive x and y first."""
     pitch = r("stage.payload_pitch")
     along, across = (r("stage.payload_columns") - 1) / 2 * pitch, (r("stage.payload_rows") - 1) / 2 * pitch
-    return along, across, r("stage.thickness") / 2 + r("payload.height")
+    return [*((x, y) for x in (along, -along) for y in (across, -across)), *payload_feet(r)]
+
+
+def payload_height(r: DesignInputs) -> float:
+    """Height of the payload's centre over the stage's middle plane, m."""
+    return r("stage.thickness") / 2 + r("payload.height")
 
 
 @remembered
@@ -48,22 +54,25 @@ def stage_plate(
     modulus, poisson = r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")
     springs = [(x, y, k) for (x, y), k in zip(pad_positions(r).tolist(), pad_spring_stiffness(r).tolist(), strict=True)]
     springs += [(*TIP, tip)] if tip > 0 else []
-    feet, carried, height = payload_feet(r), r("payload.mass"), r("payload.height") + thickness / 2
-    masses = [(foot, carried / len(feet), height) for foot in feet] if carried > 0 else []
-    if (extra := ballast(r) if added is None else added) > 0:
-        masses.append((TIP, extra, 0.0))
+    carried = r("payload.mass")
+    bodies = (StandingBody(tuple(payload_feet(r)), carried, payload_height(r)),) if carried > 0 else ()
+    extra = ballast(r) if added is None else added
     return _supported(
         Plate(length, width, thickness, modulus, poisson, density),
         tuple(((x, y), k) for x, y, k in springs) if supported else (),
-        tuple(masses),
+        ((TIP, extra),) if extra > 0 else (),
+        bodies,
     )
 
 
 @lru_cache(maxsize=32)
 def _supported(
-    plate: Plate, springs: tuple[tuple[Place, float], ...], masses: tuple[tuple[Place, float, float], ...]
+    plate: Plate,
+    springs: tuple[tuple[Place, float], ...],
+    masses: tuple[tuple[Place, float], ...],
+    bodies: tuple[StandingBody, ...],
 ) -> SupportedPlate:
-    return SupportedPlate(plate, springs, masses)
+    return SupportedPlate(plate, springs, masses, bodies)
 
 
 @remembered

@@ -26,8 +26,8 @@ class Ritz(NamedTuple):
 
 
 def free_plate(length: float, width: float, thickness: float, material: tuple[float, float, float], points, order=14):
-    """Modes of a free plate with point masses; material: modulus, Poisson's ratio, density; points: (x, y, mass, radius
-    of gyration)."""
+    """Modes of a free plate with point masses; material: modulus, Poisson's ratio, density; points: (x, y, mass), or
+    (feet, mass, height) of a rigid body that turns by the mean slopes of its feet."""
     modulus, nu, density = material
     a, b = 0.5 * length, 0.5 * width
     nodes, weights = legendre.leggauss(order + 2)
@@ -49,11 +49,18 @@ def free_plate(length: float, width: float, thickness: float, material: tuple[fl
     bend = both(i22, i00) * b / a**3 + both(i00, i22) * a / b**3
     bend += nu * (both(i02.T, i02) + both(i02, i02.T)) / (a * b) + 2 * (1 - nu) * both(i11, i11) / (a * b)
     mass = density * thickness * a * b * both(i00, i00)
-    for x, y, m, radius in points:
-        mass += m * np.outer(_row(order, a, b, x, y, 0, 0), _row(order, a, b, x, y, 0, 0))
-        for dx, dy in ((1, 0), (0, 1)):
-            slope = _row(order, a, b, x, y, dx, dy)
-            mass += m * radius**2 * np.outer(slope, slope)
+    for first, second, third in points:
+        if np.ndim(first) == 0:
+            row = _row(order, a, b, first, second, 0, 0)
+            mass += third * np.outer(row, row)
+            continue
+        feet = [_row(order, a, b, x, y, 0, 0) for x, y in first]
+        for row in feet:
+            mass += second / len(feet) * np.outer(row, row)
+        for axis in (0, 1):
+            away = [place[axis] for place in first]
+            slope = sum(x * row for x, row in zip(away, feet)) / sum(x * x for x in away)
+            mass += second * third**2 * np.outer(slope, slope)
     values, vectors = eigh(rigidity * bend, mass)
     return Ritz(np.sqrt(np.maximum(values, 0.0)), vectors.T.reshape(-1, order, order), (a, b))
 

@@ -29,7 +29,7 @@ TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0
 MASSES = BodyMasses(BODY, TIP)
 SIDES = 0.23, 0.27, 0.012
 ALUMINIUM = 68.9e9, 0.33, 2700.0
-PAYLOAD = [(x, y, 0.25, 0.0) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
+PAYLOAD = [(x, y, 0.25) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
 LOSS = 0.01
 
 
@@ -43,7 +43,7 @@ def machine() -> StageMachine:
     """The example on four pads, its stage an aluminium plate with payload, its tip on swaying stacks."""
     length, width, thickness = SIDES
     plate = Plate(length, width, thickness, *ALUMINIUM)
-    modes = SupportedPlate(plate, (), [((x, y), m, r) for x, y, m, r in PAYLOAD]).modes_on_grid(
+    modes = SupportedPlate(plate, (), [((x, y), m) for x, y, m in PAYLOAD]).modes_on_grid(
         13, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist()
     )
     bending = Bending(
@@ -51,8 +51,7 @@ def machine() -> StageMachine:
     )
     own = length * width * thickness * ALUMINIUM[2]
     turns = [
-        own * (side**2) / 12 + sum(m * (q**2 + r**2) for *p, m, r in PAYLOAD for q in [p[k]])
-        for k, side in ((1, width), (0, length))
+        own * (side**2) / 12 + sum(m * place[k] ** 2 for *place, m in PAYLOAD) for k, side in ((1, width), (0, length))
     ]
     base = ideal_piezos(example())
     stage = replace(
@@ -84,7 +83,7 @@ def planar(machine: StageMachine, ritz: Ritz, pads: Pads) -> Planar:
         powers[i, : poly.size] = poly / chosen.half[0] ** np.arange(poly.size)
     tip, contact, stage = machine.tip, machine.contact, machine.stage
     lift = np.array([_even_mean(c, chosen.half) for c in chosen.coefficients])
-    weight = -9.80665 * (ALUMINIUM[2] * SIDES[2] * lift + sum(m * shapes(chosen, x, y) for x, y, m, _ in PAYLOAD))
+    weight = -9.80665 * (ALUMINIUM[2] * SIDES[2] * lift + sum(m * shapes(chosen, x, y) for x, y, m in PAYLOAD))
     return Planar(
         mass=stage.mass,
         load=machine.load,
@@ -169,10 +168,9 @@ def test_the_ballast_of_three_actuators_bends_the_plate(design):
     assert found.mass == pytest.approx(machine.stage.mass + weight)
     length, width, thickness = SIDES
     material = (*ALUMINIUM[:2], BODY.mass / (length * width * thickness))
-    radius = design.si("payload.height") + thickness / 2
-    feet = [(x, y, 0.25, radius) for x, y in payload_feet(DesignInputs(design))]
-    points = ([], [(0.0, 0.0, weight, 0.0)])
-    before, after = (free_plate(*SIDES, material, [*feet, *more]).rates[3:9] for more in points)
+    body = payload_feet(DesignInputs(design)), 1.0, design.si("payload.height") + thickness / 2
+    points = ([], [(0.0, 0.0, weight)])
+    before, after = (free_plate(*SIDES, material, [body, *more]).rates[3:9] for more in points)
     expected = after / before
     lowered = found.bending.frequencies[:6] / machine.stage.bending.frequencies[:6]
     assert lowered == pytest.approx(expected, abs=3e-3)
@@ -298,7 +296,7 @@ def test_the_stop_of_the_bores_is_that_of_the_propped_stack(design):
 @pytest.mark.parametrize("frequency", [3000.0, 6000.0])
 def test_with_many_modes_the_peak_tip_load_is_that_of_the_planar_model(machine, frequency):
     """The greatest impact takes modes far beyond the drive: seventy here, polynomials of order 20 there."""
-    plate = SupportedPlate(Plate(*SIDES, *ALUMINIUM), (), [((x, y), m, r) for x, y, m, r in PAYLOAD])
+    plate = SupportedPlate(Plate(*SIDES, *ALUMINIUM), (), [((x, y), m) for x, y, m in PAYLOAD])
     modes = plate.modes_on_grid(70, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist())
     shapes_of_modes = np.moveaxis(modes.shapes[:, :, 3:], 2, 0).copy()
     bending = Bending(modes.frequency[3:], LOSS, shapes_of_modes, machine.stage.bending.corner)
