@@ -43,24 +43,22 @@ EMPTY, CHANGED, UNCHANGED = 40.0, 10.0, 3.0
 def stage_seconds(folder: Path, change: str) -> dict[str, tuple[int, float, int, float]]:
     """Number of tasks and their processor time by stage: with an empty cache, and after a change."""
     from stagecad.parameters.load import load_design
-    from workbench.making.pool import absent
-    from workbench.making.tasks import KINDS, Making
     from workbench.operations.design import Design as StatedDesign
+    from workbench.report.make import Kind, Making
 
-    counts: list[Counter[str]] = []
-    times: list[dict[str, float]] = []
+    counts: list[Counter[Kind]] = []
+    times: list[dict[Kind, float]] = []
     for overrides in ((), (change,)):
         design = load_design(overrides=overrides)
         making = Making(folder, design, design, StatedDesign(None, overrides), simulations=True)
         counts.append(Counter())
-        times.append(dict.fromkeys(KINDS, 0.0))
-        for task in absent(making):
+        times.append(dict.fromkeys(Kind, 0.0))
+        for task in making.absent:
             start = time.process_time()
             making.run(task)
-            kind = next(kind for kind in KINDS if task.startswith(kind))
-            counts[-1][kind] += 1
-            times[-1][kind] += time.process_time() - start
-    return {kind: (counts[0][kind], times[0][kind], counts[1][kind], times[1][kind]) for kind in KINDS}
+            counts[-1][task.kind] += 1
+            times[-1][task.kind] += time.process_time() - start
+    return {str(kind): (counts[0][kind], times[0][kind], counts[1][kind], times[1][kind]) for kind in Kind}
 
 
 def beside(commit: str, runs: int) -> None:

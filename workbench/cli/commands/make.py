@@ -53,8 +53,8 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     from workbench.cli.commands.drawings import write_drawings
     from workbench.cli.commands.parts import write_parts
     from workbench.machine.artefacts import built_machine, stored_values, with_repair
-    from workbench.making.stored_results import stored_checks
     from workbench.report.machine import MachineResults, write_report
+    from workbench.report.stored_results import stored_checks
 
     design = run.design.values
     document = write_parts(run, chosen((), design))
@@ -115,7 +115,7 @@ def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Pat
 
 def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[str, Path]:
     """The figures of the checks by title."""
-    from workbench.making.stored_results import check_figure, figures_of
+    from workbench.report.stored_results import check_figure, figures_of
 
     entries = {title: check_figure(store, run.design.values, masses, title) for title in figures_of(run.design.values)}
     return {title: path for title, entry in entries.items() for path in _write(run.out / "checks", [entry])[0]}
@@ -125,8 +125,8 @@ def _write_checks(
     run: Run, store: ArtefactStore, checks: Sequence[Check], masses: BodyMasses, figures: Mapping[str, Path]
 ) -> None:
     """Write the checks as files; those of a project's own are not kept in the cache."""
-    from workbench.making.stored_results import check_files
     from workbench.report.checks import write_check_files
+    from workbench.report.stored_results import check_files
 
     source, folder = run.design, run.out / "checks"
     if source.check_files:
@@ -137,7 +137,7 @@ def _write_checks(
 
 def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
     """Data and figures of the thesis's experiments; the figures, as PNG."""
-    from workbench.making.stored_results import SIMULATED, simulation
+    from workbench.report.stored_results import SIMULATED, simulation
 
     with run.progress() as progress:
         task = progress.add_task("simulations", total=len(SIMULATED))
@@ -164,15 +164,14 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
     The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
     """
     from workbench.cli.commands.drawings import with_sheet_overrides
-    from workbench.making.pool import absent, is_long, make_absent
-    from workbench.making.tasks import Making
+    from workbench.report.make import LONG, Making
 
     making = Making(store.folder, run.design.values, with_sheet_overrides(run), run.design, simulations)
-    tasks = absent(making)
-    if not any(is_long(task) for task in tasks):
+    tasks = making.absent
+    if not any(task.kind in LONG for task in tasks):
         return
     with run.progress() as progress:
         if not progress.disable:
             run.note("Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
-        task = progress.add_task("results", total=len(tasks))
-        make_absent(making, tasks, lambda name: progress.update(task, advance=1, description=name))
+        bar = progress.add_task("results", total=len(tasks))
+        making.make(tasks, lambda task: progress.update(bar, advance=1, description=str(task)))

@@ -1,20 +1,27 @@
-"""The results of `stagecad make` as tasks: what each needs, and what makes it."""
+"""The results of `stagecad make` as tasks: what each needs, what makes it, and their making side by side.
+
+The processes fill the store; whoever needs a result then finds it there. A result that is there already is not made
+again.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
-from drawings.artefacts.tasks import slowest_first
+from drawings.artefacts.tasks import TIME_LIMIT, slowest_first
 from stagecad.friction_stage.assembly.assemble import assemble
 from stagecad.friction_stage.assembly.machine import Machine
+from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import BodyMasses
-from stagecad.solids.artefacts.part import BuiltPart, build_part, kernel_errors
+from stagecad.processes import TimeLimit, parallel_map
+from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_assembly import build_assembly
 from stagecad.solids.assembly.interference import stored_interferences
@@ -22,7 +29,8 @@ from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
 from workbench.machine.artefacts import procedure_values, stored_values
-from workbench.making.stored_results import (
+from workbench.report.reduced_sheet import reduced_sheet
+from workbench.report.stored_results import (
     COMPILED_BY,
     SIMULATED,
     check_figure,
@@ -31,34 +39,48 @@ from workbench.making.stored_results import (
     simulation,
     stored_checks,
 )
-from workbench.report.reduced_sheet import reduced_sheet
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
     from workbench.operations.design import Design as StatedDesign
 
-PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION = (
-    "part",
-    "assembly",
-    "interference",
-    "picture of the machine:",
-    "sheet of",
-    "rendering of",
-    "figure:",
-    "checks",
-    "files of the checks",
-    "values of the procedure",
-    "simulation:",
-)
-"""Kinds of task; the name of what is made follows."""
-KINDS = (PART, SHAPES, CONTACTS, VIEW, SHEET, RENDERING, FIGURE, CHECKS, CHECK_FILES, VALUES, SIMULATION)
+
+class Kind(StrEnum):
+    """Kind of a result of `stagecad make`."""
+
+    PART = "part"
+    SHAPES = "assembly"
+    CONTACTS = "interference"
+    VIEW = "picture of the machine:"
+    SHEET = "sheet of"
+    RENDERING = "rendering of"
+    FIGURE = "figure:"
+    CHECKS = "checks"
+    CHECK_FILES = "files of the checks"
+    VALUES = "values of the procedure"
+    SIMULATION = "simulation:"
 
 
-def needs_kernel(task: str) -> bool:
-    """Whether a task needs the CAD kernel; the sheets of the machine need only its pictures."""
-    if task.startswith(SHEET):
-        return task.removeprefix(SHEET).strip() not in PICTURES
-    return task.startswith((PART, SHAPES, CONTACTS, VIEW))
+LONG = {Kind.PART, Kind.SHAPES, Kind.CONTACTS, Kind.VIEW, Kind.SHEET, Kind.RENDERING, Kind.SIMULATION}
+"""Kinds for which processes are started; the others alone take less than their start."""
+SOLIDS = {Kind.PART, Kind.SHAPES, Kind.CONTACTS, Kind.VIEW}
+"""Kinds that always need the CAD kernel."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A result that the store has or that is to be made: its kind, and the name of the part, sheet, figure, ..."""
+
+    kind: Kind
+    name: str = ""
+
+    @property
+    def needs_kernel(self) -> bool:
+        """Whether making it needs the CAD kernel; the sheets of the machine need only its pictures."""
+        return self.kind in SOLIDS or (self.kind is Kind.SHEET and self.name not in PICTURES)
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name}".strip()
 
 
 class _AbsentError(Exception):
@@ -94,31 +116,32 @@ class Making:
     simulations: bool
 
     @cached_property
-    def tasks(self) -> dict[str, tuple[str, ...]]:
+    def tasks(self) -> dict[Task, tuple[Task, ...]]:
         """Each task with those that it needs, the long ones first."""
         names = slowest_first(part_names(self.design))
-        parts = tuple(f"{PART} {name}" for name in names)
-        machine = (*parts, SHAPES)
-        views = tuple(dict.fromkeys(f"{VIEW} {name}" for shown in PICTURES.values() for name in shown))
-        tasks: dict[str, tuple[str, ...]] = dict.fromkeys(parts, ())
-        tasks |= {SHAPES: parts, CONTACTS: parts}
+        parts = tuple(Task(Kind.PART, name) for name in names)
+        shapes, values, checks = Task(Kind.SHAPES), Task(Kind.VALUES), Task(Kind.CHECKS)
+        machine = (*parts, shapes)
+        views = {name: Task(Kind.VIEW, name) for shown in PICTURES.values() for name in shown}
+        tasks: dict[Task, tuple[Task, ...]] = dict.fromkeys(parts, ())
+        tasks |= {shapes: parts, Task(Kind.CONTACTS): parts}
         if self.simulations:
             for name in sorted(SIMULATED, key=lambda one: one in COMPILED_BY):
                 before = COMPILED_BY.get(name)
-                tasks[f"{SIMULATION} {name}"] = (f"{SIMULATION} {before}",) if before else ()
-        tasks |= dict.fromkeys(views, parts)
+                tasks[Task(Kind.SIMULATION, name)] = (Task(Kind.SIMULATION, before),) if before else ()
+        tasks |= dict.fromkeys(views.values(), parts)
         for subject in slowest_first((*(name for name in names if name in MADE), *PICTURES)):
-            needed = (*machine, *(f"{VIEW} {name}" for name in PICTURES.get(subject, ())))
-            own = (*needed, VALUES) if subject == PROCEDURE else needed
-            tasks[f"{SHEET} {subject}"] = own if subject in PICTURES else (f"{PART} {subject}",)
-        tasks |= {f"{RENDERING} {ASSEMBLY}": machine, CHECKS: machine, VALUES: machine}
-        figures = tuple(f"{FIGURE} {title}" for title in figures_of(self.design))
+            needed = (*machine, *(views[name] for name in PICTURES.get(subject, ())))
+            own = (*needed, values) if subject == PROCEDURE else needed
+            tasks[Task(Kind.SHEET, subject)] = own if subject in PICTURES else (Task(Kind.PART, subject),)
+        tasks |= {Task(Kind.RENDERING, ASSEMBLY): machine, checks: machine, values: machine}
+        figures = tuple(Task(Kind.FIGURE, title) for title in figures_of(self.design))
         tasks |= dict.fromkeys(figures, machine)
         if self.source.check_files:
-            del tasks[CHECKS]
+            del tasks[checks]
         else:
-            tasks[CHECK_FILES] = (CHECKS, *figures)
-        return tasks | {f"{RENDERING} {name}": (f"{PART} {name}",) for name in names}
+            tasks[Task(Kind.CHECK_FILES)] = (checks, *figures)
+        return tasks | {Task(Kind.RENDERING, name): (Task(Kind.PART, name),) for name in names}
 
     @cached_property
     def parts(self) -> dict[str, BuiltPart]:
@@ -131,28 +154,56 @@ class Making:
         """Parts and assembly from the store."""
         return Machine(self.design, self.parts, build_assembly(ArtefactStore(self.folder), self.parts, self.design))
 
-    def run(self, task: str, exact: bool = True) -> None:
+    def run(self, task: Task, exact: bool = True) -> None:
         """Make the result of a task, in this process.
 
         Args:
             task: of `tasks`.
             exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
         """
-        if needs_kernel(task):
+        if task.needs_kernel:
             load_kernel()
-        self._make(ArtefactStore(self.folder), task, exact)
+        _MAKERS[task.kind](self, ArtefactStore(self.folder), task.name, exact)
 
-    def has(self, task: str) -> bool:
+    def has(self, task: Task) -> bool:
         """Whether the store has the result of a task."""
         try:
-            self._make(_StoreAsItIs(self.folder), task, exact=True)
+            _MAKERS[task.kind](self, _StoreAsItIs(self.folder), task.name, True)
         except _AbsentError:
             return False
         return True
 
-    def _make(self, store: ArtefactStore, task: str, exact: bool) -> None:
-        kind, name = next((kind, task.removeprefix(kind).strip()) for kind in _MAKERS if task.startswith(kind))
-        _MAKERS[kind](self, store, name, exact)
+    @property
+    def absent(self) -> list[Task]:
+        """The tasks whose results the store lacks, and those that need one of these."""
+        found: list[Task] = []
+        for task, needed in self.tasks.items():
+            if not set(needed).isdisjoint(found) or not self.has(task):
+                found.append(task)
+        return found
+
+    def make(self, tasks: Collection[Task], advance: Callable[[Task], None] = lambda task: None) -> None:
+        """Make the results of tasks side by side in one pool, since a process needs seconds to load the CAD kernel.
+
+        Args:
+            tasks: of `absent`.
+            advance: called with each task that is completed.
+
+        Raises:
+            PartError: the CAD kernel makes no valid solid of a part, or ends its process.
+        """
+        making = replace(self)  # without the solids that it has loaded, which do not pickle
+        requires = {task: [other for other in self.tasks[task] if other in tasks] for task in tasks}
+        limit = TimeLimit(TIME_LIMIT, fallback=partial(making.run, exact=False))
+        try:
+            parallel_map(making.run, list(tasks), progress=advance, limit=limit, requires=requires, isolate=True)
+        except LostProcessError as error:
+            lost = error.item
+            if isinstance(lost, Task) and lost.kind is Kind.PART:
+                raise PartError(lost.name, self.design, CRASHED) from None
+            if isinstance(lost, Task) and lost.kind in (Kind.SHAPES, Kind.CONTACTS):
+                raise PartError(ASSEMBLY, self.design, CRASHED) from None
+            raise
 
     @property
     def masses(self) -> BodyMasses:
@@ -210,16 +261,16 @@ def _simulation(making: Making, store: ArtefactStore, name: str, exact: bool) ->
     simulation(store, making.design, name)
 
 
-_MAKERS: Mapping[str, Callable[[Making, ArtefactStore, str, bool], None]] = {
-    PART: _part,
-    SHAPES: _assembly,
-    CONTACTS: _interferences,
-    VIEW: _view,
-    SHEET: _sheet,
-    RENDERING: _rendering,
-    FIGURE: _figure,
-    CHECKS: _checks,
-    CHECK_FILES: _check_files,
-    VALUES: _values,
-    SIMULATION: _simulation,
+_MAKERS: Mapping[Kind, Callable[[Making, ArtefactStore, str, bool], None]] = {
+    Kind.PART: _part,
+    Kind.SHAPES: _assembly,
+    Kind.CONTACTS: _interferences,
+    Kind.VIEW: _view,
+    Kind.SHEET: _sheet,
+    Kind.RENDERING: _rendering,
+    Kind.FIGURE: _figure,
+    Kind.CHECKS: _checks,
+    Kind.CHECK_FILES: _check_files,
+    Kind.VALUES: _values,
+    Kind.SIMULATION: _simulation,
 }

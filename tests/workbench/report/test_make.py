@@ -12,14 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters.errors import PartError
+from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
-from stagecad.processes import parallel_map
-from workbench.making import pool
-from workbench.making.pool import absent, is_long, make_absent
-from workbench.making.tasks import Making
 from workbench.operations.design import Design as StatedDesign
+from workbench.report import make
+from workbench.report.make import Kind, Making, Task
 
 CHANGES = {
     "stage.thickness=12.5 mm": {"stage", "assembly", "drawing of stage", "picture of stage"},
@@ -48,38 +46,34 @@ def test_each_task_comes_after_those_that_it_needs(tmp_path: Path) -> None:
 
 def test_an_empty_store_lacks_everything(tmp_path: Path) -> None:
     whole = making(tmp_path)
-    assert absent(whole) == list(whole.tasks)
+    assert whole.absent == list(whole.tasks)
 
 
 def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
-    done = ("part buffer", "rendering of buffer", "part mirror", "rendering of mirror", "simulation: tip")
+    buffer = [Task(Kind.PART, "buffer"), Task(Kind.RENDERING, "buffer")]
+    tip = Task(Kind.SIMULATION, "tip")
+    done = [*buffer, Task(Kind.PART, "mirror"), Task(Kind.RENDERING, "mirror"), tip]
     first = making(tmp_path)
     for task in done:
         first.run(task)
-    assert set(done).isdisjoint(absent(first))
-    assert set(done).isdisjoint(absent(making(tmp_path, "bearing.dynamic_friction=0.055")))
-    wider = absent(making(tmp_path, "buffer.height=3.5 mm"))
-    assert [task for task in done if task in wider] == ["part buffer", "rendering of buffer"]
-    higher = absent(making(tmp_path, "actuator.tip_height=20.5 mm"))
-    assert [task for task in done if task in higher] == ["simulation: tip"]
+    assert set(done).isdisjoint(first.absent)
+    assert set(done).isdisjoint(making(tmp_path, "bearing.dynamic_friction=0.055").absent)
+    wider = making(tmp_path, "buffer.height=3.5 mm").absent
+    assert [task for task in done if task in wider] == buffer
+    higher = making(tmp_path, "actuator.tip_height=20.5 mm").absent
+    assert [task for task in done if task in higher] == [tip]
 
 
-def test_processes_are_started_for_long_tasks_only() -> None:
-    assert is_long("part tip") and is_long("simulation: tip") and is_long("sheet of tip")
-    assert not is_long("checks") and not is_long("figure: error budgets")
+@pytest.mark.parametrize(
+    "error", [PartError("buffer", None, "no solid"), LostProcessError("", Task(Kind.PART, "buffer"))]
+)
+def test_a_solid_that_cannot_be_made_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise error
 
-
-def test_a_solid_that_cannot_be_made_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def here(function, items, **named):
-        return parallel_map(function, items, **{**named, "limit": None, "isolate": False, "workers": 1})
-
-    def refuse(*_: object) -> None:
-        raise PartError("buffer", load_design(), "no solid")
-
-    monkeypatch.setattr(pool, "parallel_map", here)
-    monkeypatch.setattr("workbench.making.tasks.build_part", refuse)
+    monkeypatch.setattr(make, "parallel_map", refuse)
     with pytest.raises(PartError, match="buffer"):
-        make_absent(making(tmp_path), ["part buffer"])
+        making(tmp_path).make([Task(Kind.PART, "buffer")])
 
 
 def entry_names(cache: Path) -> Counter[str]:

@@ -1,1 +1,0 @@
-"""`stagecad make`: its results in the store, and their making side by side."""
