@@ -42,7 +42,7 @@ _VOLTAGE, _CHARGE, _CAPACITANCE = _power(2, 1, -3, -1), _power(0, 0, 1, 1), _pow
 _RESISTANCE, _FLUX_DENSITY, _INDUCTANCE = _power(2, 1, -3, -2), _power(0, 1, -2, -1), _power(2, 1, -2, -2)
 _FREQUENCY = _power(0, 0, -1)
 
-_INCH, _POUND_FORCE = 0.0254, 4.4482216152605
+_INCH, _POUND_FORCE, _GRAM_FORCE = 0.0254, 4.4482216152605, 9.80665e-3
 
 _PREFIXED: tuple[tuple[str, float, Dimension, str], ...] = (
     ("m", 1.0, _LENGTH, "p n u m c k"),
@@ -51,7 +51,7 @@ _PREFIXED: tuple[tuple[str, float, Dimension, str], ...] = (
     ("A", 1.0, _CURRENT, "n u m k"),
     ("K", 1.0, _TEMPERATURE, "m"),
     ("rad", 1.0, _ANGLE, "n u m"),
-    ("N", 1.0, _FORCE, "n u m k M"),
+    ("N", 1.0, _FORCE, "n u m c k M"),
     ("Pa", 1.0, _PRESSURE, "m k M G"),
     ("J", 1.0, _ENERGY, "n u m k M"),
     ("W", 1.0, _WORK_RATE, "n u m k"),
@@ -68,6 +68,7 @@ _PREFIX = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M"
 SYMBOLS: dict[str, tuple[float, Dimension]] = {
     "in": (_INCH, _LENGTH),
     "mil": (_INCH / 1000, _LENGTH),
+    "ft": (12 * _INCH, _LENGTH),
     "min": (60.0, _TIME),
     "h": (3600.0, _TIME),
     "day": (86400.0, _TIME),
@@ -76,6 +77,13 @@ SYMBOLS: dict[str, tuple[float, Dimension]] = {
     "mbar": (100.0, _PRESSURE),
     "psi": (_POUND_FORCE / _INCH**2, _PRESSURE),
     "lbf": (_POUND_FORCE, _FORCE),
+    "ozf": (_POUND_FORCE / 16, _FORCE),
+    "gf": (_GRAM_FORCE, _FORCE),
+    "kgf": (1e3 * _GRAM_FORCE, _FORCE),
+    "tf": (1e6 * _GRAM_FORCE, _FORCE),
+    "daN": (10.0, _FORCE),
+    "rev": (2 * math.pi, _ANGLE),
+    "gon": (math.pi / 200, _ANGLE),
     "deg": (math.pi / 180, _ANGLE),
     "arcmin": (math.pi / 10800, _ANGLE),
     "arcsec": (math.pi / 648000, _ANGLE),
@@ -114,6 +122,10 @@ _WRITTEN_OUT = {
     "T": ("tesla",),
     "Hz": ("hertz", "cps"),
     "rad": ("radian", "radians"),
+    "rev": ("turn", "turns", "revolution", "revolutions", "rotation", "rotations"),
+    "ft": ("foot", "feet"),
+    "kgf": ("kp", "kilopond"),
+    "gf": ("pond",),
     "deg": ("degree", "degrees"),
     "degC": ("celsius", "centigrade"),
     "K": ("kelvin", "kelvins"),

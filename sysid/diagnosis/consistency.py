@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 
 from sysid.estimation.misfit import ChannelMisfit
+from sysid.experiment.quality import scale_warnings
 from sysid.experiment.record import Record
 from sysid.noise.estimate import noise_warnings
 from sysid.prediction.force_balance.measured_motion import motion_warnings
@@ -47,6 +48,8 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
     found = motion_warnings([*problem.fit_records, *problem.validate_records])
     found += noise_warnings(problem.noise, {c: (m.over_noise, m.size) for c, m in errors.items()})
     found += _identical_records(problem.records)
+    found += scale_warnings([(record.name, record.channels, record.units) for record in problem.records])
+    found += [f"{record.name}: {line}" for record in problem.records for line in record.warnings]
     for record in problem.records:
         found += _constant_channels(record, measured)
         found += _outliers(record, measured)

@@ -12,6 +12,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.columns.repeated_time import RepeatedTime, without_repeats
 from sysid.experiment.experiment import Experiment, RecordSpec
+from sysid.experiment.quality import faults_of, without_faults
 from sysid.experiment.readers.base import MOST_ROWS, shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
@@ -47,6 +48,7 @@ class Record:
         uniform: whether every step equals the median within 1 %.
         continues: name of the record that this one continues; None if there is none.
         noise: standard deviation by channel as given for this record or the experiment, SI.
+        warnings: what is wrong in its rows, one line each.
     """
 
     name: str
@@ -62,6 +64,7 @@ class Record:
     uniform: bool
     continues: str | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -87,22 +90,92 @@ def load_records(experiment: Experiment) -> list[Record]:
 def load_whole_records(experiment: Experiment) -> list[Record]:
     """Read every record of an experiment; nothing is held out. Raises as `load_records`."""
     rig = experiment.rig
-    return [load_record(spec, rig.declaration, rig.rotary, experiment.noise) for spec in experiment.records]
+    return [
+        record
+        for spec in experiment.records
+        for record in load_runs(spec, rig.declaration, rig.rotary, experiment.noise)
+    ]
 
 
 def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> Record:
-    """Read one record with the columns that a kind of rig has; `noise` is that of the experiment. Raises as
-    `load_records`."""
+    """Read the first run of a file; see `load_runs`."""
+    return load_runs(spec, rig, rotary, noise)[0]
+
+
+def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> list[Record]:
+    """Read a file with the columns that a kind of rig has: a record for each run, of which each starts the time anew.
+
+    Args:
+        spec: of the record.
+        rig: kind of rig.
+        rotary: whether the axis is rotary.
+        noise: that of the experiment.
+
+    Raises:
+        InputError: one line with file, row and column.
+    """
     name = shown_path(str(spec.path))
     opened = open_record_file(spec.path, name, spec.settings)
     notes = list(spec.notes)
     time, values, origin = _read_columns(spec, opened, name, notes)
     _check_rows(time.size, name)
-    time, values = _check_time(time, values, opened, spec, name, notes)
+    starts = _restarts(time)
+    parts = [
+        slice(start, stop) for start, stop in zip(starts, [*starts[1:], time.size]) if stop - start >= MINIMUM_ROWS
+    ]
+    if len(starts) > 1:
+        notes.append(f"time starts anew {len(starts) - 1} times: {len(parts)} runs, each a record of its own")
+    records = []
+    for number, rows in enumerate(parts or [slice(0, time.size)], start=1):
+        own = replace(spec, name=spec.name if number == 1 else f"{spec.name}#run{number}")
+        part = {channel: array[rows] for channel, array in values.items()}
+        begin, part = _cleaned(own, rig, opened, time[rows], part, origin, run_notes := list(notes))
+        records.append(_record(own, rig, rotary, noise or {}, opened, begin, part, run_notes))
+    return records
+
+
+def _restarts(time: np.ndarray) -> list[int]:
+    """First rows of the runs: where the time falls back to its begin, within two steps, and rises from there."""
+    steps = np.diff(time)
+    falls = np.flatnonzero(steps < 0.0) + 1
+    if not falls.size or not np.isfinite(time).all():
+        return [0]
+    rising = steps[steps > 0.0]
+    reach = time[0] + 2.0 * (float(np.median(rising)) if rising.size else 0.0)
+    anew = falls[(falls + 1 < time.size) & (time[falls] <= reach)]
+    return [0, *(int(row) for row in anew if time[row] < time[row + 1] < time[row - 1])]
+
+
+def _cleaned(
+    spec: RecordSpec,
+    rig: RigKind,
+    opened: RecordFile,
+    time: np.ndarray,
+    values: dict[str, np.ndarray],
+    origin: float,
+    notes: list[str],
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Time and channels (n,) of a run in its window; the time is counted from `origin`, s."""
+    time, values = _check_time(time, values, opened, spec, opened.name, notes)
     if spec.balance is not None:
         values = spec.balance.channels(time, values)
-    time, values = _window(time, values, spec, origin, name, notes)
-    values = _check_values(values, spec, rig, name, notes)
+    time, values = _window(time, values, spec, origin, opened.name, notes)
+    return time, _check_values(values, spec, rig, opened.name, notes)
+
+
+def _record(
+    spec: RecordSpec,
+    rig: RigKind,
+    rotary: bool,
+    noise: Mapping[str, float],
+    opened: RecordFile,
+    time: np.ndarray,
+    values: dict[str, np.ndarray],
+    notes: list[str],
+) -> Record:
+    """One run of a file as a record, with gaps where its sensors have no value of their own."""
+    units = {channel: _si_unit(channel, spec, rig, rotary) for channel in values}
+    faults = faults_of(time, values, units, [channel for channel in rig.measured_channels if channel in values])
     steps = np.diff(time)
     step = float(np.median(steps))
     uniform = bool(np.all(np.abs(steps - step) <= 0.01 * step))
@@ -112,15 +185,16 @@ def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str
         role=spec.role,
         file=spec.file,
         time=time,
-        channels=values,
-        units={channel: _si_unit(channel, spec, rig, rotary) for channel in values},
+        channels=without_faults(values, faults),
+        units=units,
         rotary=rotary,
         notes=tuple(notes),
         sha256=opened.sha256,
         step=step,
         uniform=uniform,
         continues=spec.continues,
-        noise={**(noise or {}), **spec.noise},
+        noise={**noise, **spec.noise},
+        warnings=tuple(fault.text for fault in faults),
     )
 
 
@@ -152,6 +226,7 @@ def _read_columns(
     for channel, source in spec.sources.items():
         for term in source.terms:
             column = columns[term.column.index]
+            notes += [note for note in column.notes if note not in notes]
             part = column.values
             if column.origin and channel != "time":
                 part = part + column.origin

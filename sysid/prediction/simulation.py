@@ -11,10 +11,10 @@ from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.prediction.effect_terms import Values
+from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Start
 from sysid.prediction.rig_models import RIG_MODELS
 from sysid.signals.masks import filled
-from sysid.signals.resampling import uniform
 
 
 def simulated_channels(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.columns.proposal import ExperimentProposal, Proposal, number_columns, propose
+from sysid.experiment.columns.proposal import ExperimentProposal, Proposal, propose, read_numbers
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
@@ -33,7 +33,11 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
                 f"{other.name}: has other columns than {opened[0].name}; make an experiment of each, or give the "
                 "columns of one under [[record]] by hand"
             )
-    return opened, propose(opened[0], number_columns(opened[0]), kind)
+    numbers = read_numbers(opened[0])
+    if not any(values.size for values in numbers.columns.values()):
+        reason = next(iter(numbers.reasons.values()), "has a header and no rows of numbers")
+        raise InputError(f"{opened[0].name}: {reason}")
+    return opened, propose(opened[0], numbers, kind)
 
 
 def free_experiment(folder: Path) -> Path:
@@ -81,6 +85,12 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
     lines += ["", "[model]", f"effects = {json.dumps(usual_effects(proposal.kind))}", ""]
     remarks = opened[0].header.remarks
     lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
+    if proposal.missing:
+        lines += [
+            "[format]",
+            f"missing = {json.dumps(list(proposal.missing))}    # {QUESTION} do these cells mark gaps?",
+            "",
+        ]
     lines.append("[channels]    # for all records")
     lines += [_channel_line(column, opened[0].header.numbered) for column in proposal.columns if column.channel]
     pulses = any(column.increments for column in proposal.columns)
@@ -92,8 +102,8 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
         first, _, other = name.partition(" or ")
         also = f"    # or {other}" if other else ""
         lines.append(f'# {QUESTION} which column is it? {first} = {{column = 1, unit = "{unit}"}}{also}')
-    left = [f"{column.number} '{column.label}'" for column in proposal.columns if column.channel is None]
-    lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
+    left = [f"#   {c.number} '{c.label}'" + f": {c.reason}" * bool(c.reason) for c in proposal.columns if not c.channel]
+    lines += ["# columns without a channel:", *left[:30]] if left else []
     for k, file in enumerate(opened):
         role = "validate" if len(opened) > 1 and k == len(opened) - 1 else "fit"
         relative = Path(os.path.relpath(Path(str(file.path)).resolve(), folder.resolve())).as_posix()

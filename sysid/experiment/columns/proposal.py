@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,25 +17,45 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import unit_dimension
 from sysid.experiment.channels import parse_label
 from sysid.experiment.columns.units import column_unit
-from sysid.experiment.readers.open import RecordFile
+from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rigs import CHANNELS, RigKind
 
 WORDS: dict[str, str] = {
-    "time": "time t zeit timestamp stamp sec secs seconds datetime clock",
+    "time": "time t zeit timestamp stamp sec secs seconds datetime clock elapsed uhrzeit temps heure tempo tiempo hora",
     "pull_position": "pull puller",
-    "velocity": "velocity vel v speed dq qd qdot xdot omega geschwindigkeit",
-    "position": "position pos x q qm angle theta phi displacement disp encoder enc weg stroke laser lvdt winkel",
-    "spring_force": "spring",
-    "friction_force": "friction tangential reibung reibkraft",
-    "drive_force": "drive motor current command cmd actuator strom",
-    "normal_load": "normal fn fz load preload pressure druck normalkraft",
-    "temperature": "temperature temp temperatur",
-    "force": "force f torque tau moment kraft ft fx",
-    "voltage": "voltage volt u spannung piezo",
+    "velocity": "velocity vel v speed dq qd qdot xdot omega geschwindigkeit drehzahl rpm vitesse velocità velocita "
+    "velocidad",
+    "position": "position pos x q qm angle theta phi displacement disp encoder enc weg stroke laser lvdt winkel lage "
+    "pfad course déplacement deplacement posizione corsa spostamento posición posicion desplazamiento",
+    "spring_force": "spring feder ressort molla muelle",
+    "friction_force": "friction tangential reibung reibkraft frottement attrito fricción friccion rozamiento",
+    "drive_force": "drive motor current actuator strom courant corrente corriente",
+    "normal_load": "normal fn fz load preload pressure druck normalkraft charge carico carga",
+    "temperature": "temperature temp temperatur température temperatura",
+    "force": "force f torque tau moment kraft drehmoment ft fx effort couple forza coppia fuerza par",
+    "voltage": "voltage volt u spannung piezo tension tensione tensión",
 }
-"""Words in the names of columns by what they are taken for, the more specific first. `force` and `voltage` are not yet
-channels: which ones they are depends on the kind of rig."""
+"""Words in the names of columns by what they are taken for, the more specific first: English, German, French, Italian,
+Spanish. `force` and `voltage` are not yet channels: which ones they are depends on the kind of rig."""
+
+SETPOINT = (
+    "soll sollwert set setpoint sp cmd command commanded ref reference target demand demanded desired des req "
+    "requested vorgabe consigne cons commande référence riferimento comando obiettivo consigna referencia"
+)
+"""Words of a value that is asked for, in the same languages."""
+MEASURED = (
+    "ist istwert act actual meas measured fb fbk feedback enc encoder sensor retour réel reel mesure mesuré mesurée "
+    "reale effettivo misura misurata real medida medido"
+)
+"""Words of a value that is measured."""
+FLAGS = "enable enabled flag flags status state ok valid ready error alarm fault mode bit trigger freigabe"
+"""Words of a column that is a state, not a quantity."""
+DATES = "date datum data fecha"
+_FORCE_SENSOR = re.compile(
+    r"load[\s_-]*cell|kraft(mess)?dose|wägezelle|capteur de force|cella di carico|célula de carga"
+)
+_COMPOUND = re.compile(r"^(soll|ist)(?=\w{3})")
 
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
@@ -76,6 +97,7 @@ class Proposal:
         scale: unit of the scale that is needed; None if the unit is that of the channel.
         question: what the user should decide; empty if it is certain.
         increments: whether each cell is the change from the row before.
+        reason: why it is left out.
     """
 
     number: int
@@ -85,51 +107,103 @@ class Proposal:
     scale: str | None = None
     question: str = ""
     increments: bool = False
+    reason: str = ""
 
 
 @dataclass(frozen=True)
 class ExperimentProposal:
-    """Kind of rig with its question to the user, and the columns."""
+    """Kind of rig with its question to the user, the columns, and the cells that are taken for marks of a gap."""
 
     kind: str
     question: str
     columns: tuple[Proposal, ...]
     rotary: bool
+    missing: tuple[str, ...] = ()
 
 
-def propose(opened: RecordFile, columns: Mapping[int, np.ndarray], kind: str | None = None) -> ExperimentProposal:
+class Guess(NamedTuple):
+    """What a column is taken for, and why.
+
+    Args:
+        meaning: channel, `force`, `voltage`, or empty.
+        why: question to the user; empty if it is certain.
+        unit: None if it is not known.
+        rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not say.
+    """
+
+    meaning: str
+    why: str
+    unit: str | None
+    rank: int = 1
+
+
+def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> ExperimentProposal:
     """A guess of the experiment by one of its files.
 
     Args:
         opened: the file.
-        columns: its columns of numbers (n,) by index; others are left out.
+        numbers: its columns of numbers.
         kind: of rig, where the user states it.
     """
-    header = opened.header
+    header, columns = opened.header, numbers.columns
     known = CHANNELS if kind is None else find_rig(kind, "--kind").all_channels
-    guesses: dict[int, tuple[str, str, str | None]] = {}
-    for index in columns:
+    guesses: dict[int, Guess] = {}
+    reasons = dict(numbers.reasons)
+    for index, values in columns.items():
         column = parse_label(index, header.labels[index])
         stated = header.units.get(column.label, column.unit)
         unit = column_unit(stated) if stated else None
         if unit is None and not header.numbered:
             unit = _unit_of_name(column.name)
-        guesses[index] = (*_meaning(column.name, unit, header.numbered, known), unit)
+        if unit is None and is_serial_date(column.name, values):
+            unit = "day"
+        guess = _meaning(column.name, unit, header.numbered, known)
+        if column.name.strip().casefold() not in known and (reason := _is_flag(column.name, values)):
+            reasons[index] = reason
+            continue
+        guesses[index] = guess
     _by_numbers(guesses, columns)
-    chosen, question = (kind, "") if kind else _kind({meaning for meaning, _, _ in guesses.values()})
+    chosen, question = (kind, "") if kind else _kind({guess.meaning for guess in guesses.values()})
     rig = find_rig(chosen, "--kind")
-    found = _channels(guesses, rig)
-    units = [unit for index, (_, _, unit) in guesses.items() if found.get(index, (None,))[0] is not None]
+    found = _channels(guesses, rig, reasons)
+    units = [guess.unit for index, guess in guesses.items() if index in found]
     rotary = any(_is_rotary(unit) for unit in units if unit) if rig.rotary is None else rig.rotary
     proposals = [
-        _proposal(index, opened, found.get(index, (None, "")), guesses.get(index, ("", "", None))[2], rig, rotary)
+        _proposal(index, opened, *found[index], guesses[index].unit, rig, rotary)
+        if index in found
+        else Proposal(index + 1, header.labels[index].strip(), None, reason=reasons.get(index, ""))
         for index in range(len(header.labels))
+        if header.labels[index].strip() or index in found
     ]
     if _holds_intervals(columns, proposals):
         why = "is it the time from pulse to pulse, each of them a row?"
-        question = "; ".join(part for part in (why, "what is its unit?" if guesses[0][2] is None else "") if part)
-        proposals = [Proposal(1, proposals[0].label, "time", guesses[0][2] or "?", None, question, True)]
-    return ExperimentProposal(chosen, question, tuple(proposals), rotary)
+        unit = guesses[0].unit
+        question = "; ".join(part for part in (why, "what is its unit?" if unit is None else "") if part)
+        proposals = [Proposal(1, proposals[0].label, "time", unit or "?", None, question, True)]
+    return ExperimentProposal(chosen, question, tuple(proposals), rotary, numbers.missing)
+
+
+SERIAL_DATES = (25569.0, 73050.0)
+"""Days since the end of 1899, as spreadsheets count them, of the years 1970 to 2099."""
+
+
+def is_serial_date(name: str, values: np.ndarray) -> bool:
+    """Whether a column is a spreadsheet's date: named as a time, days of these years, steps below half a day."""
+    inside = values.size > 2 and SERIAL_DATES[0] <= values[0] <= values[-1] <= SERIAL_DATES[1]
+    if not inside or not _any(_words(name), f"{WORDS['time']} {DATES}"):
+        return False
+    steps = np.diff(values)
+    return bool(np.all(steps >= 0.0) and 0.0 < np.median(steps) < 0.5)
+
+
+def _is_flag(name: str, values: np.ndarray) -> str:
+    """Why a column is a state and no quantity; empty if it may be one."""
+    kept = values[np.isfinite(values)]
+    if kept.size and np.all((kept == 0.0) | (kept == 1.0)):
+        return "0 or 1 in every row: a state, no quantity"
+    if _any(_words(name), FLAGS) and kept.size and np.all(kept == np.round(kept)):
+        return "whole numbers under the name of a state"
+    return ""
 
 
 def _holds_intervals(columns: Mapping[int, np.ndarray], proposals: Sequence[Proposal]) -> bool:
@@ -140,21 +214,35 @@ def _holds_intervals(columns: Mapping[int, np.ndarray], proposals: Sequence[Prop
     return bool(values.size > 2 and np.all(values > 0.0) and np.any(np.diff(values) <= 0.0))
 
 
-def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]) -> tuple[str, str]:
-    """Proposed channel of a column, and the question to the user."""
+def _words(name: str) -> list[str]:
+    """The words of a name, in small letters: `posCmd`, `Sollweg` and `pos_cmd` have two."""
+    parts = re.sub(r"(?<=[a-zäöü])(?=[A-ZÄÖÜ])", " ", name.strip())
+    words = [word for word in re.split(r"[\W\d_]+", parts.casefold()) if word]
+    return [part for word in words for part in _COMPOUND.sub(r"\1 ", word).split()]
+
+
+def _any(words: Sequence[str], spoken: str) -> bool:
+    """Whether one of the words is in a text of words."""
+    return any(word in spoken.split() for word in words)
+
+
+def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]) -> Guess:
+    """What a column is taken for by its name and unit."""
     plain = name.strip().casefold()
     if plain in known:
-        return plain, ""
+        return Guess(plain, "", unit)
     if plain == LABVIEW_TIME and unit is None:
-        return "time", "by its name"
-    words = [word for word in re.split(r"[^a-zäöüß]+", plain) if word]
+        return Guess("time", "by its name", unit)
+    words = _words(_FORCE_SENSOR.sub("force", plain) if _FORCE_SENSOR.search(plain) else name)
+    rank = 2 if _any(words, SETPOINT) else 0 if _any(words, MEASURED) else 1
     by_unit = _by_dimension(unit)
     if not numbered:
         for meaning, spoken in WORDS.items():
             fits = by_unit in (None, meaning) or {by_unit, meaning} in _ALIKE
-            if fits and any(word in spoken.split() for word in words):
-                return meaning, "" if meaning == "time" and by_unit == "time" else "by its name"
-    return (by_unit, "by its unit") if by_unit else ("", "")
+            if fits and _any(words, spoken):
+                certain = meaning == "time" and by_unit == "time"
+                return Guess(meaning, "" if certain else "by its name", unit, rank)
+    return Guess(by_unit, "by its unit", unit, rank) if by_unit else Guess("", "", unit, rank)
 
 
 _ALIKE = (
@@ -190,24 +278,26 @@ def _is_rotary(unit: str) -> bool:
     return any(unit_dimension(unit) == unit_dimension(si) for si in ("rad", "rad/s", "N*m"))
 
 
-def _by_numbers(guesses: dict[int, tuple[str, str, str | None]], columns: Mapping[int, np.ndarray]) -> None:
+def _by_numbers(guesses: dict[int, Guess], columns: Mapping[int, np.ndarray]) -> None:
     """Tell time by its increase, and a velocity by its being the derivative of a position."""
-    if not any(meaning == "time" for meaning, _, _ in guesses.values()):
-        for index, (meaning, _, unit) in guesses.items():
+    if not any(guess.meaning == "time" for guess in guesses.values()):
+        for index, guess in guesses.items():
             values = columns[index][:SAMPLE]
-            if not meaning and values.size > 2 and np.all(np.diff(values) > 0.0):
-                guesses[index] = ("time", "it increases from row to row", unit)
+            if not guess.meaning and values.size > 2 and np.all(np.diff(values) > 0.0):
+                guesses[index] = guess._replace(meaning="time", why="it increases from row to row")
                 break
-    time = next((columns[i][:SAMPLE] for i, (meaning, _, _) in guesses.items() if meaning == "time"), None)
+    time = next((columns[i][:SAMPLE] for i, guess in guesses.items() if guess.meaning == "time"), None)
     if time is None or np.any(np.diff(time) <= 0.0):
         return
-    unknown = [index for index, (meaning, _, _) in guesses.items() if meaning in ("", "position")]
+    unknown = [index for index, guess in guesses.items() if guess.meaning in ("", "position")]
     for one in unknown:
         for other in unknown:
-            if one != other and not guesses[other][0] and _is_derivative(columns[one], columns[other], time):
-                guesses[other] = ("velocity", f"it follows the derivative of column {one + 1}", guesses[other][2])
-                if not guesses[one][0]:
-                    guesses[one] = ("position", f"column {other + 1} follows its derivative", guesses[one][2])
+            if one != other and not guesses[other].meaning and _is_derivative(columns[one], columns[other], time):
+                why = f"it follows the derivative of column {one + 1}"
+                guesses[other] = guesses[other]._replace(meaning="velocity", why=why)
+                if not guesses[one].meaning:
+                    why = f"column {other + 1} follows its derivative"
+                    guesses[one] = guesses[one]._replace(meaning="position", why=why)
 
 
 def _is_derivative(position: np.ndarray, other: np.ndarray, time: np.ndarray) -> bool:
@@ -249,39 +339,43 @@ def _kind(meanings: set[str]) -> tuple[str, str]:
     )
 
 
-def _channels(guesses: Mapping[int, tuple[str, str, str | None]], rig: RigKind) -> dict[int, tuple[str, str]]:
-    """Channel and question by index; each channel once, the more certain column first."""
+def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str]) -> dict[int, tuple[str, str]]:
+    """Channel and question by index; each channel once: the measured column before one that is asked for, then the
+    more certain one. Why the others are left out is put into `reasons`."""
     force = next((name for name in ("friction_force", "spring_force", "drive_force") if name in rig.channels), None)
     found: dict[int, tuple[str, str]] = {}
     own_voltages = [name for name in rig.own if _fits(rig.own[name].unit, "V")]
     voltages = iter(own_voltages or [name for name in rig.channels if name.startswith("voltage_")])
-    for index, (meaning, why, _) in sorted(guesses.items(), key=lambda item: (bool(item[1][1]), item[0])):
+    for index, guess in sorted(guesses.items(), key=lambda item: (item[1].rank, bool(item[1].why), item[0])):
+        meaning = guess.meaning
         channel = force if meaning in ("force", "drive_force") and meaning not in rig.channels else meaning
         if meaning == "voltage":
             channel = next(voltages, "drive_force" if "drive_force" in rig.channels else None)
         if not channel or channel not in rig.channels:
+            reasons[index] = f"a {rig.name} has no {channel}" if channel else "neither its name nor its unit is known"
             continue
         taken = [number for number, (other, _) in found.items() if other == channel]
         if not taken:
-            found[index] = (channel, why)
-        else:
-            first = taken[0]
+            question = "it is a value that is asked for; is it measured anywhere?" if guess.rank == 2 else guess.why
+            found[index] = (channel, question)
+            continue
+        first = taken[0]
+        reasons[index] = f"column {first + 1} is taken for '{channel}'"
+        if guess.rank <= guesses[first].rank:
             found[first] = (channel, f"or is column {index + 1} '{channel}'?")
-    for index, (_, _, unit) in guesses.items():
+    for index, guess in guesses.items():
         left = [name for name in rig.own if name not in {channel for channel, _ in found.values()}]
-        own = next((name for name in left if unit and _fits(unit, rig.own[name].unit)), None)
+        own = next((name for name in left if guess.unit and _fits(guess.unit, rig.own[name].unit)), None)
         if index not in found and own is not None:
             found[index] = (own, "by its unit")
     return found
 
 
 def _proposal(
-    index: int, opened: RecordFile, found: tuple[str | None, str], unit: str | None, rig: RigKind, rotary: bool
+    index: int, opened: RecordFile, channel: str, why: str, unit: str | None, rig: RigKind, rotary: bool
 ) -> Proposal:
-    header, (channel, why) = opened.header, found
+    header = opened.header
     label = header.labels[index].strip()
-    if channel is None:
-        return Proposal(index + 1, label, None)
     declared = rig.declared(channel)
     # A unit that the file has in brackets is read from there.
     written = None if parse_label(index, label).unit is not None or label in header.units else "?"
@@ -293,9 +387,10 @@ def _proposal(
         return Proposal(index + 1, label, channel, "?", None, question)
     if _fits(unit, declared.unit) or _fits(unit, declared.rotary_unit):
         return Proposal(index + 1, label, channel, written if written is None else unit, None, question)
-    scale = next((s for (name, si), s in _SCALES.items() if name == channel and _fits(unit, si)), "?")
+    scale = next((s for (name, si), s in _SCALES.items() if name == channel and _fits(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
-    question = "; ".join(part for part in (question, f"what is its scale in {scale}?") if part)
+    asked = f"what is its rated value (100 %) in {scale}?" if unit == "%" else f"what is its scale in {scale}?"
+    question = "; ".join(part for part in (question, asked) if part)
     return Proposal(index + 1, label, channel, None, scale, question)
 
 
@@ -303,16 +398,50 @@ def _fits(unit: str, si: str) -> bool:
     return unit_dimension(unit) == unit_dimension(si)
 
 
-def number_columns(opened: RecordFile) -> dict[int, np.ndarray]:
-    """The columns of a file that hold numbers, by index."""
-    found: dict[int, np.ndarray] = {}
-    indices: Sequence[int] = [index for index, label in enumerate(opened.header.labels) if label.strip()]
+@dataclass(frozen=True)
+class Numbers:
+    """What a file holds.
+
+    Args:
+        columns: of numbers, (n,), by index.
+        reasons: why a column holds none, by index.
+        missing: cells that are taken for marks of a gap.
+    """
+
+    columns: Mapping[int, np.ndarray]
+    reasons: Mapping[int, str]
+    missing: tuple[str, ...] = ()
+
+
+MOST_MARKS = 5
+"""Largest number of different words in a column of numbers that are taken for marks of a gap."""
+
+
+def read_numbers(opened: RecordFile) -> Numbers:
+    """The columns of a file that hold numbers; words without a digit among the numbers are taken for gaps."""
+    columns: dict[int, np.ndarray] = {}
+    reasons: dict[int, str] = {}
+    missing: list[str] = []
+    indices = [index for index, label in enumerate(opened.header.labels) if label.strip()]
     try:
-        return dict(zip(indices, (column.values for column in opened.columns(indices)), strict=True))
+        return Numbers(dict(zip(indices, (c.values for c in opened.columns(indices)), strict=True)), {})
     except InputError:
-        for index in indices:
+        pass
+    for index in indices:
+        if opened.header.labels[index] in opened.header.texts:
+            reasons[index] = f"holds text, such as '{opened.header.texts[opened.header.labels[index]]}'"
+            continue
+        trial, marks = opened, list(missing)
+        while index not in columns and index not in reasons:
             try:
-                found[index] = opened.columns([index])[0].values
-            except InputError:
-                continue
-    return found
+                columns[index] = trial.columns([index])[0].values
+                missing = marks
+            except InputError as error:
+                mark = re.search(r'\[format\] missing = \["(.*?)"\]', str(error))
+                if mark is None or mark[1] in marks or len(marks) >= MOST_MARKS:
+                    reasons[index] = str(error).removeprefix(f"{opened.name}: ")
+                    continue
+                marks.append(mark[1])
+                settings = replace(opened.settings, missing=(*opened.settings.missing, *marks))
+                trial = open_record_file(opened.path, opened.name, settings)
+    return Numbers(columns, reasons, tuple(missing))

@@ -19,8 +19,15 @@ _SPELLINGS = {
     "cts": "count",
     "bits": "bit",
     "Ohm": "ohm",
+    "lb": "lbf",
+    "lbs": "lbf",
 }
-_WHOLE = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM"), "rpm")
+_WHOLE = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM", "Upm"), "rpm")
+_WHOLE |= {"rps": "rev/s", "RPS": "rev/s", "U/s": "rev/s", "r/s": "rev/s"}
+_MASS_TIMES_LENGTH = re.compile(
+    r"(?P<mass>kg|g|oz|lbs?)\*(?P<length>in|ft|mm|cm|m)|(?P<first>in|ft)\*(?P<last>oz|lbs?)"
+)
+"""Torques of motors' data sheets, where the pound, ounce or kilogram is a force."""
 
 
 @cache
@@ -29,12 +36,15 @@ def column_unit(text: str) -> str | None:
     written = text.strip()
     if not written:
         return None
-    if _known(written):
+    if _known(written) and not _MASS_TIMES_LENGTH.fullmatch(written):
         return written
     if written in _WHOLE:
         return _WHOLE[written]
     plain = re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", re.sub(r"(?<=[A-Za-z0-9])\s*[.·× -]\s*(?=[A-Za-z])", "*", written))
     plain = re.sub(r"[A-Za-z%]+", lambda match: _symbol(match[0]), plain)
+    if (torque := _MASS_TIMES_LENGTH.fullmatch(plain)) is not None:
+        mass, length = torque["mass"] or torque["last"], torque["length"] or torque["first"]
+        plain = f"{mass.rstrip('s')}f*{length}"
     return plain if _known(plain) else None
 
 

@@ -45,11 +45,12 @@ class Header:
 
 class Column(NamedTuple):
     """The numbers of one column, (n,), NaN in gaps, and the number that was subtracted from them (`origin`), which
-    is not zero in time stamps only; `said` is the note on it for the user."""
+    is not zero in time stamps only; `said` is the note on it for the user. `notes` are on rows left out."""
 
     values: np.ndarray
     origin: float = 0.0
     said: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class Reader(Protocol):

@@ -8,7 +8,7 @@ import io
 import math
 import re
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from functools import lru_cache
 from pathlib import Path
@@ -18,8 +18,9 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header, to_numpy
-from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, number, split
+from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, kind_of_cell, split, unit_of_cell
 from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.numbers import is_hexadecimal, respelled_column
 from sysid.experiment.readers.text import SingleBlanks, encoding_of, is_gzip, lines_of, open_bytes, read_head
 from sysid.experiment.readers.time_stamps import seconds
 from sysid.experiment.toml_table import shown
@@ -51,6 +52,7 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
         if unit:
             units[label] = unit
     units |= {found.labels[k]: "s" for k in found.stamps}
+    units |= {found.labels[k]: unit for k, unit in found.spelled.items() if unit}
     remarks = (*(["gzip"] if gzipped else []), *found.remarks)
     return Header(found.labels, units, remarks, found.texts, found.numbered, found)
 
@@ -59,40 +61,53 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     """Columns of a text file; see `Reader`."""
     dialect: Dialect = header.layout
     wanted = list(dict.fromkeys(indices))
+    found = None
     try:
-        table = _arrow_table(path, dialect, wanted)
+        # Spelled numbers that begin below the head are found by the second try, other faults by the slow reader.
+        for spelled in (dialect.spelled, dict.fromkeys(set(wanted) - set(dialect.stamps), "") | dialect.spelled):
+            found = found or _fast_columns(path, name, dialect, wanted, spelled, settings)
     except (EOFError, gzip.BadGzipFile, zlib.error):
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
-    found: dict[int, Column] = {}
-    if table is not None:
-        for index in wanted:
-            column = _from_arrow(table.column(f"c{index}"), dialect, index, settings, name)
-            if column is None:
-                table = None
-                break
-            found[index] = column
-            table = table.drop_columns([f"c{index}"])
-    if table is None:
+    if found is None:
         found = dict(zip(wanted, _columns_slowly(path, name, dialect, wanted, settings)))
     return [found[index] for index in indices]
 
 
+def _fast_columns(
+    path: Path, name: str, dialect: Dialect, wanted: Sequence[int], spelled: Mapping[int, str], settings: Format
+) -> dict[int, Column] | None:
+    """The columns by index as pyarrow reads them; None where a row or a cell needs a look."""
+    table = _arrow_table(path, dialect, wanted, spelled)
+    found: dict[int, Column] = {}
+    for index in wanted if table is not None else ():
+        cells = table.column(f"c{index}")
+        table = table.drop_columns([f"c{index}"])
+        if index in spelled and index not in dialect.stamps:
+            cells = respelled_column(cells, dialect.form, dialect.gaps, spelled[index])
+        column = None if cells is None else _from_arrow(cells, dialect, index, settings, name)
+        if column is None:
+            return None
+        found[index] = column
+    return found or None
+
+
 def row_number(path: Path, name: str, header: Header, row: int, settings: Format) -> int:
     """Row number as an editor or spreadsheet shows it."""
-    for k, (place, _) in enumerate(_rows(path, name, header.layout)):
+    for k, (place, _) in enumerate(_data_rows(path, name, header.layout, settings, [])):
         if k == row:
             return place
     return header.layout.first_row + row
 
 
-def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int]) -> Any:
+def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: Mapping[int, str]) -> Any:
     """The columns as pyarrow reads them; None where it cannot."""
     import pyarrow
     from pyarrow import csv as arrow
 
     names = [f"c{place}" for place in range(dialect.width)]
-    types = {f"c{k}": pyarrow.string() if k in dialect.stamps else pyarrow.float64() for k in indices}
-    types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in indices}
+    texts = {*dialect.stamps, *spelled}
+    types = {f"c{k}": pyarrow.string() if k in texts else pyarrow.float64() for k in indices}
+    types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in {*indices} - texts}
     try:
         # pyarrow opens a plain file by its name faster.
         plain = dialect.delimiter != " " and not is_gzip(path)
@@ -113,7 +128,7 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int]) -> Any:
                     column_types=types,
                     null_values=list(dialect.gaps),
                     strings_can_be_null=True,
-                    decimal_point=dialect.decimal,
+                    decimal_point=dialect.form.decimal,
                     check_utf8=False,
                 ),
             )
@@ -156,14 +171,54 @@ def _rows(path: Path, name: str, dialect: Dialect) -> Iterator[tuple[int, list[s
             yield row, split(line, dialect.delimiter)
 
 
+def _data_rows(
+    path: Path, name: str, dialect: Dialect, settings: Format, notes: list[str]
+) -> Iterator[tuple[int, list[str]]]:
+    """Every row of numbers with its number in the file. Rows that repeat the header, and text or a cut row below the
+    numbers, are left out with a note.
+
+    Raises:
+        InputError: another row with more or fewer cells than the columns.
+    """
+    held: list[tuple[int, list[str]]] = []
+    repeated = 0
+    labels = [label.strip() for label in dialect.labels]
+    headers = [cells for cells in (labels, [*filter(None, labels)], [*dialect.units]) if dialect.header_row and cells]
+    for row, cells in _rows(path, name, dialect):
+        if cells in headers:
+            repeated += 1
+        elif len(cells) != dialect.width or _is_text(cells, dialect, settings):
+            held.append((row, cells))
+        else:
+            for at, other in held:
+                if len(other) != dialect.width:
+                    raise InputError(f"{name}: row {at}: {_wrong_width(other, dialect)}")
+                yield at, other
+            held.clear()
+            yield row, cells
+    if repeated:
+        notes.append(f"{repeated} row{'s' * (repeated > 1)} repeat{'s' * (repeated == 1)} the header; left out")
+    if held and len(held[0][1]) > dialect.width and not _is_text(held[0][1], dialect, settings):
+        raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
+    if held:
+        last = f"row {held[0][0]}" if len(held) == 1 else f"rows {held[0][0]} to {held[-1][0]}"
+        cut = len(held) == 1 and not _is_text(held[0][1], dialect, settings)
+        notes.append(f"{last} at the end {'is cut off' if cut else 'hold no numbers'}; left out")
+
+
+def _is_text(cells: Sequence[str], dialect: Dialect, settings: Format) -> bool:
+    """Whether no filled cell of a row is a number or a time."""
+    if any(dialect.form.value(cell) is not None for cell in cells):
+        return False
+    return {kind_of_cell(cell, dialect.form, settings) for cell in cells} - {"gap"} == {"text"}
+
+
 def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[int], settings: Format) -> list[Column]:
     """The columns read line by line, or an error that names the cell at fault."""
-    width = dialect.width
     numbers = {index: array.array("d") for index in indices}
     texts: dict[int, list[str]] = {index: [] for index in indices if index in dialect.stamps}
-    for row, cells in _rows(path, name, dialect):
-        if len(cells) != width:
-            raise InputError(f"{name}: row {row}: {_wrong_width(cells, dialect)}")
+    notes: list[str] = []
+    for row, cells in _data_rows(path, name, dialect, settings, notes):
         for index in indices:
             if index in texts:
                 texts[index].append(cells[index])
@@ -178,7 +233,7 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
             found.append(seconds(column, dialect.stamps[index], settings.time_format, name, dialect.labels[index]))
         else:
             found.append(Column(np.array(numbers[index], dtype=float)))
-    return found
+    return [column._replace(notes=tuple(notes)) for column in found]
 
 
 def _wrong_width(cells: Sequence[str], dialect: Dialect) -> str:
@@ -191,15 +246,27 @@ def _wrong_width(cells: Sequence[str], dialect: Dialect) -> str:
 
 
 def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> float:
-    value = math.nan if cell in dialect.gaps else number(cell, dialect.decimal)
+    unit = dialect.spelled.get(index, "")
+    bare = cell.removesuffix(unit).rstrip() if unit else cell
+    value = math.nan if cell in dialect.gaps else dialect.form.value(bare)
     if value is not None and not math.isinf(value):
         return value
     problem = "is not a number" if value is None else "is not finite"
     hint = "; a number is required, or nothing for a gap"
-    if re.fullmatch(r"-?\d+,\d+", cell) and dialect.decimal == ".":
+    decimal, other = dialect.form.decimal, unit_of_cell(cell, dialect.form)
+    if is_hexadecimal(cell):
+        hint = "; counts in hexadecimal digits are not read: let the logger write decimal numbers"
+    elif re.fullmatch(r"[+-]?\d{1,3}([.,]\d{3})+", cell):
+        mark = "." if "." in cell else ","
+        hint = f"; if '{mark}' groups thousands: [format] thousands = \"{mark}\""
+    elif re.fullmatch(r"-?\d+,\d+", cell) and decimal == ".":
         hint = '; a point is required as decimal sign, or [format] decimal = ","'
     elif _STAMP.search(cell):
         hint = '; if it is a time stamp, name its form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
-    elif value is None and not re.search(r"\d", cell):
+    elif other and other != unit:
+        hint = (
+            f"; its unit is '{other}', the column's '{unit}'" if unit else f"; its unit '{other}' is in one cell only"
+        )
+    elif value is None and not re.search(r"\d", cell.replace("#", "")):
         hint = f'{hint}; if {shown(cell)} marks a gap: [format] missing = ["{cell}"]'
     raise InputError(f"{name}: row {row}, column '{dialect.labels[index].strip()}': {shown(cell)} {problem}{hint}")

@@ -18,22 +18,30 @@ from typing import Any, Literal, NamedTuple, overload
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.units import column_unit
 from sysid.experiment.readers.format import DELIMITERS, Format
+from sysid.experiment.readers.numbers import GAPS, NumberForm, is_hexadecimal
 
-GAPS = ("", "nan", "NaN", "NAN", "-nan", "NA", "null")
 COMMENTS = ("#", "%", "//")
 
 ROWS = 200
 """Lines at the end of the head from which width and kinds of the columns are taken."""
 
-_DATE = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
-_CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?")
-_COMMA_NUMBER = re.compile(r"[+-]?(\d+(,\d*)?|,\d+)([eE][+-]?\d+)?")
+_STAMPS = {
+    "date": re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?"),
+    "day_first": re.compile(r"\d{1,2}\.\d{1,2}\.\d{4}[ T]\d{1,2}:\d\d:\d\d([.,]\d+)?"),
+    "clock": re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?"),
+    "half_day": re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?\s?[AaPp]\.?[Mm]\.?"),
+    "minutes": re.compile(r"\d{1,4}:\d\d[.,]\d+"),
+}
+"""Forms of time stamps that have one meaning, by kind: ISO 8601, day.month.year, 24 hours, 12 hours, minutes."""
+_QUANTITY = re.compile(r"(?P<number>.*?[\d.,])\s*(?P<unit>[A-Za-zµμ°Ω%][^\s,;]*)")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
 _LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 """A line that is blank or a comment."""
 
-Kind = Literal["number", "date", "clock", "stamp", "gap", "text"]
+Kind = Literal["number", "quantity", "date", "day_first", "clock", "half_day", "minutes", "stamp", "gap", "text"]
+_TIMES: tuple[Kind, ...] = ("date", "day_first", "clock", "half_day", "minutes", "stamp")
+_VALUED: tuple[Kind, ...] = ("number", "quantity", *_TIMES)
 
 
 class Line(NamedTuple):
@@ -76,7 +84,8 @@ class Dialect:
     Args:
         encoding: of the text.
         delimiter: between columns; a blank stands for any run of blanks and tabs.
-        decimal: decimal sign.
+        form: of the numbers.
+        spelled: columns whose numbers are not written as Python writes them, and the unit behind each number.
         labels: of the columns.
         units: row of units, by column; empty without one.
         header_row, units_row: numbers of the rows, from 1; 0 for none.
@@ -90,7 +99,8 @@ class Dialect:
 
     encoding: str
     delimiter: str
-    decimal: str
+    form: NumberForm
+    spelled: Mapping[int, str]
     labels: tuple[str, ...]
     units: tuple[str, ...]
     header_row: int
@@ -119,32 +129,31 @@ def split(line: str, delimiter: str) -> list[str]:
     return [cell.strip() for cell in line.split(delimiter)]
 
 
-def number(cell: str, decimal: str = ".") -> float | None:
-    """The number in a cell; None if it is none."""
-    if decimal == "," and ("," in cell or "." in cell):
-        return float(cell.replace(",", ".")) if _COMMA_NUMBER.fullmatch(cell) else None
-    try:
-        return float(cell) if "_" not in cell else None
-    except ValueError:
-        return None
-
-
 def is_comment(line: str) -> bool:
     """Whether a line is a comment."""
     return line.lstrip().startswith(COMMENTS)
 
 
-def kind_of_cell(cell: str, decimal: str, settings: Format) -> Kind:
-    """Kind of a cell. A text in `time_format` of the settings is a `stamp`."""
+def kind_of_cell(cell: str, form: NumberForm, settings: Format) -> Kind:
+    """Kind of a cell. A text in `time_format` of the settings is a `stamp`, a number with a unit a `quantity`."""
     if cell in GAPS or cell in settings.missing:
         return "gap"
-    if number(cell, decimal) is not None:
+    if form.value(cell) is not None:
         return "number"
-    if _DATE.fullmatch(cell):
-        return "date"
-    if _CLOCK.fullmatch(cell):
-        return "clock"
-    return "stamp" if settings.time_format is not None and _has_format(cell, settings.time_format) else "text"
+    for kind, pattern in _STAMPS.items():
+        if pattern.fullmatch(cell):
+            return kind  # type: ignore[return-value]
+    if settings.time_format is not None and _has_format(cell, settings.time_format):
+        return "stamp"
+    return "quantity" if unit_of_cell(cell, form) else "text"
+
+
+def unit_of_cell(cell: str, form: NumberForm) -> str:
+    """The unit behind the number in a cell, as written; empty where there is no such unit."""
+    match = _QUANTITY.fullmatch(cell) if len(cell) < 80 else None
+    if match is None or form.respelled(match["number"]) is None or is_hexadecimal(cell):
+        return ""
+    return match["unit"] if column_unit(match["unit"]) is not None else ""
 
 
 def _has_format(cell: str, time_format: str) -> bool:
@@ -158,12 +167,12 @@ def _has_format(cell: str, time_format: str) -> bool:
 
 
 class _Way(NamedTuple):
-    """A way to split the lines: share of the cells that are numbers, width, and its two signs."""
+    """A way to split the lines: share of the cells that are numbers, width, delimiter and form of the numbers."""
 
     share: float
     width: int
     delimiter: str
-    decimal: str
+    form: NumberForm
 
 
 def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: str, complete: bool) -> Dialect:
@@ -179,7 +188,7 @@ def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: st
 
 
 def _best_way(lines: Sequence[Line], settings: Format) -> _Way:
-    ways = []
+    ways: list[_Way] = []
     sample = [line.text for line in lines[-ROWS:]]
     for delimiter in (settings.delimiter,) if settings.delimiter else DELIMITERS:
         rows = [split(text, delimiter) for text in sample]
@@ -190,16 +199,28 @@ def _best_way(lines: Sequence[Line], settings: Format) -> _Way:
             if decimal == delimiter and not any('"' in text for text in sample):
                 continue
             cells = [cell for row in rows if len(row) == width for cell in row]
-            kinds = Counter(kind_of_cell(cell, decimal, settings) for cell in cells)
+            form = _form(cells, decimal, delimiter, settings)
+            kinds = Counter(kind_of_cell(cell, form, settings) for cell in cells)
             filled = sum(cell != "" for row in rows for cell in row)
-            good = kinds["number"] + kinds["date"] + kinds["clock"] + kinds["stamp"]
-            ways.append(_Way(round(good / max(filled, 1), 3), width, delimiter, decimal))
+            good = sum(kinds[kind] for kind in _VALUED)
+            ways.append(_Way(round(good / max(filled, 1), 3), width, delimiter, form))
     best = max(ways, key=lambda way: way[:2], default=None)
     if best is None or best.share == 0.0:
         # No row of numbers: the most columns, so that the message can say what the header has.
         ways = [way for way in ways if way.delimiter != " "] or ways
-        return max(ways, key=lambda way: way.width, default=_Way(0.0, 1, settings.delimiter or ",", "."))
+        return max(ways, key=lambda way: way.width, default=_Way(0.0, 1, settings.delimiter or ",", NumberForm()))
     return best
+
+
+def _form(cells: Sequence[str], decimal: str, delimiter: str, settings: Format) -> NumberForm:
+    """Form of the numbers: the other sign groups thousands where a number shows both, or two groups of digits."""
+    blanks = delimiter != " "
+    if settings.thousands is not None:
+        return NumberForm(decimal, settings.thousands.strip(), blanks)
+    other = "," if decimal == "." else "."
+    first, last = re.escape(other), re.escape(decimal)
+    shown = re.compile(rf"\D?\d{{1,3}}(?:(?:{first}\d{{3}})+{last}\d+|(?:{first}\d{{3}}){{2,}}).*")
+    return NumberForm(decimal, other if any(shown.fullmatch(cell) for cell in cells) else "", blanks)
 
 
 def _width(rows: Sequence[Sequence[str]]) -> int:
@@ -212,70 +233,117 @@ def _layout(
     lines: Sequence[str], rows: Sequence[Row], way: _Way, encoding: str, settings: Format, name: str
 ) -> Dialect:
     """The dialect with the rows of header, units and numbers."""
-    width, decimal = way.width, way.decimal
-    columns = _kinds(rows, width, decimal, settings)
+    width, form = way.width, way.form
+    columns = _kinds(rows, width, form, settings)
     least = settings.first_row or 1
     first = next(
-        (k for k, (row, cells) in enumerate(rows) if row >= least and _is_data(cells, columns, decimal, settings)),
+        (k for k, (row, cells) in enumerate(rows) if row >= least and _is_data(cells, columns, form, settings)),
         len(rows),
     )
-    if settings.decimal is None and decimal == ",":
-        _refuse_grouped([cells for _, cells in rows[first : first + ROWS]], name)
+    data = [cells for _, cells in rows[first : first + ROWS] if len(cells) == width]
+    if settings.decimal is None and settings.thousands is None and form.decimal == ",":
+        _refuse_grouped(data, form, name)
     header, units = _header(lines, rows, first, columns, way, settings)
-    end_delimiter = False
-    labels = header[1] if header[0] else [f"column {k + 1}" for k in range(width)]
-    if header[0] and len(labels) != width:
-        end_delimiter = len(labels) == width - 1 and all(not c[-1] for _, c in rows[first:] if len(c) == width)
-        if end_delimiter:
-            labels = [*labels, ""]
-        elif len(labels) == width + 1 and not labels[-1]:
-            labels = labels[:-1]
+    labels, remark = _labels(header, rows[first:], columns, name)
     start = settings.first_row or max(header[0], units[0]) + 1
     if not header[0] and not settings.first_row:
-        start = _first_of_numbers(rows, first, columns, decimal, settings)
-    by_column = {k: kind for k, kind in enumerate(columns) if kind in ("date", "clock", "stamp")}
+        start = _first_of_numbers(rows, first, columns, form, settings)
+    by_column = {k: kind for k, kind in enumerate(columns) if kind in _TIMES}
     # Rows above the header are never read; the header of a plain file is its first line.
     plain = next((k for k, text in enumerate(lines, start=1) if text.strip()), 1)
     remarks = _remarks(way, encoding, header[0], units[0], start, plain)
-    remarks += ["a delimiter at the end of each row"] * end_delimiter
+    remarks += [remark] if remark else []
     remarks += ["time stamps in " + ", ".join(f"'{labels[k]}'" for k in by_column)] if by_column else []
+    spelled = _spelled(data, columns, form)
+    if behind := sorted({unit for unit in spelled.values() if unit}):
+        remarks.append(f"units behind the numbers: {', '.join(behind)}")
     return Dialect(
         encoding=encoding,
         delimiter=way.delimiter,
-        decimal=decimal,
+        form=form,
+        spelled=spelled,
         labels=tuple(labels),
         units=tuple(units[1]),
         header_row=header[0],
         units_row=units[0],
         first_row=start,
-        width=len(labels),
+        width=width,
         stamps=by_column,
         gaps=(*GAPS, *settings.missing),
         texts={
-            labels[k]: cell
-            for k, cell in enumerate(rows[first][1] if first < len(rows) else [])
-            if columns[k] == "text" and kind_of_cell(cell, decimal, settings) == "text"
+            labels[k]: cells[k]
+            for k, kind in enumerate(columns)
+            if kind == "text"
+            for cells in reversed(data)
+            if kind_of_cell(cells[k], form, settings) == "text"
         },
         remarks=tuple(remarks),
     )
 
 
-def _kinds(rows: Sequence[Row], width: int, decimal: str, settings: Format) -> list[Kind]:
+def _labels(header: Row, rows: Sequence[Row], columns: Sequence[Kind], name: str) -> tuple[list[str], str]:
+    """A label for each column, and a remark where the header has another number of cells than the rows.
+
+    Cells beyond the header that hold no numbers are left out. With numbers beyond it, which of its names belongs to
+    which column is not known.
+    """
+    width, labels = len(columns), header[1]
+    if not header[0]:
+        return [f"column {k + 1}" for k in range(width)], ""
+    if len(labels) == width:
+        return labels, ""
+    if len(labels) > width:
+        left = [label for label in labels[width:] if label]
+        return labels[:width], f"nothing under {', '.join(left)}" if left else ""
+    beyond = columns[len(labels) :]
+    if any(kind not in ("gap", "text") for kind in beyond):
+        row, cells = next(((row, cells) for row, cells in rows if len(cells) == width), (header[0], labels))
+        marks = sum(re.fullmatch(r"-?\d+", cell) is not None for cell in cells)
+        hint = "; is the decimal sign a comma? a point is required where commas separate the columns"
+        raise InputError(
+            f"{name}: row {row}: has {len(cells)} cells, the header {len(labels)}"
+            + (hint if marks > 1 else "; name the columns by their numbers: [format] header = false")
+        )
+    end = len(beyond) == 1 and beyond[0] == "gap"
+    remark = "a delimiter at the end of each row" if end else f"rows have {len(beyond)} more cells than the header"
+    return [*labels, *[""] * len(beyond)], remark
+
+
+def _spelled(rows: Sequence[Sequence[str]], columns: Sequence[Kind], form: NumberForm) -> dict[int, str]:
+    """Columns with numbers that are not written as Python writes them, and the unit behind each."""
+    found: dict[int, str] = {}
+    for k, kind in enumerate(columns):
+        cells = [row[k] for row in rows if row[k] not in GAPS]
+        if kind == "quantity":
+            found[k] = unit_of_cell(cells[0], form)
+        elif kind == "number" and any(re.search(r"[^0-9.,eE+\-]", cell) or _has_groups(cell, form) for cell in cells):
+            found[k] = ""
+    return found
+
+
+def _has_groups(cell: str, form: NumberForm) -> bool:
+    return form.thousands != "" and form.thousands in cell
+
+
+def _kinds(rows: Sequence[Row], width: int, form: NumberForm, settings: Format) -> list[Kind]:
     """The commonest kind of the filled cells of each column, in the rows of this width."""
     tail = [cells for _, cells in rows[-ROWS:] if len(cells) == width]
     kinds: list[Any] = []
     for k in range(width):
-        counts = Counter(kind_of_cell(cells[k], decimal, settings) for cells in tail)
+        counts = Counter(kind_of_cell(cells[k], form, settings) for cells in tail)
         counts.pop("gap", None)
-        kinds.append(max(counts, key=lambda kind: (counts[kind], kind != "text"), default="gap"))
+        kind: Any = max(counts, key=lambda kind: (counts[kind], kind != "text"), default="gap")
+        if kind == "quantity" and len({unit_of_cell(cells[k], form) for cells in tail} - {""}) > 1:
+            kind = "text"
+        kinds.append(kind)
     return kinds
 
 
-def _is_data(cells: Sequence[str], columns: Sequence[Kind], decimal: str, settings: Format) -> bool:
+def _is_data(cells: Sequence[str], columns: Sequence[Kind], form: NumberForm, settings: Format) -> bool:
     """Whether a row has the width of the columns, and numbers where they have some."""
     if len(cells) != len(columns):
         return False
-    kinds = [kind_of_cell(cell, decimal, settings) for cell in cells]
+    kinds = [kind_of_cell(cell, form, settings) for cell in cells]
     valued = [(own, kind) for own, kind in zip(columns, kinds) if own not in ("text", "gap") and kind != "gap"]
     return bool(valued) and all(own == kind for own, kind in valued)
 
@@ -308,7 +376,7 @@ def _header(
     wordy = [
         (row, cells)
         for row, cells in rows[:first]
-        if row != units[0] and sum(kind_of_cell(c, way.decimal, settings) == "text" for c in cells) * 2 > len(cells)
+        if row != units[0] and sum(kind_of_cell(c, way.form, settings) == "text" for c in cells) * 2 > len(cells)
     ]
     of_width = [(row, cells) for row, cells in wordy if len(cells) in (len(columns), len(columns) - 1)]
     if not of_width:
@@ -347,28 +415,31 @@ def _uncommented(line: str) -> str:
     return re.sub(r"^\s*(#+|%+|//+)\s*", "", line)
 
 
-def _first_of_numbers(rows: Sequence[Row], first: int, columns: Sequence[Kind], decimal: str, settings: Format) -> int:
+def _first_of_numbers(
+    rows: Sequence[Row], first: int, columns: Sequence[Kind], form: NumberForm, settings: Format
+) -> int:
     """Row from which a file without a header is read: the first of the columns' width that holds a number."""
     for row, cells in rows[:first]:
-        if len(cells) == len(columns) and any(kind_of_cell(cell, decimal, settings) == "number" for cell in cells):
+        if len(cells) == len(columns) and any(kind_of_cell(cell, form, settings) == "number" for cell in cells):
             return row
     return rows[first][0] if first < len(rows) else 1
 
 
-def _refuse_grouped(rows: Sequence[Sequence[str]], name: str) -> None:
+def _refuse_grouped(rows: Sequence[Sequence[str]], form: NumberForm, name: str) -> None:
     """Refuse numbers with commas that may all group thousands."""
-    cells = [cell for row in rows for cell in row if "," in cell and number(cell, ",") is not None]
+    cells = [cell for row in rows for cell in row if "," in cell and form.value(cell) is not None]
     if cells and all(_GROUPED.fullmatch(cell) for cell in cells):
         raise InputError(
             f"{name}: '{cells[0]}': is the comma a decimal sign, or does it group thousands? If it is a decimal sign, "
-            'write [format] decimal = ","; grouped thousands are not read'
+            'write [format] decimal = ","; if it groups thousands, [format] thousands = ","'
         )
 
 
 def _remarks(way: _Way, encoding: str, header: int, units: int, first: int, plain: int) -> list[str]:
     """Differences from plain CSV: comma, decimal point, header in the first line, UTF-8."""
     remarks = [] if way.delimiter == "," else [DELIMITERS[way.delimiter]]
-    remarks += ["decimal comma"] if way.decimal == "," else []
+    remarks += ["decimal comma"] if way.form.decimal == "," else []
+    remarks += [f"'{way.form.thousands}' groups thousands"] if way.form.thousands else []
     remarks += [encoding.upper()] if encoding not in ("utf-8", "utf-8-sig") else []
     if header == 0:
         remarks.append("no header" + (f", numbers from row {first}" if first > 1 else ""))

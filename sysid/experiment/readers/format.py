@@ -22,6 +22,8 @@ class Format:
     Args:
         delimiter: between columns, a key of `DELIMITERS`.
         decimal: decimal sign.
+        thousands: mark between groups of three digits; a blank is "none", since blanks and apostrophes between digits
+            mean nothing else.
         header: number of the header's row, from 1, as an editor counts it; 0 for a file without a header.
         units_row: number of the row of units; 0 for none.
         first_row: number of the first row of numbers.
@@ -35,6 +37,7 @@ class Format:
 
     delimiter: str | None = None
     decimal: str | None = None
+    thousands: str | None = None
     header: int | None = None
     units_row: int | None = None
     first_row: int | None = None
@@ -65,6 +68,12 @@ def read_format(table: TomlTable) -> Format:
         delimiter = names[written]
     if "decimal" in table.data:
         decimal = table.choice("decimal", (".", ","))
+    thousands = table.choice("thousands", (".", ",", "'", " ", "none")) if "thousands" in table.data else None
+    thousands = "" if thousands == "none" else thousands
+    if thousands and thousands == decimal:
+        raise InputError(f"{table.where('thousands')}: {shown(thousands)} is the decimal sign too")
+    if thousands in (".", ",") and decimal is None:
+        decimal = "," if thousands == "." else "."
     if decimal == "," and delimiter == ",":
         raise InputError(f"{table.where('decimal')}: a comma cannot be both the decimal sign and the delimiter")
     if "encoding" in table.data:
@@ -82,6 +91,7 @@ def read_format(table: TomlTable) -> Format:
     return Format(
         delimiter=delimiter,
         decimal=decimal,
+        thousands=thousands,
         header=_row(table, "header", absent=True),
         units_row=_row(table, "units_row", absent=True),
         first_row=_row(table, "first_row"),

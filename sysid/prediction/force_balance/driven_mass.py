@@ -20,10 +20,10 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.simulate import simulate_driven_mass
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PredictsChannels
+from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
-from sysid.signals.resampling import uniform
 
 LEAST_ROWS = 200
 """Scored rows below which a mass is not read off a record."""

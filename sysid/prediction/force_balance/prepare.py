@@ -28,9 +28,9 @@ from sysid.prediction.force_balance.reversals import EventSearch, ResolvedMotion
 from sysid.prediction.force_balance.stick_event_times import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
 from sysid.prediction.prepared_record import PredictsChannels
+from sysid.prediction.resampling import uniform
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import dilated, filled, longer_than
-from sysid.signals.resampling import uniform
 
 
 class _Signal(NamedTuple):

@@ -50,11 +50,11 @@ from sysid.prediction.friction_drive.friction import (
     simulated_axis,
 )
 from sysid.prediction.prepared_record import PredictsChannels
+from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Channels, Effects
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
-from sysid.signals.resampling import uniform
 
 TRANSVERSE = "position_y"
 """The channel across the travel: if it is measured, the motion is simulated in the plane."""

@@ -63,11 +63,11 @@ def record_rows(path: str | Path, name: str | None = None) -> int:
     Raises:
         InputError: a file that cannot be read, or without numbers.
     """
-    from sysid.experiment.columns.proposal import number_columns
+    from sysid.experiment.columns.proposal import read_numbers
     from sysid.experiment.readers.open import open_record_file
 
     name = name or Path(path).name
-    columns = number_columns(open_record_file(Path(path), name))
+    columns = read_numbers(open_record_file(Path(path), name)).columns
     if not columns:
         raise InputError(f"{name}: has no column of numbers")
     rows = int(next(iter(columns.values())).size)
@@ -90,9 +90,9 @@ class Proposal(Result):
     @cached_property
     def columns(self) -> list[dict[str, Any]]:
         """Each column: channel, unit, scale, question, and its first values; None for no number."""
-        from sysid.experiment.columns.proposal import number_columns
+        from sysid.experiment.columns.proposal import read_numbers
 
-        header, numbers = self.opened[0].header, number_columns(self.opened[0])
+        header, numbers = self.opened[0].header, read_numbers(self.opened[0]).columns
         return [
             {
                 "column": one.number if header.numbered else one.label,

@@ -38,7 +38,7 @@ def command() -> None:
 @common_options
 def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None) -> None:
     """Write FOLDER/experiment.toml from measurement FILEs, with a question where something is uncertain."""
-    from sysid.experiment.columns.proposal import number_columns
+    from sysid.experiment.columns.proposal import read_numbers
     from workbench.identification.new_experiment import experiment_text, free_experiment, inspect, questions
     from workbench.identification.statements import in_command
     from workbench.report.column_figure import draw_columns
@@ -46,12 +46,13 @@ def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None
     with run.busy("reading the files"):
         opened, proposal = inspect(files, kind)
         target = free_experiment(folder)
-        picture = draw_columns(folder / "columns.png", number_columns(opened[0]), proposal)
+        picture = draw_columns(folder / "columns.png", read_numbers(opened[0]).columns, proposal)
         atomic_write_text(target, experiment_text(folder, opened, proposal))
     if opened[0].header.remarks:
         run.echo(f"read as: {', '.join(opened[0].header.remarks)}")
     for column in proposal.columns:
-        run.echo(f"column {column.number} '{column.label}': {column.channel or 'left out'}")
+        reason = f": {column.reason}" * bool(column.reason)
+        run.echo(f"column {column.number} '{column.label}': {column.channel or f'left out{reason}'}")
     asked = questions(proposal)
     for question in asked:
         run.echo(f"question: {question}")

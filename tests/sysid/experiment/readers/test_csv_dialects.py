@@ -139,7 +139,7 @@ def test_dialects_are_read_without_an_option(tmp_path, name):
 
 
 def _own_stamp(t: float) -> str:
-    return (START + timedelta(seconds=t)).strftime("%d.%m.%Y %H:%M:%S.%f")
+    return (START + timedelta(seconds=t)).strftime("%m/%d/%Y %H:%M:%S.%f")
 
 
 UNTIMED = "position [mm],friction_force [N]\n" + "\n".join(row.partition(",")[2] for row in _rows().splitlines())
@@ -150,7 +150,7 @@ NAMED_SETTINGS: dict[str, tuple[str, str, str]] = {
     "own time stamps": (
         _table(labels=("time", *COLUMNS[1:]), time=_own_stamp),
         '[format] time_format = "%d.%m.%Y %H:%M:%S.%f"',
-        '[format]\ntime_format = "%d.%m.%Y %H:%M:%S.%f"\n[channels]\ntime = {unit = "s"}',
+        '[format]\ntime_format = "%m/%d/%Y %H:%M:%S.%f"\n[channels]\ntime = {unit = "s"}',
     ),
     "no time": (UNTIMED, '[format] sample_rate = "1 kHz"', '[format]\nsample_rate = "100 Hz"'),
     "no unit": (

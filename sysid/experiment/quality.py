@@ -1,0 +1,183 @@
+"""What is wrong in the rows of a record, before any fit: clipped, frozen and dropped values.
+
+The sensors of the measured channels are looked at, since an input may well stand at its limit or at rest. Rows without
+a value of their own are gaps afterwards: they take part in no fit, and a warning states how many there are and where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagecad.parameters.units import format_quantity
+from sysid.signals.masks import runs
+
+EQUAL = 3
+"""Equal values in a row from which a run of them is one: noise of some steps repeats a value twice, seldom thrice."""
+FROZEN = 10
+"""Equal values in a row that are a standing sensor, where hardly any others repeat."""
+SELDOM = 0.1
+"""Share of the other rows in such runs up to which a sensor resolves its noise, so that a run of equals tells."""
+FAR = 10.0
+"""Distance of a dropped value from its neighbours, over the robust deviation of the steps from row to row."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Rows of one channel that hold no value of their own.
+
+    Args:
+        channel: its name.
+        kind: `clipped`, `frozen` or `dropped`.
+        rows: mask (n,).
+        text: one line for the user.
+    """
+
+    channel: str
+    kind: str
+    rows: np.ndarray
+    text: str
+
+
+def faults_of(
+    time: np.ndarray, values: Mapping[str, np.ndarray], units: Mapping[str, str], measured: Collection[str]
+) -> list[Fault]:
+    """The faults of a record's measured channels.
+
+    Args:
+        time: s, (n,).
+        values: SI, (n,) by channel, NaN in gaps.
+        units: SI unit by channel.
+        measured: channels of sensors; rests of a position are no faults.
+    """
+    faults: list[Fault] = []
+    moving = _moving(values, measured)
+    for channel in measured:
+        if channel not in values or np.isfinite(values[channel]).sum() < 4 * FROZEN:
+            continue
+        signal = values[channel]
+        found = {"dropped": _dropped(signal)}
+        if not channel.startswith("position"):
+            found["clipped"] = _clipped(signal)
+            found["frozen"] = _frozen(signal, moving) & ~found["clipped"]
+        for kind, rows in found.items():
+            if rows.any():
+                faults.append(Fault(channel, kind, rows, _text(channel, kind, rows, time, signal, units[channel])))
+    return faults
+
+
+def without_faults(values: Mapping[str, np.ndarray], faults: Sequence[Fault]) -> dict[str, np.ndarray]:
+    """The channels (n,) with gaps in the rows of the faults."""
+    kept = dict(values)
+    for fault in faults:
+        kept[fault.channel] = np.where(fault.rows, np.nan, kept[fault.channel])
+    return kept
+
+
+def _text(channel: str, kind: str, rows: np.ndarray, time: np.ndarray, signal: np.ndarray, unit: str) -> str:
+    first, count = int(np.flatnonzero(rows)[0]), int(rows.sum())
+    place = f"{count} row{'s' * (count > 1)}, the first at {time[first]:.6g} s"
+    if kind == "clipped":
+        ends = [format_quantity(float(end), unit, 4) for end in np.unique(signal[rows])]
+        what = f"'{channel}' is clipped at {' and '.join(ends)} ({place}): the sensor or its amplifier saturates"
+    elif kind == "frozen":
+        what = f"'{channel}' stands still while the axis moves ({place}): the sensor or the logger froze"
+    else:
+        what = f"'{channel}' drops to {format_quantity(float(signal[first]), unit, 4)} for single rows ({place})"
+    return f"{what}; {'these rows are' if count > 1 else 'this row is'} left out"
+
+
+def _equal_runs(signal: np.ndarray) -> np.ndarray:
+    """Length of the run of equal values that each row (n,) stands in."""
+    lengths = np.ones(signal.size, dtype=int)
+    same = np.concatenate([[False], np.diff(signal) == 0.0])
+    for start, stop in runs(same):
+        lengths[max(start - 1, 0) : stop] = stop - max(start - 1, 0)
+    return lengths
+
+
+def _clipped(signal: np.ndarray) -> np.ndarray:
+    """Rows in runs at the largest or the smallest value, where hardly any other value repeats."""
+    lengths = _equal_runs(signal)
+    low, high = np.nanmin(signal), np.nanmax(signal)
+    clipped = np.zeros(signal.size, dtype=bool)
+    for end in (low, high):
+        at_end = (signal == end) & (lengths >= EQUAL)
+        if at_end.sum() >= FROZEN:
+            clipped |= at_end
+    others = np.isfinite(signal) & (signal != low) & (signal != high)
+    if not clipped.any() or others.sum() < FROZEN:
+        return np.zeros(signal.size, dtype=bool)
+    seldom = np.mean(lengths[others] >= EQUAL) < SELDOM * np.mean(clipped[(signal == low) | (signal == high)])
+    return clipped if seldom else np.zeros(signal.size, dtype=bool)
+
+
+def _moving(values: Mapping[str, np.ndarray], measured: Collection[str]) -> np.ndarray:
+    """Rows (n,) in which a position, or another channel where none is recorded, changes."""
+    size = next(iter(values.values())).size
+    moving = np.zeros(size, dtype=bool)
+    names = [name for name in values if "position" in name or name == "velocity"] or [*values]
+    for name in names:
+        moving |= np.concatenate([[False], np.abs(np.diff(values[name])) > 0.0])
+    return moving
+
+
+def _frozen(signal: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Rows after the first of a long run of equal values while the axis moves, where hardly any other value repeats."""
+    lengths = _equal_runs(signal)
+    long = lengths >= FROZEN
+    if not long.any() or long.mean() > 0.5 or np.mean(lengths[~long] >= EQUAL) > SELDOM:
+        return np.zeros(signal.size, dtype=bool)
+    frozen = np.zeros(signal.size, dtype=bool)
+    for start, stop in runs(long & np.isfinite(signal)):
+        if np.mean(moving[start:stop]) > 0.5:
+            frozen[start + 1 : stop] = True
+    return frozen
+
+
+def _dropped(signal: np.ndarray) -> np.ndarray:
+    """Single rows, all with one value, far from both neighbours, which agree with each other."""
+    before, after = np.roll(signal, 1), np.roll(signal, -1)
+    with np.errstate(invalid="ignore"):
+        steps = np.abs(np.diff(signal))
+        scale = 1.4826 * float(np.nanmedian(steps)) if np.isfinite(steps).any() else 0.0
+        far = np.minimum(np.abs(signal - before), np.abs(signal - after)) > FAR * max(scale, 1e-300)
+        alike = np.abs(after - before) < 0.2 * np.abs(signal - 0.5 * (before + after))
+    single = far & alike
+    single[[0, -1]] = False
+    common = signal[single]
+    if common.size == 0 or scale == 0.0:
+        return np.zeros(signal.size, dtype=bool)
+    levels, counts = np.unique(common, return_counts=True)
+    level = levels[np.argmax(counts)]
+    # One value that returns is a mark of the logger; zero is one at its first appearance.
+    return single & (signal == level) if counts.max() >= EQUAL or level == 0.0 else np.zeros(signal.size, dtype=bool)
+
+
+OTHER_SCALE = 100.0
+"""Ratio of the ranges of a channel in two records from which a wrong unit is asked for."""
+
+
+def scale_warnings(records: Sequence[tuple[str, Mapping[str, np.ndarray], Mapping[str, str]]]) -> list[str]:
+    """Channels whose ranges in two records differ as units do; `records` are name, channels and units."""
+    found = []
+    for channel in sorted({channel for _, values, _ in records for channel in values}):
+        ranges = {
+            name: (float(np.nanpercentile(values[channel], 99) - np.nanpercentile(values[channel], 1)), units[channel])
+            for name, values, units in records
+            if channel in values and np.isfinite(values[channel]).any()
+        }
+        moving = {name: entry for name, entry in ranges.items() if entry[0] > 0.0}
+        if len(moving) < 2:
+            continue
+        least, most = min(moving, key=lambda n: moving[n][0]), max(moving, key=lambda n: moving[n][0])
+        ratio = moving[most][0] / moving[least][0]
+        if ratio >= OTHER_SCALE:
+            (low, unit), (high, _) = moving[least], moving[most]
+            found.append(
+                f"'{channel}' ranges over {format_quantity(high, unit, 3)} in '{most}' and "
+                f"{format_quantity(low, unit, 3)} in '{least}', {ratio:.3g} times as much: is the unit of one wrong?"
+            )
+    return found

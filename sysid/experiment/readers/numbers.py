@@ -1,0 +1,130 @@
+"""Numbers as loggers write them: other minus signs, grouped thousands, Fortran exponents, a unit behind the number.
+
+A number has one meaning here or none: what a mark means is decided by the file (`Dialect`) or by `[format]`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+MINUS = "−–‒﹣－"
+"""Signs that are written for a minus: U+2212 and the dashes and full-width forms that keyboards give."""
+BLANKS = " \u00a0\u2009\u202f"
+"""Blanks between groups of three digits: plain, no-break, thin, narrow no-break (CGPM 2003, resolution 10)."""
+APOSTROPHES = "'’"
+
+GAPS = (
+    *("", "nan", "NaN", "NAN", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL", "None", "none", "NaT"),
+    *("nan(ind)", "-nan(ind)", "-nan(snan)", "1.#IND", "-1.#IND", "1.#QNAN", "-1.#QNAN", "1.#SNAN"),
+    *("#N/A", "#N/A N/A", "#NA", "#NV", "#NUM!", "#ZAHL!", "#VALUE!", "#WERT!", "#DIV/0!", "#REF!", "<NA>"),
+)
+"""Cells that mean 'no number' in the output of C libraries, spreadsheets and data frames."""
+
+_EXPONENT = r"(?:[eEdD][+-]?\d+)?"
+_HEXADECIMAL = re.compile(r"0[xX][0-9a-fA-F]+|[0-9a-fA-F]{2,}[hH]")
+
+
+def is_hexadecimal(cell: str) -> bool:
+    """Whether a cell is a count in hexadecimal digits, such as 0x1F."""
+    return _HEXADECIMAL.fullmatch(cell) is not None and not cell.isdigit()
+
+
+@dataclass(frozen=True)
+class NumberForm:
+    """How the numbers of a file are written.
+
+    Args:
+        decimal: decimal sign, point or comma.
+        thousands: mark between groups of three digits, beside blanks and apostrophes, which mean nothing else; empty
+            for none.
+        blanks: whether blanks may group digits; not where they separate columns.
+    """
+
+    decimal: str = "."
+    thousands: str = ""
+    blanks: bool = True
+
+    @cached_property
+    def pattern(self) -> str:
+        """Regular expression (of RE2 too) of a number after `respelled`."""
+        return rf"[+-]?(?:\d+\.?\d*|\.\d+){_EXPONENT}"
+
+    @cached_property
+    def _grouped(self) -> re.Pattern[str]:
+        return re.compile(self.grouped_pattern)
+
+    @cached_property
+    def grouped_pattern(self) -> str:
+        """Regular expression (of RE2 too) of a number whose digits are grouped by one mark."""
+        marks = (self.thousands, "[" + APOSTROPHES + "]", "[" + BLANKS + "]" if self.blanks else "")
+        forms = "|".join(
+            rf"\d{{1,3}}(?:{mark if mark.startswith('[') else re.escape(mark)}\d{{3}})+" for mark in marks if mark
+        )
+        return rf"[+-]?(?:{forms})(?:{re.escape(self.decimal)}\d*)?{_EXPONENT}"
+
+    @cached_property
+    def marks(self) -> str:
+        """Every character that may group digits."""
+        return self.thousands + APOSTROPHES + (BLANKS if self.blanks else "")
+
+    def value(self, cell: str) -> float | None:
+        """The number in a cell; None if it is none."""
+        if self.decimal == "." or ("," not in cell and "." not in cell):
+            try:
+                return float(cell) if "_" not in cell else None
+            except ValueError:
+                pass
+        plain = self.respelled(cell)
+        return float(plain) if plain is not None else None
+
+    def respelled(self, cell: str) -> str | None:
+        """The number in a cell as Python writes it; None if it is none."""
+        text = cell.strip().strip('"').strip()
+        for sign in MINUS:
+            text = text.replace(sign, "-")
+        if re.match(r"[+-]\s", text):
+            text = text[0] + text[1:].lstrip()
+        if self._grouped.fullmatch(text):
+            text = text.translate({ord(mark): None for mark in self.marks})
+        if self.decimal == ",":
+            if "." in text:
+                return None
+            text = text.replace(",", ".")
+        return re.sub("[dD]", "e", text) if re.fullmatch(self.pattern, text) else None
+
+
+def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: str = "") -> Any | None:
+    """A column of numbers (n,) of an array of texts, with `unit` behind each; None where a cell needs a look.
+
+    Args:
+        text: pyarrow array of strings.
+        form: how the numbers are written.
+        gaps: cells that mark a gap.
+        unit: behind the numbers; empty for none.
+    """
+    import pyarrow
+    from pyarrow import compute
+
+    pc: Any = compute
+    cells = pc.utf8_trim(text, characters=' \t\u00a0"')
+    cells = pc.if_else(pc.is_in(cells, pyarrow.array(gaps, pyarrow.string())), None, cells)
+    if unit:
+        cells = pc.replace_substring_regex(cells, rf"\s*{re.escape(unit)}$", "")
+    cells = pc.replace_substring_regex(cells, f"[{MINUS}]", "-")
+    grouped = pc.match_substring_regex(cells, f"^(?:{form.grouped_pattern})$")
+    for mark in form.marks:
+        cells = pc.if_else(grouped, pc.replace_substring(cells, mark, ""), cells)
+    if form.decimal == ",":
+        if pc.any(pc.match_substring(cells, ".")).as_py():
+            return None
+        cells = pc.replace_substring(cells, ",", ".")
+    cells = pc.replace_substring_regex(cells, "[dD]", "e")
+    if not pc.all(pc.match_substring_regex(cells, f"^{form.pattern}$")).as_py():
+        return None
+    try:
+        return cells.cast(pyarrow.float64())
+    except pyarrow.ArrowInvalid:
+        return None

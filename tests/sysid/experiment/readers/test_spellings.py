@@ -1,0 +1,211 @@
+"""Numbers, times and rows as loggers write them: each is read with its one meaning, or refused with row and reason."""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.columns.proposal import propose, read_numbers
+from sysid.experiment.columns.units import column_unit
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.numbers import NumberForm
+from sysid.experiment.readers.open import open_record_file
+
+ROWS = 40
+TIME = np.arange(ROWS) * 0.01
+POSITION = 8.4147 * np.sin(3.0 * TIME) - 1.5
+FORCE = 3.2 * np.sign(np.cos(3.0 * TIME)) + 0.01 * np.cos(40.0 * TIME)
+
+
+def _write(folder: Path, rows: list[str], header: str = "time [s];position [mm];friction_force [N]") -> Path:
+    file = folder / "fit.csv"
+    file.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    return file
+
+
+def _columns(file: Path, **settings) -> list[np.ndarray]:
+    opened = open_record_file(file, file.name, Format(**settings))
+    return [column.values for column in opened.columns([0, 1, 2])]
+
+
+SPELLINGS = {
+    "U+2212": lambda x: f"{x:.4f}".replace("-", "−"),
+    "en dash": lambda x: f"{x:.4f}".replace("-", "–"),
+    "Fortran": lambda x: f"{x:.6e}".replace("e", "D"),
+    "small Fortran": lambda x: f"{x:.6e}".replace("e", "d"),
+    "plus": lambda x: f"{x:+.4f}",
+    "quoted": lambda x: f'"{x:.4f}"',
+    "unit behind": lambda x: f"{x:.4f} mm",
+    "unit without a blank": lambda x: f"{x:.4f}mm",
+    "comma": lambda x: f"{x:.4f}".replace(".", ","),
+    "comma and U+2212": lambda x: f"{x:.4f}".replace(".", ",").replace("-", "−"),
+}
+
+
+@pytest.mark.parametrize("name", SPELLINGS)
+def test_spellings_of_a_number(tmp_path: Path, name: str) -> None:
+    spell = SPELLINGS[name]
+    comma = name.startswith("comma")
+    rows = [
+        ";".join((f"{t:.2f}".replace(".", ",") if comma else f"{t:.2f}", spell(x), spell(f) if comma else f"{f:.4f}"))
+        for t, x, f in zip(TIME, POSITION, FORCE)
+    ]
+    time, position, force = _columns(_write(tmp_path, rows))
+    np.testing.assert_allclose(time, TIME, atol=1e-9)
+    np.testing.assert_allclose(position, POSITION, atol=1e-4)
+    np.testing.assert_allclose(force, FORCE, atol=1e-4)
+
+
+GROUPS = {".": ",", ",": ".", "'": ".", "’": ",", " ": ",", "\u00a0": ".", "\u202f": ","}
+
+
+@pytest.mark.parametrize("mark", GROUPS)
+def test_grouped_thousands_with_either_decimal_sign(tmp_path: Path, mark: str) -> None:
+    decimal = GROUPS[mark]
+
+    def grouped(value: float) -> str:
+        return f"{value:,.2f}".replace(",", "\0").replace(".", decimal).replace("\0", mark)
+
+    rows = [f"{t:.2f};{grouped(1e3 * x)};{f:.4f}".replace(".", decimal) if decimal == "," and mark != "." else
+            ";".join((f"{t:.2f}".replace(".", decimal), grouped(1e3 * x), f"{f:.4f}".replace(".", decimal)))
+            for t, x, f in zip(TIME, POSITION, FORCE)]  # fmt: skip
+    time, position, force = _columns(_write(tmp_path, rows))
+    np.testing.assert_allclose(time, TIME, atol=1e-9)
+    np.testing.assert_allclose(position, 1e3 * POSITION, atol=0.01)
+    np.testing.assert_allclose(force, FORCE, atol=1e-4)
+
+
+def test_a_mark_that_may_be_either_is_asked_for(tmp_path: Path) -> None:
+    rows = [f"{k},0;{1 + k % 3}.{100 + k};{k},5" for k in range(ROWS)]
+    file = _write(tmp_path, rows)
+    with pytest.raises(InputError, match=r"'1\.100' is not a number; if '\.' groups thousands: \[format\] thousands"):
+        _columns(file)
+    assert _columns(file, decimal=",", thousands=".")[1][0] == 1100.0
+
+
+def test_what_is_no_number() -> None:
+    form = NumberForm(",", ".")
+    for cell in ("1.23,4", "1,2,3", "--1", "1e", "0x1F", "1.2345,6", "12.34.567", "", "-", "1_000", "٣"):
+        assert form.value(cell) is None or cell == "٣", cell
+    assert NumberForm().value("1D-02") == 0.01
+
+
+CLOCKS = {
+    "%I:%M:%S.%f %p": "12-hour clock",
+    "%H:%M:%S.%f": "24-hour clock",
+    "%d.%m.%Y %H:%M:%S.%f": "day.month.year",
+    "%Y-%m-%d %H:%M:%S.%f": "ISO 8601",
+}
+
+
+@pytest.mark.parametrize("form", CLOCKS)
+def test_times(tmp_path: Path, form: str) -> None:
+    start = datetime(2024, 7, 30, 11, 59, 59, 900_000)
+    rows = [
+        f"{(start + timedelta(seconds=float(t))).strftime(form)};{x:.4f};{f:.4f}"
+        for t, x, f in zip(TIME, POSITION, FORCE)
+    ]
+    time, _, _ = _columns(_write(tmp_path, rows, "time;position [mm];friction_force [N]"))
+    np.testing.assert_allclose(time, TIME, atol=1e-6)
+
+
+def test_minutes_and_seconds(tmp_path: Path) -> None:
+    rows = [
+        f"{int((59.9 + t) // 60)}:{(59.9 + t) % 60:06.3f};{x:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)
+    ]
+    time, _, _ = _columns(_write(tmp_path, rows, "elapsed;position [mm];friction_force [N]"))
+    np.testing.assert_allclose(time, TIME, atol=1e-9)
+
+
+def _plain() -> list[str]:
+    return [f"{t:.2f};{x:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
+
+
+ODD_ROWS = {
+    "cut off": ([*_plain(), "0.40;1.2"], "row 42 at the end is cut off"),
+    "footer": ([*_plain(), "End of test;;", "operator: A. B."], "rows 42 to 43 at the end hold no numbers"),
+    "header again": ([*_plain()[:20], "time [s];position [mm];friction_force [N]", *_plain()[20:]], "1 row repeats"),
+    "comment": ([*_plain()[:20], "# paused", *_plain()[20:]], ""),
+    "flags": ([f"{row};ok" for row in _plain()], ""),
+}
+
+
+@pytest.mark.parametrize("name", ODD_ROWS)
+def test_odd_rows_are_left_out_with_a_note(tmp_path: Path, name: str) -> None:
+    rows, note = ODD_ROWS[name]
+    opened = open_record_file(_write(tmp_path, rows), "fit.csv")
+    columns = opened.columns([0, 1, 2])
+    assert [column.values.size for column in columns] == [ROWS] * 3
+    np.testing.assert_allclose(columns[1].values, POSITION, atol=1e-4)
+    assert any(note in text for text in columns[0].notes) if note else not columns[0].notes
+
+
+def test_a_row_of_another_width_among_the_others_is_named(tmp_path: Path) -> None:
+    rows = [*_plain()[:20], "0.20;1.0", *_plain()[20:]]
+    with pytest.raises(InputError, match="row 22: has 2 cells, the header has 3"):
+        _columns(_write(tmp_path, rows))
+
+
+def test_numbers_beyond_the_header_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="row 2: has 4 cells, the header 3; name the columns by their numbers"):
+        open_record_file(_write(tmp_path, [f"{row};1" for row in _plain()]), "fit.csv")
+    commas = [row.replace(".", ",").replace(";", ",") for row in _plain()]
+    with pytest.raises(InputError, match="is the decimal sign a comma"):
+        open_record_file(_write(tmp_path, commas, "time [s],position [mm],friction_force [N]"), "fit.csv")
+
+
+def test_marks_of_gaps_are_proposed_and_other_reasons_said(tmp_path: Path) -> None:
+    rows = [row.rpartition(";")[0] + f";{mark}" if mark else row
+            for row, mark in zip(_plain(), ["", "#N/A", "", "-1.#IND", "", "OVER", "---"] + [""] * ROWS)]  # fmt: skip
+    rows = [f"{row};{hexadecimal:04X}h" for hexadecimal, row in enumerate(rows)]
+    opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];friction_force [N];count"), "fit.csv")
+    numbers = read_numbers(opened)
+    assert numbers.missing == ("OVER", "---")
+    assert np.isnan(numbers.columns[2][[1, 3, 5, 6]]).all() and np.isfinite(numbers.columns[2][7:]).all()
+    proposal = propose(opened, numbers)
+    assert [column.channel for column in proposal.columns] == ["time", "position", "friction_force", None]
+    assert "text" in proposal.columns[3].reason or "hexadecimal" in proposal.columns[3].reason
+
+
+UNITS = {"oz*in": "ozf*in", "oz-in": "ozf*in", "kgf*cm": "kgf*cm", "kg.cm": "kgf*cm", "turn": "rev", "rev/s": "rev/s"}
+
+
+def test_units_of_data_sheets() -> None:
+    assert {text: column_unit(text) for text in UNITS} == UNITS
+    assert column_unit("kgf") == "kgf" and column_unit("rpm") == "rpm"
+
+
+LABELS = {
+    "Sollweg [mm];Istweg [mm]": "Istweg",
+    "pos_cmd [mm];pos_act [mm]": "pos_act",
+    "Position setpoint [mm];Position feedback [mm]": "Position feedback",
+    "consigne position [mm];position mesurée [mm]": "position mesurée",
+    "posRef [mm];posEnc [mm]": "posEnc",
+    "riferimento posizione [mm];posizione reale [mm]": "posizione reale",
+}
+
+
+@pytest.mark.parametrize("labels", LABELS)
+@pytest.mark.parametrize("reverse", [False, True])
+def test_the_measured_value_is_taken_not_the_setpoint(tmp_path: Path, labels: str, reverse: bool) -> None:
+    pair = labels.split(";")[:: -1 if reverse else 1]
+    rows = [f"{t:.2f};{x:.4f};{x + 0.01:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
+    file = _write(tmp_path, rows, f"time [s];{';'.join(pair)};Load Cell (lbf)")
+    opened = open_record_file(file, "fit.csv")
+    proposal = propose(opened, read_numbers(opened))
+    taken = {column.channel: column for column in proposal.columns if column.channel}
+    assert taken["position"].label.startswith(LABELS[labels])
+    assert not re.search(r"or is column", taken["position"].question)
+    assert taken["friction_force"].label == "Load Cell (lbf)"
+
+
+def test_a_state_is_no_force(tmp_path: Path) -> None:
+    rows = [f"{row};1" for row in _plain()]
+    opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];speed [mm/s];torque_enable"), "fit.csv")
+    column = propose(opened, read_numbers(opened)).columns[3]
+    assert column.channel is None and "a state" in column.reason
