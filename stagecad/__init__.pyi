@@ -24,34 +24,34 @@ from workbench.api.machine.differences import Differences as Differences
 from workbench.api.machine.differences import diff as diff
 from workbench.api.machine.optimisation import Optimisation as Optimisation
 from workbench.api.machine.optimisation import optimize as optimize
-from workbench.api.measurement.comparison import Comparison as Comparison
-from workbench.api.measurement.comparison import compare as compare
-from workbench.api.measurement.diagnosis import Diagnosis as Diagnosis
-from workbench.api.measurement.diagnosis import diagnose as diagnose
-from workbench.api.measurement.experiment import Experiment as Experiment
-from workbench.api.measurement.growth import Addition as Addition
-from workbench.api.measurement.growth import Ladder as Ladder
-from workbench.api.measurement.growth import Undone as Undone
-from workbench.api.measurement.growth import add as add
-from workbench.api.measurement.growth import ladder as ladder
-from workbench.api.measurement.growth import undo as undo
-from workbench.api.measurement.statement import Model as Model
-from workbench.api.measurement.statement import Record as Record
-from workbench.api.measurement.statement import Rig as Rig
-from workbench.api.measurement.statement import RigKind as RigKind
-from workbench.api.measurement.suggestion import Suggestion as Suggestion
-from workbench.api.measurement.suggestion import suggest as suggest
-from workbench.api.simulation import (
-    SimulatedRecords as SimulatedRecords,
-)
-from workbench.api.simulation import (
-    Simulation as Simulation,
-)
-from workbench.api.simulation import (
-    simulate as simulate,
-)
+from workbench.operations.add import Addition as Addition
+from workbench.operations.add import Ladder as Ladder
+from workbench.operations.add import Restoration as Restoration
+from workbench.operations.add import add as add
+from workbench.operations.add import ladder as ladder
+from workbench.operations.add import undo as undo
+from workbench.operations.compare import Comparison as Comparison
+from workbench.operations.compare import compare as compare
 from workbench.operations.design import Design as Design
 from workbench.operations.design import load_design as load_design
+from workbench.operations.diagnose import Diagnosis as Diagnosis
+from workbench.operations.diagnose import diagnose as diagnose
+from workbench.operations.experiment import Experiment as Experiment
+from workbench.operations.experiment import Model as Model
+from workbench.operations.experiment import Record as Record
+from workbench.operations.experiment import Rig as Rig
+from workbench.operations.experiment import RigKind as RigKind
+from workbench.operations.simulate import (
+    SimulatedRecords as SimulatedRecords,
+)
+from workbench.operations.simulate import (
+    Simulation as Simulation,
+)
+from workbench.operations.simulate import (
+    simulate as simulate,
+)
+from workbench.operations.suggest import Suggestion as Suggestion
+from workbench.operations.suggest import suggest as suggest
 
 __version__: str
 __all__ = [
@@ -71,13 +71,13 @@ __all__ = [
     "Parameter",
     "Parts",
     "Record",
+    "Restoration",
     "Rig",
     "RigKind",
     "Scan",
     "SimulatedRecords",
     "Simulation",
     "Suggestion",
-    "Undone",
     "add",
     "checks",
     "compare",

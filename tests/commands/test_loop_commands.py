@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from workbench import cli
-from workbench.cli.commands.demo import free_folder, fresh_copy
+from workbench.operations.demonstration import free_folder, fresh_copy
 
 PACKAGED = Path(cli.__file__).parent / "demo_records"
 

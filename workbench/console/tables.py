@@ -1,21 +1,43 @@
-"""Tables in the terminal, and features of a simulation as text."""
+"""Results in the terminal: their tables and sentences, and the progress of an operation."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
+import click
 from rich.table import Table as RichTable
 
-from workbench.identification.tables import BAR, Table
+from stagecad.parameters.errors import one_line
+from workbench.cli.options import Run
+from workbench.operations.tables import BAR, Line, Note, Table, Warned
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+
+def show(run: Run, lines: Iterable[Line]) -> None:
+    """Print what an operation says of its result."""
+    for line in lines:
+        if isinstance(line, Table):
+            run.console.print(rich_table(line))
+        elif isinstance(line, Note):
+            run.note(line)
+        else:
+            run.echo(click.style(f"warning: {one_line(line)}", fg="yellow") if isinstance(line, Warned) else line)
 
 
 def rich_table(table: Table) -> RichTable:
     """The table for `rich`, without its bars."""
-    out = RichTable(title=table.title, title_justify="left")
     kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR]
-    for k in kept:
-        title, kind = table.columns[k]
-        out.add_column(title, justify="right" if kind.startswith("n") else "left")
+    if table.plain:
+        left = tuple(title for title, kind in table.columns if not kind.startswith("n"))
+        out = plain_table(table.title, *(table.columns[k][0] for k in kept), left=left)
+    else:
+        out = RichTable(title=table.title, title_justify="left")
+        for k in kept:
+            title, kind = table.columns[k]
+            out.add_column(title, justify="right" if kind.startswith("n") else "left")
     for row in table.rows:
         out.add_row(*(row[k] for k in kept))
     return out
@@ -29,15 +51,41 @@ def plain_table(title: str | None, *columns: str, left: tuple[str, ...] = ("",))
     return out
 
 
-def feature_text(feature: dict[str, Any] | None) -> str:
-    """A feature of a simulation in the unit that suits its size; a dash where there is none."""
-    if feature is None:
-        return "-"
-    value, unit = feature["value"], feature["unit"]
-    if unit == "m" and abs(value) < 1e-7:
-        return f"{value * 1e9:.3f} nm"
-    if unit == "m" and abs(value) < 1e-3:
-        return f"{value * 1e6:.3f} um"
-    if unit == "1":
-        return f"{value:.4f}"
-    return f"{value:.4f} {unit}" if abs(value) >= 1e-3 or value == 0.0 else f"{value:.3e} {unit}"
+def steps_in(progress: Progress) -> Callable[[str, int, int], None]:
+    """A callback (name, done, total) that shows each name as a bar of its own."""
+    tasks = {}
+
+    def show_step(name: str, done: int, total: int) -> None:
+        if name not in tasks:
+            tasks[name] = progress.add_task(name, total=total)
+        progress.update(tasks[name], completed=done)
+
+    return show_step
+
+
+def search_progress(
+    progress: Progress, afterwards: str = "comparing the candidates"
+) -> Callable[[str, int, int], None]:
+    """A callback (name, count, total) that counts the steps of a search; then the bar runs on without a total.
+
+    The number of steps after the refits depends on their results, and they take less time than those counted.
+    """
+    task = progress.add_task("reading, and fitting the model as it stands", total=None)
+    began = progress.tasks[-1].start_time
+
+    def restart(text: str, total: int | None) -> None:
+        # The total of a bar cannot be removed: a new bar replaces it and takes over its start time.
+        nonlocal task
+        progress.remove_task(task)
+        task = progress.add_task(text, total=total)
+        progress.tasks[-1].start_time = began
+
+    def show_step(name: str, count: int, total: int) -> None:
+        if count == total:
+            restart(afterwards, None)
+            return
+        if count == 0:
+            restart(name, total)
+        progress.update(task, description=name, completed=count)
+
+    return show_step

@@ -94,13 +94,14 @@ def simulation(store: ArtefactStore, design: Design, name: str) -> Artefact:
 
     def make(tracked: Any, folder: Path) -> None:
         from sim.experiments.friction_models import MODELS
-        from workbench.simulation.experiments import moving_mass, simulate_experiment
-        from workbench.simulation.figures import FIGURES
-        from workbench.simulation.tables import tables_of, write_table
+        from workbench.figures.plot import save_figures
+        from workbench.figures.simulation import experiment_figures
+        from workbench.operations.simulate import moving_mass, simulate_experiment
+        from workbench.operations.simulation_tables import tables_of, write_table
 
         results = simulate_experiment(tracked, name, tuple(MODELS), moving_mass(tracked, None))
         for file, columns in tables_of(name, results).items():
             write_table(folder / file, columns, ("csv",))
-        FIGURES[name](folder, results)
+        save_figures(folder, experiment_figures(name, results))
 
     return store.make(f"simulation {name}", design, (__name__,), make)

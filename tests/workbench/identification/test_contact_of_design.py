@@ -6,21 +6,21 @@ from pathlib import Path
 
 import pytest
 
-import workbench.identification.design_values
+import workbench.operations.design_values
 from designcalc.checks.inputs import DesignInputs
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 from sysid.experiment.known import DesignValue
 from workbench.cli.options import Run
-from workbench.identification.design_values import design_values
+from workbench.operations.design_values import as_design_values
 
 
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch: pytest.MonkeyPatch, capsys):
     run = Run(None, (), Path("build"), None)
-    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda design: DesignInputs(design.values))
+    monkeypatch.setattr(workbench.operations.design_values, "_inputs", lambda design: DesignInputs(design.values))
     r = DesignInputs(run.design.values)
     expected = contact_stiffness(r, load(r))
-    value = design_values(run.design)("contact_stiffness")
+    value = as_design_values(run.design)("contact_stiffness")
     assert value == DesignValue(pytest.approx(expected.tangential), pytest.approx(0.2 * expected.tangential))
     printed = " ".join(capsys.readouterr())
     assert "note: contact_stiffness = " in printed

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from workbench import cli
-from workbench.cli.commands.demo import fresh_copy
 from workbench.console.tables import rich_table
-from workbench.identification.tables import parameter_table, ranking_table, revision_text
+from workbench.operations.demonstration import fresh_copy
+from workbench.operations.tables import parameter_table, ranking_table, revision_text
 
 SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
 

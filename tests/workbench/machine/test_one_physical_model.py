@@ -15,7 +15,7 @@ from designcalc.friction_stage.physics.assembly_values import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.cli.options import Run
-from workbench.identification.design_values import design_values
+from workbench.operations.design_values import as_design_values
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
@@ -52,7 +52,7 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     depth = (machine.load / machine.contact.rate) ** (2 / 3)
     normal = 1.5 * machine.load / depth
     assert checks["tip contact against piezo stiffness"].value == pytest.approx(normal)
-    experiment = design_values(run.design)
+    experiment = as_design_values(run.design)
     assert experiment("contact_stiffness").value == pytest.approx(normal * machine.contact.tangential_ratio)
     assert experiment("mass").value == pytest.approx(machine.stage.mass)
     # The pads: stiffness of the checks is that of the simulated springs, but for unequal pad loads.

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from workbench.cli.options import Run
-from workbench.report.figures import axis_scale, decimate, worst_stretch
-from workbench.report.page import ordered_sections, report_html, section_key, write_ladder
+from workbench.figures.curves import axis_scale, decimate, worst_stretch
+from workbench.operations.add import Ladder
+from workbench.operations.experiment import Experiment
+from workbench.report.identification import ordered_sections, report_html, section_key
 
 
 def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
@@ -72,6 +75,11 @@ def rung(number: int, effects: list[str], added: list[str], over: float) -> dict
     }
 
 
+def ladder(name: str, rungs: list[dict]) -> Ladder:
+    """The ladder of an experiment of which nothing but the name is read."""
+    return Ladder(cast(Experiment, SimpleNamespace(name=name)), rungs, False)
+
+
 class Links(HTMLParser):
     """Whatever the page would fetch or run."""
 
@@ -88,9 +96,8 @@ class Links(HTMLParser):
 
 
 def test_the_ladder_is_a_page_that_fetches_nothing_and_is_the_same_twice(tmp_path: Path) -> None:
-    run = Run(None, (), tmp_path, None)
     rungs = [rung(0, ["coulomb"], [], 74.0), rung(1, ["coulomb", "stribeck"], ["stribeck"], 1.1)]
-    report = write_ladder(run, "a rig <b>", rungs)
+    report = ladder("a rig <b>", rungs).write_report(tmp_path)
     page = report.read_text(encoding="utf-8")
     parser = Links()
     parser.feed(page)
@@ -100,7 +107,7 @@ def test_the_ladder_is_a_page_that_fetches_nothing_and_is_the_same_twice(tmp_pat
     figures = sorted(p.name for p in report.parent.iterdir())
     assert figures == ["ladder.png", "ladder.svg", "report.html", "sections"]
     before = {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
-    write_ladder(run, "a rig <b>", rungs)
+    ladder("a rig <b>", rungs).write_report(tmp_path)
     assert before == {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
 
 
@@ -117,11 +124,10 @@ def test_sections_on_other_records_are_left_out_and_the_ladder_comes_first() -> 
 
 
 def test_a_section_that_cannot_be_read_is_written_again(tmp_path: Path) -> None:
-    run = Run(None, (), tmp_path, None)
     sections = tmp_path / "rig" / "sections"
     sections.mkdir(parents=True)
     (sections / "ladder.json").write_text("{broken", encoding="utf-8")
-    write_ladder(run, "rig", [rung(0, [], [], 3.0), rung(1, ["viscous"], ["viscous"], 1.0)])
+    ladder("rig", [rung(0, [], [], 3.0), rung(1, ["viscous"], ["viscous"], 1.0)]).write_report(tmp_path)
     assert json.loads((sections / "ladder.json").read_text(encoding="utf-8"))["kind"] == "ladder"
 
 

@@ -76,7 +76,7 @@ class Checks(Result):
         Raises:
             InputError: no such subject.
         """
-        from workbench.api.figures.machine import margins_figure
+        from workbench.figures.design import margins_figure
 
         subjects = list(dict.fromkeys(check.subject for check in self.checks))
         if subject is not None and subject not in subjects:
@@ -210,7 +210,7 @@ class Drawings(Result):
         Raises:
             InputError: no such sheet.
         """
-        from workbench.api.figures.machine import sheet_figure
+        from workbench.figures.design import sheet_figure
 
         name = next(iter(self.sheets)) if sheet is None else sheet
         if name not in self.sheets:

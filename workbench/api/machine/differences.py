@@ -89,7 +89,7 @@ class Differences(Result):
 
     def plot(self) -> Figure:
         """Margins before and after, of the checks whose margin differs."""
-        from workbench.api.figures.machine import changed_margins_figure
+        from workbench.figures.design import changed_margins_figure
 
         return changed_margins_figure(self.margins)
 

@@ -115,7 +115,7 @@ class Optimisation(Result):
         Raises:
             InputError: no margin differs, or no such conflict of several requirements.
         """
-        from workbench.api.figures.machine import changed_margins_figure, pareto_plot
+        from workbench.figures.design import changed_margins_figure, pareto_plot
 
         if conflict is not None:
             names = [one.names for one in self.outcome.conflicts if len(one.names) > 1]

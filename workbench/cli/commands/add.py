@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
-from stagecad.parameters.errors import InputError
 from workbench.cli.options import Run, common_options, experiment_options
-
-if TYPE_CHECKING:
-    from sysid.estimation.fit import FittedModel
-    from sysid.prediction.problem import Problem
 
 
 @click.command("add")
@@ -40,82 +34,25 @@ def command(
     """Add EFFECTs to the model of EXPERIMENT, fit it, write the next rung of its ladder and experiment.toml."""
     if undo_last and (effects or keys or drop):
         raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--drop' if drop else '--write-back'}")
-    if undo_last:
-        _undo(run, experiment)
-    elif effects or drop:
-        _add(run, experiment, effects, keys, drop)
-    elif keys:
-        _write_back_only(run, experiment, keys)
-    else:
+    if not (undo_last or effects or drop or keys):
         raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
+    from workbench.console.tables import show
+    from workbench.operations.add import add, undo, write_fitted
+    from workbench.operations.experiment import Experiment
+    from workbench.operations.write_back import WriteBack
 
-
-def _undo(run: Run, experiment: Path) -> None:
-    from workbench.identification.undo import undo_last
-
-    found = undo_last(experiment)
-    effects_now = ", ".join(found.rung.effects) or "no effects"
-    run.echo(f"back on rung {found.rung.number:03d}: {effects_now}; the undone rung is kept in {found.kept}")
-    run.emit(found.as_json())
-
-
-def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...], drop: tuple[str, ...]) -> None:
-    from sysid.ladder import add_effects, addition_json
-    from workbench.console.identification import print_revision
-    from workbench.identification.design_values import design_values
-
-    def accept(problem: Problem, fitted: FittedModel) -> None:
-        # Before the rung is written: values that cannot be written back stop the command with nothing done.
-        if keys:
-            values_to_write(run, problem, fitted, keys, f"measured: {problem.experiment.folder.resolve().name}")
-
-    if keys:
-        from workbench.identification.write_back import parameter_file, values_to_write
-
-        parameter_file(run)
-    with run.busy(f"fitting the model {_change(effects, drop)}"):
-        step = add_effects(experiment, effects, design_values(run.design), drop, accept)
-    document = addition_json(step)
-    print_revision(run, step, document)
-    if keys:
-        try:
-            document.update(_written(run, step.problem, step.base.fitted, keys, step.revision.number))
-        except (InputError, OSError) as error:
-            raise InputError(f"{error}; rung {step.revision.number:03d} was added all the same") from None
+    if undo_last:
+        result = undo(experiment)
+        document = result.to_json()
+    else:
+        write_back = WriteBack(keys, run.design) if keys else None
+        words = [f"{word} {', '.join(names)}" for word, names in (("with", effects), ("without", drop)) if names]
+        with run.busy(f"fitting the model {' and '.join(words) or 'as it stands'}"):
+            if effects or drop:
+                result = add(experiment, *effects, drop=drop, design=run.design, write_back=write_back)
+                document = result.document
+            else:
+                assert write_back is not None
+                result, document = write_fitted(Experiment.load(experiment, run.design), write_back)
+    show(run, result.lines())
     run.emit(document)
-
-
-def _change(effects: tuple[str, ...], drop: tuple[str, ...]) -> str:
-    words = [f"{word} {', '.join(names)}" for word, names in (("with", effects), ("without", drop)) if names]
-    return " and ".join(words)
-
-
-def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
-    from sysid.estimation.reference_fit import fit_stated_model
-    from sysid.experiment.history import edited_by_hand, read_history
-    from sysid.prediction.problem import load_problem
-    from sysid.report import parameters_json
-    from workbench.identification.design_values import design_values
-
-    with run.busy("fitting the model as it stands"):
-        problem = load_problem(experiment, design_values(run.design))
-        fitted = fit_stated_model(problem).fitted
-    rungs = read_history(problem.experiment)
-    rung = rungs[-1].number if rungs and not edited_by_hand(problem.experiment, rungs) else None
-    document = {"schema": 1, "form": problem.form, "effects": [e.name for e in fitted.model.effects]}
-    document["parameters"] = parameters_json(problem, fitted)
-    run.emit({**document, **_written(run, problem, fitted, keys, rung)})
-
-
-def _written(
-    run: Run, problem: Problem, fitted: FittedModel, keys: tuple[str, ...], rung: int | None
-) -> dict[str, Any]:
-    from workbench.identification.write_back import parameter_file, write_back, written_json
-
-    name = problem.experiment.folder.resolve().name
-    origin = f"measured: {name}" if rung is None else f"measured: {name}, rung {rung:03d}"
-    written = write_back(run, problem, fitted, keys, origin)
-    path = parameter_file(run)
-    for one in written:
-        run.echo(f"{path}: {one.key} = {one.text} ({one.origin}); it was {one.before[0]} ({one.before[1]})")
-    return {"parameter_file": str(path), "written_back": written_json(written)}

@@ -27,29 +27,20 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show on what its residual depends."""
     if scheduler is not None and bootstrap is None:
         raise InputError("--scheduler: only --bootstrap has many independent runs")
-    from sysid.compare import compare
-    from sysid.report import comparison_json
-    from workbench.console.identification import print_comparison
-    from workbench.identification.design_values import design_values
+    from workbench.console.tables import show, steps_in
+    from workbench.operations.compare import compare
 
     with run.busy("fitting the model as it stands"):
-        found = compare(experiment, design_values(run.design))
-    document = comparison_json(found)
-    print_comparison(run, found, document)
+        comparison = compare(experiment, run.design)
+    document = comparison.document
+    show(run, comparison.lines())
     if bootstrap is not None:
-        from workbench.console.tables import rich_table
-        from workbench.identification.bootstrap import bootstrap_case, bootstrap_json
-        from workbench.identification.tables import bootstrap_table
-
-        drawn = bootstrap_case(run, found.problem, found.base.fitted, bootstrap, seed, scheduler)
-        document["bootstrap"] = bootstrap_json(found.problem, drawn, seed)
-        run.console.print(rich_table(bootstrap_table(document)))
+        with run.progress() as progress:
+            refits = comparison.bootstrap(bootstrap, seed, scheduler, steps_in(progress))
+        document = refits.document
+        show(run, [refits.table()])
         if figures:
-            from workbench.report.page import write_bootstrap
-
-            run.echo(f"figure: {write_bootstrap(run, found.problem, drawn, document)}")
+            run.echo(f"figure: {refits.write_figure(run.out)}")
     if figures:
-        from workbench.report.page import write_comparison
-
-        run.echo(f"report: {write_comparison(run, found, document)}")
+        run.echo(f"report: {comparison.write_report(run.out)}")
     run.emit(document)

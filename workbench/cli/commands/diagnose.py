@@ -16,17 +16,12 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:
     """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
-    from sysid.diagnose import diagnose
-    from sysid.report import diagnosis_json
-    from workbench.console.identification import print_diagnosis, search_progress
-    from workbench.identification.design_values import design_values
+    from workbench.console.tables import search_progress, show
+    from workbench.operations.diagnose import diagnose
 
     with run.progress() as progress:
-        found = diagnose(experiment, all_effects, design_values(run.design), search_progress(progress))
-    document = diagnosis_json(found)
-    print_diagnosis(run, found, document)
+        diagnosis = diagnose(experiment, all_effects, run.design, search_progress(progress))
+    show(run, diagnosis.lines())
     if figures:
-        from workbench.report.page import write_diagnosis
-
-        run.echo(f"report: {write_diagnosis(run, found, document)}")
-    run.emit(document)
+        run.echo(f"report: {diagnosis.write_report(run.out)}")
+    run.emit(diagnosis.document)

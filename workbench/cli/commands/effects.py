@@ -34,7 +34,7 @@ def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: 
     from sim.effects.custom import load_all_custom
 
     if target is not None:
-        from workbench.identification.own_effect import write_own_effect
+        from workbench.operations.effect_template import write_own_effect
 
         name = write_own_effect(target)
         run.note(

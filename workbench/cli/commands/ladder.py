@@ -15,24 +15,11 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show the error after each effect added so far to the model of EXPERIMENT."""
-    from sysid.experiment.experiment import load_experiment
-    from sysid.ladder import current_ladder
-    from workbench.console.tables import rich_table
-    from workbench.identification.design_values import design_values
-    from workbench.identification.statements import in_command
-    from workbench.identification.tables import ladder_table
+    from workbench.console.tables import show
+    from workbench.operations.add import ladder
 
-    found = load_experiment(experiment, design_values(run.design))
-    rungs, edited = current_ladder(found)
-    if not rungs:
-        command = f"stagecad diagnose {in_command(found.folder)}"
-        run.echo(f"{found.folder}: nothing added yet; '{command}' finds what is missing")
-    else:
-        run.console.print(rich_table(ladder_table(rungs)))
-        if edited:
-            run.note("note: [model] was edited by hand since the last rung")
-        if figures:
-            from workbench.report.page import write_ladder
-
-            run.echo(f"figure: {write_ladder(run, found.folder.name, rungs)}")
-    run.emit(rungs)
+    grown = ladder(experiment, run.design)
+    show(run, grown.lines())
+    if grown.rungs and figures:
+        run.echo(f"figure: {grown.write_report(run.out)}")
+    run.emit(grown.to_json())

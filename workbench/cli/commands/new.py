@@ -38,36 +38,13 @@ def command() -> None:
 @common_options
 def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None) -> None:
     """Write FOLDER/experiment.toml from measurement FILEs, with a question where something is uncertain."""
-    from sysid.experiment.columns.proposal import read_numbers
-    from workbench.identification.new_experiment import experiment_text, free_experiment, inspect, questions
-    from workbench.identification.statements import in_command
-    from workbench.report.column_figure import draw_columns
+    from workbench.console.tables import show
+    from workbench.operations.new_experiment import Proposal, inspect
 
     with run.busy("reading the files"):
-        opened, proposal = inspect(files, kind)
-        target = free_experiment(folder)
-        picture = draw_columns(folder / "columns.png", read_numbers(opened[0]).columns, proposal)
-        atomic_write_text(target, experiment_text(folder, opened, proposal))
-    if opened[0].header.remarks:
-        run.echo(f"read as: {', '.join(opened[0].header.remarks)}")
-    for column in proposal.columns:
-        reason = f": {column.reason}" * bool(column.reason)
-        run.echo(f"column {column.number} '{column.label}': {column.channel or f'left out{reason}'}")
-    asked = questions(proposal)
-    for question in asked:
-        run.echo(f"question: {question}")
-    then = "answer its questions, then" if asked else "then"
-    run.echo(f"written: {target} and {picture}; {then}: stagecad compare {in_command(folder)}")
-    run.emit(
-        {
-            "experiment": str(target),
-            "picture": str(picture),
-            "read_as": list(opened[0].header.remarks),
-            "kind": proposal.kind,
-            "channels": {c.channel: c.label for c in proposal.columns if c.channel is not None},
-            "questions": asked,
-        }
-    )
+        written = Proposal(*inspect(files, kind)).write(folder)
+    show(run, written.lines())
+    run.emit(written.to_json())
 
 
 def _template(kind: str, name: str) -> str:

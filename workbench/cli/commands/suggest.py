@@ -15,21 +15,13 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate the competing effects of EXPERIMENT; write it as CSV into OUT."""
-    from sysid.experiment_design.t_optimal_design import suggest
-    from workbench.console.identification import search_progress
-    from workbench.console.tables import rich_table
-    from workbench.identification.design_values import design_values
-    from workbench.identification.statements import suggestion_statements
-    from workbench.identification.tables import motion_table
-    from workbench.report.page import write_motions, write_suggestion
+    from workbench.console.tables import search_progress, show
+    from workbench.operations.suggest import suggest
 
     with run.progress() as progress:
-        found = suggest(experiment, design_values(run.design), search_progress(progress))
-    motions = write_motions(run, found)
-    run.console.print(rich_table(motion_table(motions)))
-    for line in suggestion_statements(found):
-        run.echo(line)
-    run.echo(f"motions to run: {Path(motions[0]['file']).parent}")
+        suggestion = suggest(experiment, run.design, search_progress(progress)).write_below(run.out)
+    show(run, suggestion.lines())
+    run.echo(f"motions to run: {Path(suggestion.files[0]).parent}")
     if figures:
-        run.echo(f"report: {write_suggestion(run, found, motions)}")
-    run.emit(motions)
+        run.echo(f"report: {suggestion.write_report(run.out)}")
+    run.emit(suggestion.to_json())

@@ -7,22 +7,22 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from workbench.api.figure_data import curves, free_values, residual_maps, stated
-from workbench.api.measurement.comparison import Comparison
-from workbench.api.measurement.comparison import compare as compare_model
-from workbench.api.measurement.diagnosis import diagnose as diagnose_model
-from workbench.api.measurement.experiment import Experiment
-from workbench.api.measurement.fitted import FittedResult
-from workbench.api.measurement.growth import add as add_effects
-from workbench.api.measurement.growth import ladder
-from workbench.api.measurement.growth import undo as undo_last
-from workbench.api.measurement.suggestion import suggest as suggest_motions
+from workbench.figures.curves import coordinate_unit, curves, drawn_maps
+from workbench.operations import add as additions
+from workbench.operations.compare import Comparison
+from workbench.operations.compare import compare as compare_model
 from workbench.operations.design import Design
+from workbench.operations.diagnose import diagnose as diagnose_model
+from workbench.operations.experiment import Experiment
+from workbench.operations.fitted import FittedResult
+from workbench.operations.suggest import suggest as suggest_motions
 from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 
 MOVED = "moved"
 """Name of the prediction with values that the user has changed."""
+MOST_MAPS = 9
+"""Residual maps that are shown."""
 
 _kept: dict[str, Comparison] = {}
 """The last comparison in this process, by the path of its experiment."""
@@ -69,12 +69,13 @@ def diagnose(
     report("report", 0, 0)
     return {
         "document": result.to_json(),
-        **stated(result.problem),
+        **result.experiment.facts,
+        "title": result.title,
         "statement": result.statement,
         "ties": result.ties,
         "remarks": result.remarks,
         "overlays": _overlays(result, result.candidates, Path(folder)),
-        "maps": residual_maps(result.problem, result.found.maps),
+        "maps": _maps(result),
         "report": str(result.write_report(out)),
     }
 
@@ -90,18 +91,18 @@ def add(
 ) -> dict[str, Any]:
     """Add effects and fit: the document of `stagecad add --json`, with the overlays and maps of the new model."""
     report(f"fitting with {', '.join(effects)}" if effects else "fitting", 0, 0)
-    step = add_effects(_experiment(experiment, params), *effects, drop=tuple(drop))
+    step = additions.add(_experiment(experiment, params), *effects, drop=tuple(drop))
     report("residual maps", 0, 0)
     return {
         "document": step.to_json(),
         "comparison": _comparison(_compared(experiment, params), Path(folder)),
-        "report": str(ladder(step.experiment).write_report(out)),
+        "report": str(additions.ladder(step.experiment).write_report(out)),
     }
 
 
 def undo(experiment: str, params: str | None, out: str, folder: str, report: Report) -> dict[str, Any]:
     """Go back one rung, and fit the model that then stands."""
-    undone = undo_last(experiment)
+    undone = additions.undo(experiment)
     report("fitting the model", 0, 0)
     return {"document": undone.to_json(), "comparison": _comparison(_compared(experiment, params), Path(folder))}
 
@@ -127,12 +128,12 @@ def _compared(experiment: str, params: str | None) -> Comparison:
 def _comparison(result: Comparison, folder: Path) -> dict[str, Any]:
     return {
         "document": result.to_json(),
-        **stated(result.problem),
+        **result.experiment.facts,
         "statement": result.statement,
         "adequate": result.adequate,
-        "sliders": free_values(result.problem, result.fitted.model),
+        "sliders": result.free_values,
         "overlays": _overlays(result, {"model": result.fitted.model}, folder),
-        "maps": residual_maps(result.problem, result.found.maps),
+        "maps": _maps(result),
     }
 
 
@@ -140,18 +141,38 @@ def _overlays(
     result: FittedResult, models: Mapping[str, Any], folder: Path, only: tuple[str, str] | None = None
 ) -> list[dict[str, Any]]:
     """Measured and predicted signals, written as curves; `only` is the record and the channel wanted."""
+    overlays = []
+    for number, curve in enumerate(curves(result.problem, models, only)):
+        series = {"time": curve.time, "measured": curve.measured, **curve.predicted}
+        series |= {f"residual:{name}": values for name, values in curve.residuals.items()}
+        series |= {f"motion:{name}": values for name, (values, _) in curve.motion.items()}
+        overlays.append(
+            {
+                **write_curves(folder, number, series),
+                **{name: getattr(curve, name) for name in ("record", "role", "channel", "unit", "noise")},
+                "largest": curve.largest,
+                "usual": curve.usual,
+                "models": list(models),
+                "motion": {name: unit for name, (_, unit) in curve.motion.items()},
+            }
+        )
+    return overlays
+
+
+def _maps(result: FittedResult) -> list[dict[str, Any]]:
+    """Residual over each coordinate, in standard deviations of the noise; empty cells as None."""
     return [
         {
-            **write_curves(folder, number, one.series),
-            "record": one.record,
-            "role": one.role,
-            "channel": one.channel,
-            "unit": one.unit,
-            "noise": one.noise,
-            "largest": one.largest,
-            "usual": one.usual,
-            "models": list(models),
-            "motion": one.motion,
+            "coordinate": m.coordinate,
+            "unit": coordinate_unit(result.problem, m.coordinate),
+            "share": m.share,
+            "p_value": m.p_value,
+            "centres": m.centres.tolist(),
+            # A cell that no sample fell into holds an exact zero.
+            "forward": [None if value == 0.0 else float(value) for value in m.forward],
+            "backward": [None if value == 0.0 else float(value) for value in m.backward],
+            "forward_error": m.forward_error.tolist(),
+            "backward_error": m.backward_error.tolist(),
         }
-        for number, one in enumerate(curves(result.problem, models, only))
+        for m in drawn_maps(result.computed.maps, MOST_MAPS)
     ]

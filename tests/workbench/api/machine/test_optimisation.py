@@ -9,7 +9,7 @@ import pytest
 import stagecad
 from stagecad import InputError
 from workbench.api.machine.optimisation import marked_free, need_free, optimize
-from workbench.api.measurement.new_experiment import propose
+from workbench.operations.new_experiment import propose
 
 SAG = "sag of the drive surface over the travel"
 THIN = {"stage.thickness": "6.1 mm"}

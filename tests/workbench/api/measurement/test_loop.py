@@ -13,9 +13,7 @@ import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
 from tests.workbench.api.slide_log import NOISE, slide_log
 from workbench.cli.dispatch import run_line
-from workbench.cli.options import Run
-from workbench.identification.tables import correlation_table
-from workbench.report.page import write_comparison
+from workbench.operations.tables import correlation_table
 
 
 def _without_time(document):
@@ -133,8 +131,7 @@ def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition, 
     lines = {row[0]: row[1:] for row in correlation_table(comparison.to_json()).rows}
     assert lines["friction force"][0] == "not white"
     assert re.search(r"AIC -?\d+\.\d, BIC -?\d+\.\d with 3 parameters", correlation_table(comparison.to_json()).note)
-    run = Run(None, (), tmp_path, None)
-    page = write_comparison(run, comparison.found, comparison.to_json()).read_text("utf-8")
+    page = comparison.write_report(tmp_path).read_text("utf-8")
     assert "Correlation of the residual" in page and "not white" in page and "BIC" in page
     after = stagecad.compare(addition.experiment).to_json()
     assert abs(after["correlation_of_residual"]["friction_force"]["autocorrelation"]) < 0.5 * before["autocorrelation"]

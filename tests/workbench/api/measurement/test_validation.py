@@ -13,7 +13,7 @@ def test_the_correlation_of_a_residual(comparison: Comparison, addition: stageca
     before, after = comparison.correlation(), addition.correlation(part="validate")
     assert not before.is_white and "not white" in repr(before)
     assert before.to_dataframe().loc[("residual", 0.0), "correlation"] == pytest.approx(1.0, abs=1e-12)
-    assert abs(after.found.autocorrelation[1]) < before.found.autocorrelation[1]
+    assert abs(after.computed.autocorrelation[1]) < before.computed.autocorrelation[1]
     assert len(before.plot().axes) == 3
     with pytest.raises(InputError, match="no channel 'force'"):
         comparison.correlation("force")

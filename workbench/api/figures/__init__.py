@@ -1,1 +1,0 @@
-"""Figures of the results of the Python interface, in one style for print."""

@@ -1,0 +1,135 @@
+"""The style of all figures, for print: 8 pt letters, colours that all readers distinguish; and how they are saved."""
+
+from __future__ import annotations
+
+import functools
+import io
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from stagecad.parameters.atomic import atomic_path
+
+WIDTH = 7.0
+"""Inches of a figure over two columns (178 mm)."""
+COLUMN = 3.4
+"""Inches of a figure over one column (86 mm)."""
+
+MEASURED, MODEL, BEFORE, AFTER, FAINT, GREY = "#8a939c", "#0072b2", "#d55e00", "#009e73", "#c9d6df", "#5d6d7e"
+"""Colours that readers with deficient colour vision distinguish (Okabe and Ito, 2008)."""
+INK = ("#1b4f72", "#b03a2e", "#1e8449", "#7d6608")
+"""Colours of curves that are equal in rank."""
+
+STYLE: Any = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["Arial", "Helvetica", "Liberation Sans", "DejaVu Sans"],
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e7eb",
+    "grid.linewidth": 0.5,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "lines.linewidth": 0.9,
+    "axes.formatter.useoffset": False,
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 300,
+    "savefig.bbox": None,
+    "pdf.fonttype": 42,
+    "ps.fonttype": 42,
+    "svg.fonttype": "none",
+}
+
+
+class Plot(Figure):
+    """A figure that keeps its style wherever it is drawn, and that a notebook shows by itself.
+
+    `savefig("name.pdf")` writes it for print; the axes are matplotlib's, and may be changed.
+    """
+
+    def draw(self, renderer: Any) -> None:
+        with rc_context(STYLE):
+            super().draw(renderer)
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        with rc_context(STYLE):
+            super().savefig(fname, **options)
+
+    def svg(self, name: str) -> str:
+        """As the text of an SVG without background; `name` makes the identifiers of its parts."""
+        from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+        out = io.StringIO()
+        self.patch.set_visible(False)
+        with rc_context({**STYLE, "svg.hashsalt": name}):
+            # `savefig` would draw everything once more to learn its size.
+            FigureCanvasSVG(self).print_svg(out, metadata={"Date": None, "Creator": None})
+        self.patch.set_visible(True)
+        text = out.getvalue()
+        # Verdana has the widths of DejaVu Sans, for readers without it.
+        return text[text.index("<svg") :].replace("'DejaVu Sans'", "'DejaVu Sans', Verdana")
+
+    def _repr_png_(self) -> bytes:
+        out = io.BytesIO()
+        self.savefig(out, format="png", dpi=120, metadata={"Software": None})
+        return out.getvalue()
+
+
+Drawn = TypeVar("Drawn")
+
+
+def styled(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
+    """Decorator: draw in the style of this module, and leave matplotlib's own settings alone."""
+
+    @functools.wraps(draw)
+    def drawn(*arguments: Any, **options: Any) -> Drawn:
+        with rc_context(STYLE):
+            return draw(*arguments, **options)
+
+    return drawn
+
+
+def new_plot(
+    rows: int = 1, columns: int = 1, width: float = WIDTH, height: float = 2.4, **options: Any
+) -> tuple[Plot, Any]:
+    """A figure in inches, and its axes as an array (rows, columns)."""
+    # Not of pyplot: no window system, and nothing global that outlives the figure.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    with rc_context(STYLE):
+        figure = Plot(figsize=(width, height))
+        FigureCanvasAgg(figure)
+        return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def save_figures(folder: Path, figures: Mapping[str, Plot]) -> list[Path]:
+    """Write figures as `NAME.png` into a folder; returns the files."""
+    written = []
+    for name, figure in figures.items():
+        written.append(folder / f"{name}.png")
+        with atomic_path(written[-1]) as temporary:
+            figure.savefig(temporary, dpi=150, format="png", metadata={"Software": None})
+    return written
+
+
+def style() -> Any:
+    """Context in which artists take the style."""
+    return rc_context(STYLE)

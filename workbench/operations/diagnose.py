@@ -1,0 +1,251 @@
+"""`diagnose`: which physical effect is missing from the model of an experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from sysid import diagnose as identification
+from sysid.estimation.fit import FittedModel
+from sysid.prediction.model import Model
+from sysid.report import diagnosis_json
+from workbench.operations.experiment import Experiment, as_experiment
+from workbench.operations.fitted import FittedResult, error_frames, p_value, where_frame
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import finite
+from workbench.operations.sections import figures_section, fitted_section
+from workbench.operations.statements import (
+    decision_line,
+    diagnosis_statement,
+    equivalence_statement,
+    held_out_over_noise,
+    near_noise,
+    next_step_statement,
+    noise_text,
+    replacement_statements,
+    unphysical_statements,
+    verdict_title,
+)
+from workbench.operations.tables import (
+    Line,
+    Note,
+    Warned,
+    detectable_table,
+    over_noise_text,
+    parameter_table,
+    ranking_table,
+)
+from workbench.report.identification import keep_section
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from workbench.operations.design import Design
+
+Kind = Literal["overlay", "ranking", "maps", "loops"]
+STATES = {"missing-effect": "found", "adequate": "good"}
+"""States of a section of the report; `bad` otherwise."""
+
+
+class Diagnosis(FittedResult):
+    """Which effect is missing, and how certain that is. Its fitted model has the effect named, where there is one."""
+
+    computed: identification.Diagnosis
+
+    @property
+    def verdict(self) -> str:
+        """`missing-effect`, `adequate` or `unexplained`."""
+        return self.computed.verdict
+
+    @property
+    def effect(self) -> str | None:
+        """The effect that is missing; none unless the verdict is `missing-effect`."""
+        return self.computed.effect
+
+    @property
+    def indistinguishable(self) -> tuple[str, ...]:
+        """Effects that these records cannot distinguish from the one named."""
+        return self.computed.indistinguishable
+
+    @property
+    def reason(self) -> str:
+        """Of the verdict, in words."""
+        return self.computed.reason
+
+    @property
+    def fitted(self) -> FittedModel:
+        return self.computed.base.fitted if self.computed.best is None else self.computed.best.fitted
+
+    @property
+    def ranking(self) -> pd.DataFrame:
+        """The effects tried, best first; index `effect`.
+
+        Columns: `law`, the variant that fits best; `rms` on the held-out records (SI), `over_noise`, `reduction` of the
+        rms, `p_value`; `aic_change` and `bic_change`, of the information criteria on the records of the fit.
+        """
+        import pandas as pd
+
+        same = ("over_noise", "reduction", "aic_change", "bic_change")
+        rows = []
+        for row in self.document["ranking"]:
+            error = row.get("validate_error") or {}
+            rows.append({"effect": row["effect"], "law": row.get("law", row["effect"])})
+            rows[-1] |= {"rms": error.get("value"), "unit": error.get("unit"), "p_value": p_value(row["p_value"])}
+            rows[-1] |= {name: row.get(name) for name in same}
+        columns = ["effect", "law", "rms", "unit", "over_noise", "reduction", "p_value", "aic_change", "bic_change"]
+        return pd.DataFrame(rows, columns=columns).set_index("effect")
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """Errors before and with the effect named; index `model`, `records`, `channel`."""
+        named = {} if self.computed.best is None else {f"with {self.effect}": self.document["after"]}
+        return error_frames({"before": self.document["before"], **named})
+
+    @property
+    def where(self) -> pd.DataFrame:
+        """Coordinates that the residual before depends on: share of its variance and p value."""
+        return where_frame(self.document["where"])
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The ranking."""
+        return self.ranking
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """The document of `stagecad diagnose --json`."""
+        return finite(diagnosis_json(self.computed))
+
+    def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Figure:
+        """A figure.
+
+        Args:
+            kind: `overlay` of measurement and predictions before and with the best effect, `ranking`, `maps` of the
+                residual before over each coordinate, or `loops`: force against velocity and position.
+            record: name; the one with the largest error when left out.
+            channel: name; the force, or the first one measured.
+        """
+        if kind == "ranking":
+            from workbench.figures.identification import ranking_figure
+
+            tried = {row["effect"]: row["over_noise"] for row in self.document["ranking"] if row.get("over_noise")}
+            before = max((m.over_noise for m in self.computed.before_validate.values()), default=float("nan"))
+            return ranking_figure(tried, self.effect, before)
+        return self._figure(kind, self._drawn_models, record, channel)
+
+    @property
+    def _drawn_models(self) -> dict[str, Model]:
+        """The model before, and the one with the effect named or the best one tried."""
+        computed = self.computed
+        best = computed.best or (computed.trials[0] if computed.trials else None)
+        if best is None or self.verdict == "adequate":
+            return {"model": computed.base.fitted.model}
+        label = f"with {best.public_name}" + ("" if computed.best is not None else " (best tried)")
+        return {"before": computed.base.fitted.model, label: best.fitted.model}
+
+    @property
+    def title(self) -> str:
+        """The verdict in a few words."""
+        return verdict_title(self.computed)
+
+    @property
+    def statement(self) -> str:
+        """The result in words."""
+        return diagnosis_statement(self.computed)
+
+    @property
+    def ties(self) -> str:
+        """The effects that these records cannot distinguish, in words; empty without any."""
+        return equivalence_statement(self.computed)
+
+    @property
+    def remarks(self) -> list[str]:
+        """Effects that could replace each other, values that are not physical, and what to do next, in words."""
+        following = next_step_statement(self.computed) if self.computed.best is None else ""
+        return [*self._open, following] if following else self._open
+
+    @property
+    def _open(self) -> list[str]:
+        return [*replacement_statements(self.computed), *unphysical_statements(self.computed)]
+
+    @property
+    def candidates(self) -> dict[str, Model]:
+        """The model before (`model`), and the model with each effect that was fitted in full, by its name."""
+        tried = {
+            trial.public_name: trial.fitted.model for trial in self.computed.trials[: self.computed.reported_in_full]
+        }
+        return {"model": self.computed.base.fitted.model, **tried}
+
+    def lines(self) -> Iterator[Line]:
+        """What `stagecad diagnose` prints: tables and sentences."""
+        document = self.document
+        yield from (Note(f"note: {note}") for note in self.problem.notes)
+        yield f"noise: {noise_text(self.problem)}"
+        yield ranking_table(document["ranking"], len(self.computed.trials))
+        added = f", with {self.effect}" if self.effect else ""
+        yield parameter_table(document["parameters"], f"Parameters of the model{added}")
+        if document["detectable"] and near_noise(self.computed):
+            yield detectable_table(document["detectable"])
+        yield from (Warned(line) for line in self.computed.warnings)
+        yield decision_line(self.computed)
+        sentences = [self.ties, next_step_statement(self.computed), *self._open, *document["not_identifiable"]]
+        yield from (line for line in sentences if line)
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write figures and the report of `stagecad diagnose` below the folder `out`; returns the file to open."""
+        computed, document = self.computed, self.document
+        before = held_out_over_noise(computed.before_fit, computed.before_validate)
+        names = ("name", "meaning", "equation", "shows", "source")
+        best = computed.best
+        parameters = f"Parameters of the model {f'with {self.effect}' if self.effect else 'as it stands'}"
+        after = None if best is None else document["after"]
+        sizes = document["detectable"] if near_noise(computed) else []
+        section = {
+            **fitted_section(self.problem, computed.base.fitted.model, document, parameters, after),
+            **figures_section(self.problem, self._drawn_models, computed.before_validate, computed.maps),
+            "kind": "diagnose",
+            "title": self.title,
+            "state": STATES.get(self.verdict, "bad"),
+            "number": over_noise_text(before),
+            "verdict": self.verdict,
+            "headline": self.statement,
+            "next_step": next_step_statement(computed),
+            "equivalent": self.ties,
+            "ranking": ranking_table(document["ranking"], len(computed.trials), before).as_json(),
+            "detectable": detectable_table(sizes).as_json(),
+            "effect": None if best is None else {name: getattr(best.effect, name) for name in names},
+            "remarks": self._open,
+        }
+        return keep_section(Path(out), self.experiment.name, section)
+
+    def summary(self) -> list[tuple[str, str]]:
+        facts = [("result", self.statement), ("ties", self.ties)]
+        return [fact for fact in facts if fact[1]] + [("warning", line) for line in self.computed.warnings]
+
+    def __repr__(self) -> str:
+        ties = f", not distinguishable from {', '.join(self.indistinguishable)}" if self.indistinguishable else ""
+        named = f": {self.effect}{ties}" if self.effect else ""
+        return f"<Diagnosis of '{self.experiment.name}': {self.verdict}{named}>"
+
+
+def diagnose(
+    experiment: Experiment | str | Path,
+    all_effects: bool = False,
+    design: Design | None = None,
+    progress: ProgressCallback | None = None,
+) -> Diagnosis:
+    """Find which physical effect is missing from the model of an experiment.
+
+    Args:
+        experiment: the experiment, or its folder.
+        all_effects: try every effect of the library, not only those of the public names.
+        design: where the folder's file states a value as `"design"`.
+        progress: called with the name of a step, its number, and the number of steps.
+
+    Raises:
+        InputError: one line on the fault in a file or a record.
+    """
+    stated = as_experiment(experiment, design)
+    return Diagnosis(stated, identification.diagnose(stated.problem, all_effects, progress=progress))

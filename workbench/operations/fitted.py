@@ -1,0 +1,346 @@
+"""A fitted model on the records of an experiment: what comparison, diagnosis and addition have in common."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError, nearest
+from sysid.estimation.identifiability import public_key
+from sysid.estimation.information_criteria import InformationCriteria, information_criteria
+from sysid.estimation.misfit import misfit
+from sysid.estimation.residual_correlation import ResidualCorrelation, residual_correlation
+from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.problem import Problem, averaged
+from sysid.prediction.simulation_error import free_runs, simulation_errors
+from sysid.report import channel_unit, headline_channel, parameter_unit
+from workbench.figures.curves import curve_of, worst_record
+from workbench.operations.experiment import Experiment
+from workbench.operations.result import Result, finite
+from workbench.operations.tables import PARTS
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from sysid.estimation.fit import FittedModel
+
+Part = Literal["fit", "validate"]
+
+
+@dataclass(frozen=True)
+class ChangedModel:
+    """A fitted model with other values of its parameters, and its errors.
+
+    Args:
+        model: with the values.
+        over_noise: error over the noise by part (`fit`, `validate`) and channel.
+    """
+
+    model: Model
+    over_noise: dict[str, dict[str, float]]
+
+
+class FittedResult(Result):
+    """A result with a fitted model: its values, predictions and residuals.
+
+    Attributes:
+        experiment: that was compared.
+        computed: the result as `sysid` computed it.
+    """
+
+    def __init__(self, experiment: Experiment, computed: Any) -> None:
+        self.experiment = experiment
+        self.computed = computed
+
+    @cached_property
+    @abstractmethod
+    def document(self) -> dict[str, Any]:
+        """The document that the command prints with `--json`."""
+
+    def to_json(self) -> dict[str, Any]:
+        """The document that the command prints with `--json`."""
+        return self.document
+
+    @property
+    def fitted(self) -> FittedModel:
+        """The fitted model."""
+        return self.computed.base.fitted
+
+    @property
+    def problem(self) -> Problem:
+        """The prepared records."""
+        return self.computed.problem
+
+    @cached_property
+    def overlay(self) -> pd.DataFrame:
+        """Measured and predicted channels and residuals of all records, as compared, SI; index `record`, `time`.
+
+        Columns: `role`, and for each channel `CHANNEL`, `CHANNEL_predicted` and `CHANNEL_residual`, which is empty
+        where it is not scored (next to ends and gaps). On a driven mass the channels are filtered as the comparison
+        filters them.
+        """
+        import pandas as pd
+
+        model, tables = self.fitted.model, {}
+        logged = {record.name: record.time[0] for record in averaged(self.problem.experiment, self.problem.records)[1]}
+        for record in self._prepared:
+            predicted = predict(record, model.effects, model.values)
+            columns: dict[str, object] = {"role": PARTS["fit" if record.role == "fit" else "validate"]}
+            for channel, measured in record.measured.items():
+                columns[channel] = measured
+                columns[f"{channel}_predicted"] = predicted[channel]
+                columns[f"{channel}_residual"] = np.where(record.valid[channel], measured - predicted[channel], np.nan)
+            time = pd.Index(logged[record.name] + record.time, name="time")
+            tables[record.name] = pd.DataFrame(columns, index=time)
+        table = pd.concat(tables, names=["record"])
+        table.attrs["units"] = {channel: channel_unit(self.problem, channel) for channel in self.channels}
+        return table
+
+    @property
+    def predictions(self) -> pd.DataFrame:
+        """Predicted channels, SI; index `record`, `time`."""
+        return self._part_of_overlay("predicted")
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """Measured less predicted channels, SI, empty where not scored; index `record`, `time`."""
+        return self._part_of_overlay("residual")
+
+    def _part_of_overlay(self, ending: str) -> pd.DataFrame:
+        table = self.overlay[[f"{channel}_{ending}" for channel in self.channels]]
+        return table.rename(columns={f"{channel}_{ending}": channel for channel in self.channels})
+
+    @property
+    def channels(self) -> list[str]:
+        """The compared channels of any record."""
+        return list(dict.fromkeys(channel for record in self._prepared for channel in record.measured))
+
+    @property
+    def _prepared(self) -> list[PreparedRecord]:
+        """All prepared records: those of the fit, then the held-out ones."""
+        return [*self.problem.fit_records, *self.problem.validate_records]
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Fitted values, SI, with standard deviation and 95 % interval; index `parameter`."""
+        return parameter_frame(self.document["parameters"])
+
+    def with_values(self, values: Mapping[str, float]) -> ChangedModel:
+        """The fitted model with other values, SI, by parameter; names that it does not have are left out."""
+        fitted = self.fitted.model
+        model = fitted.at({key: value for key, value in values.items() if key in fitted.values})
+        parts = {"fit": self.problem.fit_records, "validate": self.problem.validate_records}
+        errors = {
+            part: {name: error.over_noise for name, error in misfit(model, records).items()}
+            for part, records in parts.items()
+        }
+        return ChangedModel(model, errors)
+
+    @property
+    def free_values(self) -> list[dict[str, Any]]:
+        """Fitted values, SI, with a range around each: half to one and a half times the value, within its bounds."""
+        model, ranges = self.fitted.model, []
+        for unknown in model.unknowns:
+            value = model.values[unknown.key]
+            reach = 0.5 * abs(value) or unknown.size
+            low, high = max(value - reach, unknown.low), min(value + reach, unknown.high)
+            if high > low and unknown.key not in model.nuisances:
+                unit = parameter_unit(self.problem, unknown.key)
+                limits = {"value": value, "low": low, "high": high, "unit": unit}
+                ranges.append({"key": unknown.key, "name": public_key(unknown.key), **limits})
+        return ranges
+
+    @property
+    def criteria(self) -> InformationCriteria:
+        """AIC and BIC on the records of the fit."""
+        return information_criteria(self.fitted)
+
+    def correlation(self, channel: str | None = None, part: Part = "fit", lags: int = 25) -> Correlation:
+        """Autocorrelation of the residual, and its cross-correlation with the inputs.
+
+        Args:
+            channel: the force, or the first one measured, when left out.
+            part: `fit`, or `validate` for the held-out records.
+            lags: largest lag, in samples.
+
+        Raises:
+            InputError: no such channel.
+        """
+        name = self._channel(channel)
+        return Correlation(residual_correlation(self.problem, self.fitted.model, name, part, lags))
+
+    @cached_property
+    def free_run(self) -> pd.DataFrame:
+        """Records simulated from their inputs alone: `CHANNEL` as logged and `CHANNEL_simulated`, SI.
+
+        Raises:
+            InputError: an effect that cannot be integrated in time.
+        """
+        import pandas as pd
+
+        tables = {}
+        for name, (time, run) in free_runs(self.problem, self.fitted.model).items():
+            columns = {}
+            for channel, (logged, simulated) in run.items():
+                columns[channel], columns[f"{channel}_simulated"] = logged, simulated
+            tables[name] = pd.DataFrame(columns, index=pd.Index(time, name="time"))
+        return pd.concat(tables, names=["record"])
+
+    def prediction_errors(self, horizons: Sequence[float] = (0.1, 1.0)) -> pd.DataFrame:
+        """Errors of k-step predictions: simulations from measured states, evenly spread over the records.
+
+        Args:
+            horizons: lengths, s; k is the length over the sampling time. A free run is added.
+
+        Returns:
+            rms (SI) and fit percent; index `horizon`, `records`, `channel`. Where the prediction along the inputs is
+            the simulation, all horizons are the free run.
+
+        Raises:
+            InputError: an effect that cannot be integrated in time.
+        """
+        import pandas as pd
+
+        if any(not length > 0.0 for length in horizons):
+            raise InputError(f"prediction_errors: horizons {list(horizons)}: lengths above zero are required, in s")
+        simulated = simulation_errors(self.problem, self.fitted.model, {f"{length:g} s": length for length in horizons})
+        if simulated.note:
+            raise InputError(simulated.note)
+        rows = [
+            (horizon, PARTS[part], channel, error.rms, error.fit_percent)
+            for horizon, errors in {**simulated.horizon, "free run": simulated.free_run}.items()
+            for part, channels in errors.items()
+            for channel, error in channels.items()
+        ]
+        columns = ["horizon", "records", "channel", "rms", "fit_percent"]
+        return pd.DataFrame(rows, columns=columns).set_index(columns[:3])
+
+    @property
+    def warnings(self) -> list[str]:
+        """Contradictions in the records, one line each."""
+        return list(self.document.get("warnings", ()))
+
+    def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Figure:
+        """A figure of one or two models on the records.
+
+        Raises:
+            InputError: no such kind of figure, record or channel.
+        """
+        from workbench.figures import identification as figures
+
+        kinds = ("overlay", "residual", "maps", "loops")
+        if kind not in kinds:
+            raise InputError(f"plot: no figure '{kind}'{nearest(kind, kinds)}")
+        if kind == "maps":
+            return figures.maps_figure(self.computed.maps, self.problem)
+        name = self._channel(channel)
+        curve = curve_of(self.problem, self._record(record, name, next(iter(models.values()))), name, models)
+        draw = {"overlay": figures.overlay_figure, "residual": figures.residual_figure, "loops": figures.loops_figure}
+        return draw[kind](curve)
+
+    def _record(self, name: str | None, channel: str, model: Model) -> PreparedRecord:
+        """The record called `name`; without a name the one with the largest error, held out if there is such a one."""
+        if name is None:
+            return worst_record(self.problem.validate_records or self.problem.fit_records, channel, model)
+        records = {record.name: record for record in self._prepared}
+        if name not in records:
+            raise InputError(f"no record '{name}'{nearest(name, records)}")
+        return records[name]
+
+    def _channel(self, name: str | None) -> str:
+        """The channel called `name`; without a name the one whose error is reported first."""
+        if name is None:
+            return headline_channel(self.problem)
+        if name not in self.channels:
+            raise InputError(f"no channel '{name}'{nearest(name, self.channels)}")
+        return name
+
+
+class Correlation(Result):
+    """Autocorrelation of the residual of a channel, and its cross-correlation with each input."""
+
+    def __init__(self, computed: ResidualCorrelation) -> None:
+        self.computed = computed
+
+    @property
+    def is_white(self) -> bool:
+        """Whether the residual passes as white noise, at 1 % (Ljung and Box)."""
+        return self.computed.is_white
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Correlations with their 99 % bounds; index `of` (`residual`, or the name of an input) and `lag`, s."""
+        import pandas as pd
+
+        computed = self.computed
+        series = {"residual": (computed.lags, computed.autocorrelation, computed.bound)}
+        series |= {name: (computed.cross_lags, r, computed.cross_bound[name]) for name, r in computed.cross.items()}
+        tables = {
+            name: pd.DataFrame({"correlation": r, "bound": bound}, index=pd.Index(lags, name="lag"))
+            for name, (lags, r, bound) in series.items()
+        }
+        return pd.concat(tables, names=["of"])
+
+    def to_json(self) -> dict[str, Any]:
+        """The correlations as plain data; lags are multiples of `step`."""
+        return finite(asdict(self.computed))
+
+    def plot(self) -> Figure:
+        """Each correlation over its lag, with its 99 % bound."""
+        from workbench.figures.identification import correlation_figure
+
+        return correlation_figure(self.computed)
+
+    def __repr__(self) -> str:
+        outside = self.computed.correlated_inputs
+        p = "p < 0.001" if self.computed.p_value < 0.001 else f"p = {self.computed.p_value:.2g}"
+        inputs = f", correlated with {', '.join(outside)}" if outside else ""
+        white = "white" if self.is_white else "not white"
+        return f"<Correlation of the residual of {self.computed.channel}: {white} ({p}){inputs}>"
+
+
+def parameter_frame(parameters: Mapping[str, Any]) -> pd.DataFrame:
+    """Parameters of a document as a table; without nuisances."""
+    import pandas as pd
+
+    columns = ["value", "std", "low", "high", "unit"]
+    rows = [{"parameter": key, **q} for key, q in parameters.items() if not q.get("nuisance")]
+    return pd.DataFrame(rows, columns=["parameter", *columns]).set_index("parameter")
+
+
+def error_frame(errors: Mapping[str, Any]) -> pd.DataFrame:
+    """Errors of a document by set of records and channel; rms in SI."""
+    import pandas as pd
+
+    rows = [
+        (label, channel, error["rms"]["value"], error["rms"]["unit"], error.get("over_noise"), error.get("fit_percent"))
+        for part, label in PARTS.items()
+        for channel, error in errors.get(part, {}).items()
+    ]
+    columns = ["records", "channel", "rms", "unit", "over_noise", "fit_percent"]
+    return pd.DataFrame(rows, columns=columns).set_index(["records", "channel"])
+
+
+def error_frames(errors: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
+    """Errors of several models, by their names; index `model`, `records`, `channel`."""
+    import pandas as pd
+
+    return pd.concat({name: error_frame(table) for name, table in errors.items()}, names=["model"])
+
+
+def where_frame(where: list[dict[str, Any]]) -> pd.DataFrame:
+    """Dependence of a residual as a table; a p value below the resolution of the permutations is that resolution."""
+    import pandas as pd
+
+    rows = [{**row, "p_value": p_value(row["p_value"])} for row in where]
+    return pd.DataFrame(rows, columns=["coordinate", "share", "p_value"]).set_index("coordinate")
+
+
+def p_value(p: float | Mapping[str, float]) -> float:
+    """A p value of a document as a number."""
+    return p["below"] if isinstance(p, Mapping) else p

@@ -1,0 +1,382 @@
+"""A new experiment from record files: what their columns are taken for, its `experiment.toml` with comments and
+questions."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.effects.catalogue import library
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
+from sysid.experiment.columns.proposal import Proposal as Column
+from sysid.experiment.columns.proposal import propose as propose_columns
+from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.open import SUFFIXES, RecordFile, open_record_file, record_suffix, unknown_format
+from sysid.experiment.rig_kinds.declaration import find_rig, kinds
+from sysid.experiment.rigs import ALWAYS_ALLOWED
+from workbench.operations.experiment import Experiment
+from workbench.operations.result import Result, finite, without_options
+from workbench.operations.statements import in_command
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from workbench.operations.design import Design
+
+QUESTION = "QUESTION:"
+"""Mark of a line that the user should look at."""
+SHOWN_ROWS = 4
+"""First values of a column in a proposal."""
+
+
+def record_suffixes() -> tuple[str, ...]:
+    """Suffixes of the record files that are read."""
+    return tuple(SUFFIXES)
+
+
+def rig_kinds() -> tuple[str, ...]:
+    """Names of the kinds of rig."""
+    return tuple(kinds())
+
+
+def effects() -> list[dict[str, Any]]:
+    """The library of effects: name, meaning, law, how it shows, source."""
+    names = ("name", "meaning", "equation", "shows", "source")
+    return [{name: getattr(effect, name) for name in names} for effect in library().values()]
+
+
+def need_record_suffix(name: str) -> None:
+    """Refuse the name of a file of a format that is not read.
+
+    Raises:
+        InputError: such a name, with the formats that are.
+    """
+    if record_suffix(name) is None:
+        raise InputError(f"{name}: {unknown_format(name)}")
+
+
+def record_rows(path: str | Path, name: str | None = None) -> int:
+    """Number of rows of a record file, called `name` in messages.
+
+    Raises:
+        InputError: a file that cannot be read, or without numbers.
+    """
+    name = name or Path(path).name
+    columns = read_numbers(open_record_file(Path(path), name)).columns
+    if not columns:
+        raise InputError(f"{name}: has no column of numbers")
+    rows = int(next(iter(columns.values())).size)
+    if rows == 0:
+        raise InputError(f"{name}: has a header and no rows of numbers")
+    return rows
+
+
+class Proposal(Result):
+    """What `stagecad new experiment` takes the columns of record files for, with its questions."""
+
+    def __init__(self, opened: Sequence[RecordFile], computed: ExperimentProposal) -> None:
+        self.opened, self.computed = tuple(opened), computed
+
+    @property
+    def kind(self) -> str:
+        """The kind of rig."""
+        return self.computed.kind
+
+    @cached_property
+    def columns(self) -> list[dict[str, Any]]:
+        """Each column: channel, unit, scale, question, and its first values; None for no number."""
+        header, numbers = self.opened[0].header, read_numbers(self.opened[0]).columns
+        return [
+            {
+                "column": one.number if header.numbered else one.label,
+                "label": one.label,
+                "channel": one.channel,
+                "unit": "" if one.unit in (None, "?") else one.unit,
+                "scale": one.scale and f"? {one.scale}",
+                "question": one.question,
+                "first": numbers[k][:SHOWN_ROWS] if k in numbers else None,
+                "unit_in_file": one.unit is None,
+            }
+            for k, one in enumerate(self.computed.columns)
+        ]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each column: channel, unit, question; index `column`."""
+        import pandas as pd
+
+        names = ["column", "channel", "unit", "question"]
+        return pd.DataFrame(self.columns)[names].set_index("column")
+
+    def to_json(self) -> dict[str, Any]:
+        """Kind of rig, columns, the channels and known quantities of the kind with their units, what is missing.
+
+        Of each group under `needed` one channel is required.
+        """
+        rig, rotary = find_rig(self.computed.kind, "kind"), self.computed.rotary
+        known = {key: one.rotary_unit if rotary else one.unit for key, one in rig.known.items()}
+        known.pop("mass" if rotary else "inertia", None)
+        return finite(
+            {
+                "kind": self.computed.kind,
+                "question": self.computed.question,
+                "read_as": list(self.opened[0].header.remarks),
+                "columns": self.columns,
+                "channels": {name: rig.declared(name).si_unit(rotary) for name in rig.channels},
+                "needed": [list(group) for group in (("time",), *rig.inputs, *rig.measured)],
+                "missing": list(missing_channels(self.computed)),
+                "known": known,
+                "effects": usual_effects(self.computed.kind),
+            }
+        )
+
+    @property
+    def questions(self) -> list[str]:
+        """Questions that the user should decide, one line each."""
+        asked = [f"rig.kind = '{self.kind}': {self.computed.question}"] if self.computed.question else []
+        for column in self.computed.columns:
+            if column.question and column.channel is not None:
+                asked.append(f"column {column.number} '{column.label}': {column.question}")
+        return [*asked, *(f"no column is taken for {name}" for name in missing_channels(self.computed))]
+
+    def write(self, folder: str | Path) -> WrittenExperiment:
+        """Write `experiment.toml` with its questions, and a picture of the columns, into a folder.
+
+        Raises:
+            InputError: there is one already.
+        """
+        from workbench.figures.identification import columns_figure
+        from workbench.figures.plot import save_figures
+
+        target = free_experiment(Path(folder))
+        figure = columns_figure(read_numbers(self.opened[0]).columns, self.computed)
+        (picture,) = save_figures(Path(folder), {"columns": figure})
+        atomic_write_text(target, experiment_text(Path(folder), self.opened, self.computed))
+        return WrittenExperiment(self, target, picture)
+
+    def __repr__(self) -> str:
+        taken = ", ".join(one.channel for one in self.computed.columns if one.channel)
+        return f"<Proposal: {self.kind}, channels {taken}>"
+
+
+@dataclass(frozen=True)
+class WrittenExperiment:
+    """A new `experiment.toml`, and the picture of the columns beside it."""
+
+    proposal: Proposal
+    path: Path
+    picture: Path
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad new experiment --json`."""
+        proposal = self.proposal
+        return {
+            "experiment": str(self.path),
+            "picture": str(self.picture),
+            "read_as": list(proposal.opened[0].header.remarks),
+            "kind": proposal.kind,
+            "channels": {c.channel: c.label for c in proposal.computed.columns if c.channel is not None},
+            "questions": proposal.questions,
+        }
+
+    def lines(self) -> Iterator[str]:
+        """What `stagecad new experiment` prints."""
+        proposal = self.proposal
+        if proposal.opened[0].header.remarks:
+            yield f"read as: {', '.join(proposal.opened[0].header.remarks)}"
+        for column in proposal.computed.columns:
+            reason = f": {column.reason}" * bool(column.reason)
+            yield f"column {column.number} '{column.label}': {column.channel or f'left out{reason}'}"
+        yield from (f"question: {question}" for question in proposal.questions)
+        then = "answer its questions, then" if proposal.questions else "then"
+        command = f"stagecad compare {in_command(self.path.parent)}"
+        yield f"written: {self.path} and {self.picture}; {then}: {command}"
+
+
+def propose(files: Sequence[str | Path], kind: str | None = None) -> Proposal:
+    """What record files are taken for: kind of rig, channels, units, and what the user should decide.
+
+    Args:
+        files: with the same columns.
+        kind: of rig, where it is known.
+
+    Raises:
+        InputError: a file that cannot be read, files with different columns, or an unknown kind of rig.
+    """
+    with without_options():
+        return Proposal(*inspect([Path(file) for file in files], kind))
+
+
+def write_experiment(folder: str | Path, document: Mapping[str, Any], design: Design | None = None) -> Experiment:
+    """Write `experiment.toml` for the records in a folder; it is read back, and removed when it is not valid.
+
+    Args:
+        folder: with the records.
+        document: tables of the file: `rig`, `model`, `channels`, `record`, `noise`; empty ones are left out.
+        design: where a value is stated as `"design"`.
+
+    Raises:
+        InputError: the file exists, or one line with key, value, and what is allowed.
+    """
+    path = Path(folder) / "experiment.toml"
+    if path.exists():
+        raise InputError(f"{path.parent.name}/{path.name}: is there already; choose another name")
+    atomic_write_text(path, _text(document))
+    try:
+        return Experiment.load(path.parent, design)
+    except InputError:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def _text(document: Mapping[str, Any]) -> str:
+    import tomlkit
+
+    text = tomlkit.document()
+    text["schema"] = 1
+    rig = dict(document["rig"])
+    text["rig"] = {key: value for key, value in rig.items() if key != "known" or value}
+    text["model"] = dict(document["model"])
+    if document.get("channels"):
+        table = tomlkit.table()
+        for channel, given in document["channels"].items():
+            entry = tomlkit.inline_table()
+            entry.update(given)
+            table[channel] = entry
+        text["channels"] = table
+    records = tomlkit.aot()
+    for record in document["record"]:
+        records.append(tomlkit.item(dict(record)))
+    text["record"] = records
+    if document.get("noise"):
+        text["noise"] = dict(document["noise"])
+    return tomlkit.dumps(text)
+
+
+def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], ExperimentProposal]:
+    """The files, and the experiment proposed from the first of them.
+
+    Raises:
+        InputError: a file that cannot be read, files with different columns, or an unknown kind of rig.
+    """
+    if kind is not None:
+        find_rig(kind, "--kind")
+    opened = [open_record_file(file, shown_path(str(file))) for file in files]
+    for other in opened[1:]:
+        if other.header.labels != opened[0].header.labels:
+            raise InputError(
+                f"{other.name}: has other columns than {opened[0].name}; make an experiment of each, or give the "
+                "columns of one under [[record]] by hand"
+            )
+    numbers = read_numbers(opened[0])
+    if not any(values.size for values in numbers.columns.values()):
+        reason = next(iter(numbers.reasons.values()), "has a header and no rows of numbers")
+        raise InputError(f"{opened[0].name}: {reason}")
+    return opened, propose_columns(opened[0], numbers, kind)
+
+
+def free_experiment(folder: Path) -> Path:
+    """The file `experiment.toml` to be written into `folder`, which is made if it is missing.
+
+    It is to be written last: that it exists says that the folder is complete.
+
+    Raises:
+        InputError: there is one already.
+    """
+    target = folder / "experiment.toml"
+    if target.exists():
+        raise InputError(f"{target}: exists already; remove it first, or name another folder")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; a folder is required")
+    folder.mkdir(parents=True, exist_ok=True)
+    return target
+
+
+def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> str:
+    """The text of `experiment.toml`."""
+    rig = find_rig(proposal.kind, "--kind")
+    lines = [
+        f"# Lines with {QUESTION} are guesses. Answer them, and remove the mark.",
+        "schema = 1",
+        "",
+        "[rig]",
+        f'kind = "{proposal.kind}"' + (f"    # {QUESTION} {proposal.question}" if proposal.question else ""),
+        "",
+        "[rig.known]    # what you know of the rig; what is not here is fitted where that is possible",
+    ]
+    for name, known in rig.known.items():
+        if name != ("mass" if proposal.rotary else "inertia"):
+            unit = known.rotary_unit if proposal.rotary else known.unit
+            lines.append(f'# {name} = "1 {unit}"' if unit else f'# {name} = "1"')
+    lines += ["", "[model]", f"effects = {json.dumps(usual_effects(proposal.kind))}", ""]
+    remarks = opened[0].header.remarks
+    lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
+    if proposal.missing:
+        lines += [
+            "[format]",
+            f"missing = {json.dumps(list(proposal.missing))}    # {QUESTION} do these cells mark gaps?",
+            "",
+        ]
+    lines.append("[channels]    # for all records")
+    lines += [_channel_line(column, opened[0].header.numbered) for column in proposal.columns if column.channel]
+    pulses = any(column.increments for column in proposal.columns)
+    for name, unit in missing_channels(proposal).items():
+        if pulses and name == "position or velocity":
+            lines.append(f"# {QUESTION} how far is it from pulse to pulse? position = {{pulses_per_turn = 1}}")
+            lines.append('# or: position = {pitch = "20 um"}')
+            continue
+        first, _, other = name.partition(" or ")
+        also = f"    # or {other}" if other else ""
+        lines.append(f'# {QUESTION} which column is it? {first} = {{column = 1, unit = "{unit}"}}{also}')
+    left = [f"#   {c.number} '{c.label}'" + f": {c.reason}" * bool(c.reason) for c in proposal.columns if not c.channel]
+    lines += ["# columns without a channel:", *left[:30]] if left else []
+    for k, file in enumerate(opened):
+        role = "validate" if len(opened) > 1 and k == len(opened) - 1 else "fit"
+        relative = Path(os.path.relpath(Path(str(file.path)).resolve(), folder.resolve())).as_posix()
+        lines += ["", "[[record]]", f'file = "{relative}"', f'role = "{role}"']
+        if role == "validate":
+            lines[-1] += f"    # {QUESTION} is this the record to hold out from the fit?"
+        if k == 0:
+            lines += ['# from = "+2 s"    # from two seconds after the first row', '# to = "+20 s"']
+    lines += ["", "# [noise]    # standard deviation of the noise of a channel, if you know it"]
+    for column in proposal.columns:
+        if column.channel in rig.measured_channels:
+            lines.append(f'# {column.channel} = "1e-3 {rig.declared(column.channel).si_unit(proposal.rotary)}"')
+    return "\n".join(lines) + "\n"
+
+
+def _channel_line(column: Column, numbered: bool) -> str:
+    name = str(column.number) if numbered else '"' + column.label.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    entries = [f"column = {name}"]
+    entries += [f'unit = "{column.unit}"'] if column.unit else []
+    entries += [f'scale = "? {column.scale}"'] if column.scale else []
+    entries += ["increments = true"] if column.increments else []
+    value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
+    # A load or temperature of unknown unit is left out until the question is answered; no fit needs it.
+    optional = column.channel in ALWAYS_ALLOWED and column.channel != "time"
+    left = "# " if optional and (column.unit == "?" or column.scale) else ""
+    return f"{left}{column.channel} = {value}" + (f"    # {QUESTION} {column.question}" if column.question else "")
+
+
+def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
+    """Channels that the kind of rig needs and no column is taken for, with their units."""
+    rig = find_rig(proposal.kind, "--kind")
+    found = {column.channel for column in proposal.columns}
+    groups = (("time",), *rig.inputs, *rig.measured)
+    return {
+        " or ".join(group): rig.declared(group[0]).si_unit(proposal.rotary)
+        for group in groups
+        if not found & set(group)
+    }
+
+
+def usual_effects(kind: str) -> list[str]:
+    """Effects of a first model of a kind of rig."""
+    rig = find_rig(kind, "--kind")
+    return [] if "actuator-tip" in (rig.name, rig.base) else ["coulomb", "viscous"]

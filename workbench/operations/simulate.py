@@ -1,0 +1,595 @@
+"""`simulate`: the thesis's experiments and the stage's studies on a design, and the model of an experiment on its own
+inputs or others."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.experiments.friction_models import MODELS, TITLES, Friction
+from sim.experiments.passivity import passive_below
+from sim.experiments.tip import tip_ellipse
+from sim.integration.simulate import SimulationError
+from sim.stage.studies import STUDY_NAMES
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.units import as_json, parse_quantity
+from stagecad.processes import fork_map, parallel_map
+from sysid.experiment.experiment import find_experiment
+from sysid.experiment.readers.memory import MemoryTable
+from sysid.simulate_experiment import SimulatedExperiment
+from sysid.simulate_experiment import simulate_experiment as simulate_records
+from workbench.operations.design import Design, load_design
+from workbench.operations.experiment import Experiment, as_experiment, columns_of
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result, finite
+from workbench.operations.simulation_tables import Columns, feature_table, stage_tables, tables_of, write_table
+from workbench.operations.tables import CODE, STRONG, TEXT, Line, Note, make_table, quantity_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from stagecad.parameters.design import Design as Values
+    from stagecad.parameters.mass_properties import BodyMasses
+
+EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
+EXTRA = ("passivity",)
+"""Run only when named."""
+
+FeaturePath = tuple[str, ...]
+"""Experiment, model or study, perhaps case, and feature."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Selection of the simulations: experiments, friction models, the moving mass as given, the stage's studies."""
+
+    names: tuple[str, ...]
+    models: tuple[str, ...]
+    mass: str | None
+    studies: tuple[str, ...]
+
+    @property
+    def friction_experiments(self) -> tuple[str, ...]:
+        """The experiments on one body with friction: those that need a mass."""
+        return tuple(name for name in self.names if name not in ("tip", "stage"))
+
+    def reads(self, key: str) -> bool:
+        """Whether any of the experiments may depend on a parameter of the design."""
+        if key == "friction.mass" and self.mass is not None:
+            return False
+        return any(reads(name, key) for name in self.names)
+
+    def remarks(self, design: Values) -> list[Line]:
+        """What holds for the whole selection: the moving mass, and where a model is passive."""
+        lines: list[Line] = []
+        if self.friction_experiments:
+            lines.append(f"mass {moving_mass(design, self.mass):.6g} kg")
+        if "passivity" in self.names:
+            below = passive_below(friction_of(design))
+            lines.append(f"lugre is passive at any stretch below 4 Fc/a1 = {below * 1e3:.2f} mm/s")
+        return lines
+
+
+def read_selection(
+    names: Sequence[str],
+    models: Sequence[str],
+    mass: str | None,
+    studies: Sequence[str],
+    scheduler: str | None,
+    swept: str | None,
+    draws: int | None,
+) -> Selection:
+    """The simulations that the options of the command select.
+
+    Raises:
+        InputError: an unknown name, or options that do not go together.
+    """
+    chosen = chosen_names(names, (*EXPERIMENTS, *EXTRA), "no experiment '{}'") if names else EXPERIMENTS
+    friction = chosen_names(models, MODELS, "--model {}: no such friction model")
+    of_stage = chosen_names(studies, STUDY_NAMES, "--study {}: no such study of the stage")
+    if mass is not None and mass != "design":
+        parse_mass(mass)
+    if studies and "stage" not in chosen:
+        raise InputError("--study: only the experiment 'stage' has studies; name it")
+    if scheduler is not None and "stage" not in chosen and swept is None and draws is None:
+        raise InputError("--scheduler: only 'stage', --sweep and --draws have many independent runs")
+    if swept is not None and draws is not None:
+        raise InputError("--sweep and --draws: one or the other")
+    return Selection(chosen, friction, mass, of_stage)
+
+
+def reads(experiment: str, key: str) -> bool:
+    """Whether an experiment may depend on a parameter: the friction ones on their table, the stage on all."""
+    if experiment == "tip":
+        return key in ("actuator.piezo_spacing", "actuator.tip_height")
+    return experiment == "stage" or key.startswith("friction.")
+
+
+def friction_of(design: Values) -> Friction:
+    """The design's table `friction` (the thesis's Table 3 unless set otherwise), SI."""
+    return Friction(**{field.name: getattr(design.friction, field.name) for field in dataclasses.fields(Friction)})
+
+
+def moving_mass(design: Values, given: str | None) -> float:
+    """Mass of the body in the friction experiments, kg.
+
+    Args:
+        design: the design.
+        given: None for `friction.mass` (the thesis's 1 kg), `design` for the design's moving body with its payload,
+            or a quantity.
+    """
+    if given is None:
+        return design.friction.mass
+    if given != "design":
+        return parse_mass(given)
+    from designcalc.checks.inputs import DesignInputs
+    from designcalc.friction_stage.physics.loads import moved_mass
+    from stagecad.friction_stage.assembly.machine import body_masses
+
+    return moved_mass(DesignInputs(design, body_masses(design)))
+
+
+def parse_mass(text: str) -> float:
+    """Mass written as a quantity, kg.
+
+    Raises:
+        InputError: no mass, or none above zero.
+    """
+    mass = parse_quantity(text, "kg", "--mass")
+    if not 0.0 < mass < float("inf"):
+        raise InputError(f"--mass {text}: must be positive and finite")
+    return mass
+
+
+def simulate_experiment(
+    design: Values, name: str, models: tuple[str, ...], mass: float, advance: Callable[[], None] = lambda: None
+) -> dict[str, Any]:
+    """Results of one experiment (not `stage`): by model (and case or motion); those of `tip` by stroke and phase.
+
+    Args:
+        design: the design.
+        name: of the experiment.
+        models: friction models.
+        mass: kg.
+        advance: called after each model.
+    """
+    if name == "tip":
+        from sim.experiments.tip import PHASES, STROKES
+
+        spacing, height = design.actuator.piezo_spacing * 1e-3, design.actuator.tip_height * 1e-3
+        ellipses = {
+            stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
+            for stroke, size in STROKES.items()
+        }
+        advance()
+        return ellipses
+    friction = friction_of(design)
+    results: dict[str, Any] = {}
+    for model in models:
+        if name == "presliding":
+            from sim.experiments.presliding import presliding
+
+            results[model] = presliding(friction, model, mass)
+        elif name == "stick-slip":
+            from sim.experiments.stick_slip import stick_slip
+
+            results[model] = stick_slip(friction, model, mass)
+        elif name == "hysteresis":
+            from sim.experiments.hysteresis import CASES, hysteresis
+
+            results[model] = {case: hysteresis(friction, model, case) for case in CASES}
+        else:
+            from sim.experiments.passivity import MOTIONS, audit
+
+            results[model] = {motion: audit(friction, model, motion) for motion in MOTIONS}
+        advance()
+    return results
+
+
+def simulate_studies(
+    design: Values, studies: Sequence[str], scheduler: str | None, progress: ProgressCallback | None
+) -> dict[str, Any]:
+    """Results of studies of the driven stage, their cases in parallel on the local cores or on a cluster."""
+    from sim.friction_stage.studies import STUDIES, stage_drive
+    from stagecad.friction_stage.assembly.machine import body_masses
+
+    drive = stage_drive(design, body_masses(design))
+    # A forked process has the compiled kernels; a new one would load them, for each study.
+    forking = scheduler is None and sys.platform == "linux"
+    map_cases: Callable[..., list[Any]] = fork_map if forking else partial(parallel_map, scheduler=scheduler)
+    results = {}
+    for study in studies:
+        words = f"stage: {study.replace('_', ' ')}"
+
+        def run_cases(function: Callable[[Any], Any], cases: Sequence[Any], words: str = words) -> list[Any]:
+            steps = Steps(progress, words, len(cases))
+            return map_cases(function, cases, progress=steps)
+
+        results[study] = STUDIES[study](drive, run_cases)
+    return results
+
+
+class Steps:
+    """Counts calls, and reports them as steps."""
+
+    def __init__(self, progress: ProgressCallback | None, words: str, total: int) -> None:
+        self.progress, self.words, self.total, self.done = progress, words, total, 0
+        self._report()
+
+    def __call__(self, *_: Any, count: int = 1) -> None:
+        self.done += count
+        self._report()
+
+    def _report(self) -> None:
+        if self.progress is not None:
+            self.progress(self.words, self.done, self.total)
+
+
+def simulate_selection(design: Values, selection: Selection, masses: BodyMasses | None = None) -> dict[str, Any]:
+    """Results of all selected experiments in this process, by experiment.
+
+    Args:
+        design: the design.
+        selection: of experiments, models and studies.
+        masses: of the moving bodies, for the stage; computed from the solids when left out.
+    """
+    mass = moving_mass(design, selection.mass) if selection.friction_experiments else 1.0
+    results: dict[str, Any] = {}
+    for name in selection.names:
+        if name == "stage":
+            from sim.friction_stage.studies import STUDIES, run_serially, stage_drive
+            from stagecad.friction_stage.assembly.machine import body_masses
+
+            drive = stage_drive(design, masses or body_masses(design))
+            results[name] = {study: STUDIES[study](drive, run_serially) for study in selection.studies}
+        else:
+            results[name] = simulate_experiment(design, name, selection.models, mass)
+    return results
+
+
+def features_of(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Features of results, nested as they are, as JSON quantities; None where a result has no such feature."""
+    return {
+        name: features_of(result)
+        if isinstance(result, Mapping)
+        else {
+            key: None if feature is None else {"value": feature[0], "unit": feature[1]}
+            for key, feature in result.features().items()
+        }
+        for name, result in results.items()
+    }
+
+
+def flat_features(features: Mapping[str, Any], before: FeaturePath = ()) -> dict[FeaturePath, Any]:
+    """Every feature, a quantity or None, by its path."""
+    flat: dict[FeaturePath, Any] = {}
+    for name, inner in features.items():
+        if isinstance(inner, Mapping) and "unit" not in inner:
+            flat |= flat_features(inner, (*before, name))
+        else:
+            flat[(*before, name)] = inner
+    return flat
+
+
+class Simulation(Result):
+    """One of the thesis's experiments, simulated on a design."""
+
+    def __init__(self, name: str, results: Mapping[str, Any]) -> None:
+        self.name = name
+        self.results = results
+
+    @cached_property
+    def columns(self) -> dict[str, Columns]:
+        """The simulated motions and forces as arrays, by model (and case) and `name [unit]`."""
+        return stage_tables(self.results) if self.name == "stage" else tables_of(self.name, self.results)
+
+    @cached_property
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """The simulated motions and forces, columns `name [unit]`, by model (and case)."""
+        import pandas as pd
+
+        return {name: pd.DataFrame(columns) for name, columns in self.columns.items()}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The features, SI: a row for each model (and case) and feature."""
+        import pandas as pd
+
+        rows = [
+            (" ".join(path[:-1]), path[-1], *((None, None) if q is None else (q["value"], q["unit"])))
+            for path, q in flat_features(self.to_json()[self.name]).items()
+        ]
+        return pd.DataFrame(rows, columns=["of", "feature", "value", "unit"]).set_index(["of", "feature"])
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad simulate NAME --json`."""
+        return finite({self.name: features_of(self.results)})
+
+    def plot(self, table: str | None = None) -> Figure:
+        """Motions and forces of one table over its time; the first table when left out.
+
+        Raises:
+            InputError: no such table.
+        """
+        from workbench.figures.identification import motion_figure
+
+        shown = {
+            name: {label: values for label, values in columns.items() if not label.endswith("[J]")}
+            for name, columns in self.columns.items()
+        }
+        return motion_figure(shown, table)
+
+    def figures(self) -> dict[str, Figure]:
+        """The figures of the command, by the names of their files."""
+        if self.name == "stage":
+            from workbench.figures.stage import stage_figures
+
+            return dict(stage_figures(self.results))
+        from workbench.figures.simulation import experiment_figures
+
+        return dict(experiment_figures(self.name, self.results))
+
+    def write(self, folder: Path, formats: tuple[str, ...] = ("csv",), figures: bool = True) -> list[Path]:
+        """Write tables and figures into a folder as `stagecad simulate` does; returns the files."""
+        written = []
+        for name, columns in self.columns.items() if formats else ():
+            written += write_table(folder / name, columns, formats)
+        if figures:
+            from workbench.figures.plot import save_figures
+
+            written += save_figures(folder, self.figures())
+        return written
+
+    def lines(self) -> Iterator[Line]:
+        """What `stagecad simulate` prints: tables of features."""
+        features = features_of(self.results)
+        if self.name == "stage":
+            for study, values in features.items():
+                yield feature_table(f"stage: {study.replace('_', ' ')}", {"value": values}, by_column=True)
+            return
+        rows: dict[str, Any] = {}
+        for model, values in features.items():
+            if all(feature is None or "unit" in feature for feature in values.values()):
+                rows[model] = values
+            else:
+                rows |= {f"{model}  {case}": inner for case, inner in values.items()}
+        if rows:
+            yield feature_table(self.name, rows)
+
+    def __repr__(self) -> str:
+        return f"<Simulation '{self.name}': {', '.join(self.results)}>"
+
+
+class SimulatedRecords(Result):
+    """Records simulated from the model of an experiment, with the noise of each sensor."""
+
+    def __init__(
+        self, experiment: Experiment, computed: SimulatedExperiment, seed: int | None, files: tuple[str, ...] = ()
+    ) -> None:
+        self.experiment = experiment
+        self.computed = computed
+        self.seed = seed
+        self.files = files
+
+    @cached_property
+    def _logged(self) -> dict[str, Any]:
+        """Columns of each record with noise, by its name."""
+        tables = self.computed.logged(self.seed)
+        return {record.name: table for record, table in zip(self.computed.records, tables, strict=True)}
+
+    @cached_property
+    def records(self) -> dict[str, pd.DataFrame]:
+        """The records with noise, columns `name [unit]`, by name."""
+        import pandas as pd
+
+        return {name: pd.DataFrame(table) for name, table in self._logged.items()}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """All records below each other; index `record`, `row`."""
+        import pandas as pd
+
+        return pd.concat(self.records, names=["record", "row"])
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad simulate EXPERIMENT --json`; without files where they were not written."""
+        simulated = self.computed
+        noise = {name: sensor.to_json() for name, sensor in simulated.noise.items()}
+        return finite(
+            {
+                "schema": 1,
+                "effects": [effect.name for effect in simulated.model.effects],
+                "parameters": {
+                    key: {**as_json(value, unit), "from": origin} for key, value, unit, origin in simulated.parameters()
+                },
+                "noise": noise if self.seed is not None else {},
+                "seed": self.seed,
+                "records": [{"name": r.name, "role": r.role, "rows": int(r.time.size)} for r in simulated.records],
+                "files": list(self.files),
+            }
+        )
+
+    def write(
+        self, folder: Path, formats: tuple[str, ...] = ("csv",), inputs: str = "its own inputs"
+    ) -> SimulatedRecords:
+        """Write the records, and the `experiment.toml` that compares them with the model; returns it with its files.
+
+        Args:
+            folder: to write to.
+            formats: of the records: csv, parquet or both.
+            inputs: that the model was simulated on, in words.
+        """
+        import tomlkit
+
+        simulated, files = self.computed, []
+        for record in simulated.records:
+            files += write_table(folder / record.file, self._logged[record.name], formats)
+        for name, path in simulated.custom.items():
+            atomic_write_bytes(folder / name, path.read_bytes())
+            files.append(folder / name)
+        files.append(folder / "experiment.toml")
+        added = "without noise" if self.seed is None else f"with noise of seed {self.seed}"
+        head = f"# Simulated from the model of {self.experiment.name} on {inputs}, {added}.\n"
+        atomic_write_text(files[-1], head + tomlkit.dumps(simulated.document(formats[0])))
+        return SimulatedRecords(self.experiment, simulated, self.seed, tuple(str(file) for file in files))
+
+    def plot(self, record: str | None = None) -> Figure:
+        """The channels of a record over time; the first record when left out.
+
+        Raises:
+            InputError: no such record.
+        """
+        from workbench.figures.identification import motion_figure
+
+        return motion_figure(self._logged, record)
+
+    def lines(self) -> Iterator[Line]:
+        """What `stagecad simulate EXPERIMENT` prints: values and noise of the simulation, and the files."""
+        document = self.to_json()
+        yield from (Note(f"note: {note}") for note in self.computed.problem.notes)
+        yield f"model: {', '.join(document['effects']) or 'no effects'}"
+        shown = {key: q for key, q in document["parameters"].items() if q["from"] != "default"}
+        rows = [(key, quantity_text(q["value"], q["unit"]), q["from"]) for key, q in shown.items()]
+        yield make_table("Values", [("parameter", CODE), ("value", STRONG), ("from", TEXT)], rows)
+        for channel, noise in document["noise"].items():
+            correlation = f", autocorrelation {noise['autocorrelation']:.2f}" if "autocorrelation" in noise else ""
+            yield f"noise of {channel}: {quantity_text(noise['value'], noise['unit'])} ({noise['from']}{correlation})"
+        yield from (f"{record['name']} ({record['role']}): {record['rows']} rows" for record in document["records"])
+        yield f"wrote {', '.join(self.files)}"
+
+    def __repr__(self) -> str:
+        effects = ", ".join(effect.name for effect in self.computed.model.effects)
+        rows = sum(record.time.size for record in self.computed.records)
+        noise = "without noise" if self.seed is None else f"noise of seed {self.seed}"
+        return f"<SimulatedRecords of '{self.experiment.name}', model {effects}: {rows} rows, {noise}>"
+
+
+def friction_models() -> dict[str, str]:
+    """Friction models of the thesis's experiments: title by name."""
+    return {model: TITLES[model] for model in MODELS}
+
+
+def tip_path(piezo_spacing: float, tip_height: float, stroke: float, phase: float) -> Any:
+    """Path of the tip about its rest: arrays `x`, `y` (m) and `features()`, as of `simulate tip`.
+
+    Args:
+        piezo_spacing, tip_height: D and h, m.
+        stroke: amplitude of a piezo, m.
+        phase: between the piezos, rad.
+
+    Raises:
+        InputError: a length or a phase that is not allowed.
+    """
+    return tip_ellipse(piezo_spacing, tip_height, stroke, phase)
+
+
+def simulate(
+    what: str | Path | Experiment,
+    design: Design | None = None,
+    models: Sequence[str] = (),
+    motion: Any = None,
+    seed: int | None = 1,
+    studies: Sequence[str] = (),
+    progress: ProgressCallback | None = None,
+) -> Simulation | SimulatedRecords:
+    """Simulate one of the thesis's experiments on a design, or the model of an experiment.
+
+    Args:
+        what: `tip`, `presliding`, `hysteresis`, `stick-slip`, `stage` or `passivity`; or an experiment, or its folder.
+        design: the packaged machine when left out.
+        models: friction models of the thesis's experiments; all of them when left out.
+        motion: inputs to simulate an experiment on, a DataFrame or the path of a file; its own when left out.
+        seed: of the noise of simulated records; None for none.
+        studies: of `stage`, such as `steps` or `hunting`; all of them when left out.
+        progress: called with what is simulated, the runs done, and their number.
+
+    Raises:
+        InputError: an unknown name, a fault in a file, or a model that cannot be simulated on these inputs.
+    """
+    names = (*EXPERIMENTS, *EXTRA)
+    if isinstance(what, str) and what in names:
+        if motion is not None:
+            raise InputError(f"simulate: '{what}' has a motion of its own; a motion is for an experiment with records")
+        of_stage = chosen_names(studies, STUDY_NAMES, "simulate: no study of the stage '{}'")
+        selection = Selection((what,), chosen_models(models), None, of_stage)
+        return simulate_one(what, (design or load_design()).values, selection, progress=progress)
+    if isinstance(what, str) and not Path(what).exists():
+        raise InputError(
+            f"simulate: '{what}' is neither an experiment of the thesis nor a folder{nearest(what, names)}"
+        )
+    experiment = as_experiment(what, design)
+    in_memory = motion is not None and not isinstance(motion, str | Path)
+    inputs = MemoryTable("motion", columns_of(motion, "motion")) if in_memory else motion
+    return SimulatedRecords(experiment, simulate_records(experiment.problem, motion=inputs), seed)
+
+
+def simulate_into(
+    out: Path,
+    experiment: Path,
+    design: Any,
+    motion: Path | None,
+    seed: int | None,
+    formats: tuple[str, ...],
+) -> SimulatedRecords:
+    """Simulate the model of an experiment into OUT/simulate/NAME.
+
+    Raises:
+        InputError: a fault in a file, no format, or a folder that holds the experiment itself.
+    """
+    if not formats:
+        raise InputError("--format none: the records of an EXPERIMENT are its only result; allowed: csv, parquet, both")
+    place = find_experiment(experiment)
+    folder = out / "simulate" / place.folder.resolve().name
+    if folder.resolve() == place.folder.resolve():
+        raise InputError(f"--out {out}: the records would replace those of {experiment}; choose another folder")
+    stated = Experiment.load(place.path, design)
+    simulated = SimulatedRecords(stated, simulate_records(stated.problem, motion=motion), seed)
+    return simulated.write(folder, formats, "its own inputs" if motion is None else motion.name)
+
+
+def simulate_one(
+    name: str,
+    design: Values,
+    selection: Selection,
+    scheduler: str | None = None,
+    progress: ProgressCallback | None = None,
+) -> Simulation:
+    """One experiment of a selection on a design.
+
+    Raises:
+        InputError: a motion that cannot be simulated.
+    """
+    try:
+        if name == "stage":
+            return Simulation(name, simulate_studies(design, selection.studies, scheduler, progress))
+        mass = 1.0 if name == "tip" else moving_mass(design, selection.mass)
+        steps = Steps(progress, name, 1 if name == "tip" else len(selection.models))
+        return Simulation(name, simulate_experiment(design, name, selection.models, mass, steps))
+    except SimulationError as failure:
+        raise InputError(str(failure)) from None
+
+
+def chosen_models(models: Sequence[str]) -> tuple[str, ...]:
+    """The friction models named, all of them without any, in the order of the library.
+
+    Raises:
+        InputError: no such model.
+    """
+    return chosen_names(models, MODELS, "simulate: no friction model '{}'")
+
+
+def chosen_names(names: Sequence[str], known: Sequence[str], refusal: str) -> tuple[str, ...]:
+    """The names chosen of the known ones, in their order; all of them without any.
+
+    Raises:
+        InputError: an unknown name, as `refusal` says it.
+    """
+    for name in names:
+        if name not in known:
+            raise InputError(refusal.format(name) + nearest(name, known))
+    return tuple(name for name in known if not names or name in names)

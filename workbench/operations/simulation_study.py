@@ -1,0 +1,370 @@
+"""Simulations of many designs: over the values of one parameter, and of machines sampled from the uncertain parameters
+(deviations and tolerances)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from designcalc.errors.monte_carlo import (
+    Distribution,
+    UncertainParameter,
+    strongest_correlation,
+    uncertain_parameters,
+)
+from sim.integration.simulate import SimulationError
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.units import to_si
+from stagecad.processes import parallel_map
+from workbench.operations.design import Design
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.simulate import (
+    FeaturePath,
+    Selection,
+    Steps,
+    features_of,
+    flat_features,
+    moving_mass,
+    reads,
+    simulate_selection,
+)
+from workbench.operations.simulation_tables import feature_text, write_table
+from workbench.operations.tables import NUMBER, TEXT, Line, Note, Table
+
+if TYPE_CHECKING:
+    from designcalc.checks.analysis.sweep import Range
+    from stagecad.parameters.design import Design as Values
+    from stagecad.parameters.mass_properties import BodyMasses
+
+Point = dict[str, Any] | str
+"""Features at one value, or why the design or motion is refused."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Features of simulations at every value of a range of one parameter."""
+
+    swept: Range
+    points: tuple[Point, ...]
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the parameter."""
+        return {"mm": "m", "deg": "rad"}.get(self.swept.unit, self.swept.unit) or "1"
+
+    def to_json(self) -> dict[str, Any]:
+        """The document: values, and at each what `simulate` gives there (null where it was refused)."""
+        unit = self.swept.unit
+        return {
+            "key": self.swept.key,
+            "values": [{"value": to_si(value, unit), "unit": self.unit} for value in self.swept.values],
+            "points": [None if isinstance(point, str) else point for point in self.points],
+            "refused": [point if isinstance(point, str) else None for point in self.points],
+        }
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        """The parameter in SI, and a column for every feature."""
+        swept = self.swept
+        rows = [{} if isinstance(point, str) else flat_features(point) for point in self.points]
+        columns = {f"{swept.key} [{self.unit}]": np.array([to_si(value, swept.unit) for value in swept.values])}
+        for name in dict.fromkeys(name for row in rows for name in row):
+            cells = [row.get(name) for row in rows]
+            feature_unit = next((cell["unit"] for cell in cells if cell), None)
+            if feature_unit is not None:
+                values = [cell["value"] if cell else np.nan for cell in cells]
+                columns[f"{'.'.join(name)} [{feature_unit}]"] = np.array(values, dtype=float)
+        return columns
+
+    def write(self, folder: Path, formats: tuple[str, ...]) -> list[Path]:
+        """Write the table into a folder."""
+        return write_table(folder / "sweep", self.columns, formats)
+
+    def lines(self) -> Iterator[Line]:
+        """What the command prints: the values refused, and how many features there are."""
+        swept = self.swept
+        for value, point in zip(swept.values, self.points):
+            if isinstance(point, str):
+                yield Note(f"{swept.key} = {value:g} {swept.unit}: {point}")
+
+
+def sweep(
+    design: Design,
+    swept: Range,
+    selection: Selection,
+    scheduler: str | None = None,
+    progress: ProgressCallback | None = None,
+) -> Sweep:
+    """Features at every value of the range, in parallel on the local cores or on a cluster.
+
+    Raises:
+        InputError: every value is refused.
+    """
+    whole = isinstance(design.values.value(swept.key), int)
+    overrides = [swept.override(int(value) if whole else value) for value in swept.values]
+    steps = Steps(progress, "sweep", len(overrides))
+    job = partial(simulate_point, design, selection)
+    points = parallel_map(job, overrides, progress=steps, scheduler=scheduler)
+    if all(isinstance(point, str) for point in points):
+        raise InputError(f"--sweep {swept.key}: every value is refused: {points[0]}")
+    return Sweep(swept, tuple(points))
+
+
+def simulate_point(design: Design, selection: Selection, override: str) -> Point:
+    """Features of every selected experiment with one more override."""
+    try:
+        return features_of(simulate_selection(design.values_with(override), selection))
+    except (InputError, SimulationError) as refused:
+        return " ".join(str(refused).split())
+
+
+MOST_LISTED = 8
+"""Sampled parameters that are listed."""
+POINTS = 201
+"""Points of a curve that a sample keeps."""
+
+Curves = dict[FeaturePath, tuple[np.ndarray, np.ndarray]]
+"""Abscissa and ordinate, SI, shape (POINTS,), by experiment, model and case."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Results of one sampled machine: features and curves by their path; or why the design is refused."""
+
+    features: Mapping[FeaturePath, Any]
+    curves: Curves
+    refused: str = ""
+
+
+@dataclass(frozen=True)
+class Study:
+    """All samples of a command.
+
+    Args:
+        parameters: that were sampled.
+        values: (samples, parameters), each in its own unit.
+        nominal: results of the design itself.
+        samples: one for each row of `values`.
+        distributions: of each feature over the samples.
+        seed: of the random numbers.
+    """
+
+    parameters: tuple[UncertainParameter, ...]
+    values: np.ndarray
+    nominal: Sample
+    samples: tuple[Sample, ...]
+    distributions: Mapping[FeaturePath, Distribution]
+    seed: int
+
+    @property
+    def refused(self) -> list[tuple[int, str]]:
+        """Number and reason of the samples that are no valid designs."""
+        return [(k, sample.refused) for k, sample in enumerate(self.samples) if sample.refused]
+
+    def to_json(self) -> dict[str, Any]:
+        """The sampled parameters, and each feature's distribution, nested as `simulate` gives features."""
+        nested: dict[str, Any] = {}
+        for (*path, last), distribution in self.distributions.items():
+            inner = nested
+            for step in path:
+                inner = inner.setdefault(step, {})
+            inner[last] = distribution.as_json()
+        return {
+            "draws": len(self.samples),
+            "seed": self.seed,
+            "drawn": {parameter.key: parameter.as_json() for parameter in self.parameters},
+            "refused": [{"draw": k, "reason": reason} for k, reason in self.refused],
+            "features": nested,
+        }
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """A row for each sample: its parameters, in SI, and every feature."""
+        columns = {}
+        for parameter, values in zip(self.parameters, self.values.T):
+            si = np.array([to_si(value, parameter.unit) for value in values])
+            columns[f"{parameter.key} [{parameter.si_unit}]"] = si
+        for path, distribution in self.distributions.items():
+            columns[f"{'.'.join(path)} [{distribution.unit}]"] = distribution.values
+        return columns
+
+    def write(self, folder: Path, formats: tuple[str, ...], figures: bool) -> list[Path]:
+        """Write a row for each sample, and the figures, into a folder."""
+        written = write_table(folder / "draws", self.columns(), formats)
+        if figures:
+            from workbench.figures.plot import save_figures
+            from workbench.figures.simulation import study_figures
+
+            written += save_figures(folder, study_figures(self))
+        return written
+
+    def lines(self) -> Iterator[Line]:
+        """What the command prints: the sampled parameters, and each feature's value, deviation and 95 % band."""
+        listed = "; ".join(parameter.text for parameter in self.parameters[:MOST_LISTED])
+        more = len(self.parameters) - MOST_LISTED
+        yield f"sampled: {listed}" + (f"; and {more} more" if more > 0 else "")
+        columns = [("", TEXT), *((title, NUMBER) for title in ("design", "deviation", "2.5 %", "97.5 %"))]
+        for experiment in dict.fromkeys(path[0] for path in self.distributions):
+            distributions = {path[1:]: d for path, d in self.distributions.items() if path[0] == experiment}
+            changing = {path: distribution for path, distribution in distributions.items() if distribution.varies}
+            rows = [_distribution_cells(path, distribution) for path, distribution in changing.items()]
+            if rows:
+                yield Table(experiment, (*columns, ("depends most on", TEXT)), tuple(rows), plain=True)
+            if len(changing) < len(distributions):
+                yield f"{experiment}: {len(distributions) - len(changing)} features do not change"
+        if self.refused:
+            first = self.refused[0][1]
+            yield Note(f"{len(self.refused)} of {len(self.samples)} samples are invalid designs, first: {first}")
+
+
+def _distribution_cells(path: FeaturePath, distribution: Distribution) -> tuple[str, ...]:
+    values = distribution.finite
+    cells = [distribution.nominal, values.std(ddof=1), *np.quantile(values, [0.025, 0.975])]
+    return (
+        "  ".join(name.replace("_", " ") for name in path),
+        *(feature_text(None if x is None else {"value": float(x), "unit": distribution.unit}) for x in cells),
+        distribution.strongest_text or "-",
+    )
+
+
+@dataclass(frozen=True)
+class _Common:
+    """Data common to all samples, sent to each worker once."""
+
+    design: Design
+    selection: Selection
+    parameters: tuple[UncertainParameter, ...]
+    masses: BodyMasses | None
+
+
+def run_monte_carlo(
+    design: Design,
+    selection: Selection,
+    count: int,
+    seed: int,
+    scheduler: str | None = None,
+    progress: ProgressCallback | None = None,
+) -> Study:
+    """Simulate machines sampled about the design, in parallel on the local cores or on a cluster.
+
+    The values are sampled here, from the seed, before anything is sent: the result does not depend on the workers.
+
+    Args:
+        design: the nominal machine.
+        selection: of experiments.
+        count: number of machines.
+        seed: of the random numbers.
+        scheduler: address of a cluster.
+        progress: called with the samples done.
+
+    Raises:
+        InputError: no uncertain parameter, the design itself is refused, or every sample is.
+    """
+    from stagecad.friction_stage.assembly.machine import body_masses
+
+    nominal_values = design.values
+    parameters = uncertain_parameters(nominal_values, selection.reads)
+    if not parameters:
+        raise InputError(
+            f"--draws: nothing that {', '.join(selection.names)} read has a tolerance or a '+-'; give one, like "
+            '--set "friction.breakaway=1.5 +- 0.1 N"'
+        )
+    random = np.random.default_rng(seed)
+    values = np.column_stack([parameter.sample(random, count) for parameter in parameters])
+    if selection.mass == "design" and selection.friction_experiments:
+        selection = replace(selection, mass=f"{moving_mass(nominal_values, 'design')!r} kg")
+    # With the masses of the design's own solids, so that no sample builds solids.
+    masses = body_masses(nominal_values) if "stage" in selection.names else None
+    common = _Common(design, selection, parameters, masses)
+    nominal = _simulate(nominal_values, selection, masses)
+    # Several samples per task: one takes less time than its transfer to the worker.
+    size = max(1, min(8, count // 16))
+    rows = [values[k : k + size] for k in range(0, count, size)]
+    steps = Steps(progress, "samples", count)
+    drawn = parallel_map(
+        partial(simulate_samples, common),
+        rows,
+        progress=lambda some: steps(count=len(some)),
+        scheduler=scheduler,
+    )
+    samples = tuple(sample for some in drawn for sample in some)
+    if all(sample.refused for sample in samples):
+        raise InputError(f"--draws: every sample is an invalid design: {samples[0].refused}")
+    return Study(parameters, values, nominal, samples, _distributions(parameters, values, nominal, samples), seed)
+
+
+def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
+    """Results of the machines with the values of each row, (k, parameters)."""
+    from designcalc.checks.analysis.tolerance import scaled_masses
+
+    found = []
+    for row in rows:
+        overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(common.parameters, row.tolist())]
+        try:
+            # Rules across values apply to the nominal design, not to a machine within its tolerances.
+            design = common.design.values_with(*overrides, rules=False)
+            masses = scaled_masses(design, common.design.values, common.masses)
+            found.append(_simulate(design, common.selection, masses))
+        except (InputError, SimulationError) as refused:
+            found.append(Sample({}, {}, " ".join(str(refused).split())))
+    return found
+
+
+def _simulate(design: Values, selection: Selection, masses: BodyMasses | None) -> Sample:
+    results = simulate_selection(design, selection, masses)
+    curves: Curves = {}
+    for name, found in results.items():
+        curves |= curves_of(name, found)
+    return Sample(flat_features(features_of(results)), curves)
+
+
+def curves_of(name: str, results: Mapping[str, Any]) -> Curves:
+    """Curves of an experiment that are shown as bands: position in time, or friction over the last period of a loop."""
+    if name == "presliding":
+        return {(name, model): _in_time(found.simulation, 4.0) for model, found in results.items()}
+    if name == "stick-slip":
+        from sim.experiments.stick_slip import SHOWN
+
+        return {(name, model): _in_time(found.simulation, SHOWN) for model, found in results.items()}
+    if name == "hysteresis":
+        return {
+            (name, model, case): _last_period(found)
+            for model, cases in results.items()
+            for case, found in cases.items()
+        }
+    return {}
+
+
+def _in_time(run: Any, end: float) -> tuple[np.ndarray, np.ndarray]:
+    time = np.linspace(0.0, end, POINTS)
+    return time, np.interp(time, run.time, run.position)
+
+
+def _last_period(found: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Friction over the second of two periods, against the elapsed part of the period."""
+    run, period = found.simulation, 2.0 * np.pi / found.frequency
+    part = np.linspace(0.0, 1.0, POINTS)
+    return part, np.interp((1.0 + part) * period, run.time, run.friction)
+
+
+def _distributions(
+    parameters: Sequence[UncertainParameter], values: np.ndarray, nominal: Sample, samples: Sequence[Sample]
+) -> dict[FeaturePath, Distribution]:
+    distributions = {}
+    for path in dict.fromkeys([*nominal.features, *(path for sample in samples for path in sample.features)]):
+        own, cells = nominal.features.get(path), [sample.features.get(path) for sample in samples]
+        unit = next((cell["unit"] for cell in (own, *cells) if cell is not None), None)
+        if unit is None:
+            continue
+        column = np.array([np.nan if cell is None else cell["value"] for cell in cells], dtype=float)
+        distribution = Distribution(None if own is None else float(own["value"]), column, unit)
+        if distribution.varies:
+            read = [k for k, parameter in enumerate(parameters) if reads(path[0], parameter.key)]
+            keys = [parameters[k].key for k in read]
+            distribution = replace(distribution, strongest=strongest_correlation(keys, values[:, read], column))
+        distributions[path] = distribution
+    return distributions

@@ -1,0 +1,268 @@
+"""Findings of a comparison, a diagnosis or a search for the next motion, as sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from stagecad.parameters.units import format_quantity
+from sysid.compare import Comparison
+from sysid.diagnose import Diagnosis
+from sysid.diagnosis.decision import FreeCurve
+from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
+from sysid.experiment_design.t_optimal_design import Suggestion
+from sysid.prediction.problem import Problem
+from sysid.report import WORTH_SAYING, channel_unit, worst_channel
+from sysid.signals.gaussian_filter import BAND
+from workbench.operations.tables import over_noise_text, quantity_text
+
+COORDINATE_NAMES = {
+    "frequency": "one frequency",
+    "direction": "direction of motion",
+    "distance_since_reversal": "distance since the last reversal",
+    "contact_age": "time of contact at rest",
+}
+"""Names of coordinates in a sentence, where they differ from their keys."""
+
+NEGLIGIBLE_SHARE = 0.05
+"""Share of the misfit below which the unexplained rest is not mentioned."""
+
+MENTIONED_SHARE = 0.02
+"""Share of the residual's variance from which a coordinate is mentioned."""
+
+CLEARLY_WORSE = 1.5
+"""Ratio of the error over noise on the fit records to that on the held-out ones from which both are stated."""
+
+NEAR_NOISE = 1.5
+"""Error over noise up to which detectable sizes are stated: above it the unexplained residual hides small effects."""
+
+SEPARATED = 5.0
+"""Standard deviations from which two competing effects count as separated."""
+
+Errors = Mapping[str, ChannelMisfit]
+
+
+def held_out_over_noise(fit: Errors, validate: Errors) -> float:
+    """Largest error over noise on the held-out records; on the fit records where there are no others."""
+    return worst_over_noise({}, dict(validate)) if validate else worst_over_noise(dict(fit), {})
+
+
+def is_adequate(found: Comparison) -> bool:
+    """Whether the residual of the model is at the noise level."""
+    return worst_over_noise(found.fit, found.validate) <= NEAR_NOISE
+
+
+def near_noise(diagnosis: Diagnosis) -> bool:
+    """Whether the model, with the effect found in it, leaves little more than the noise."""
+    best = diagnosis.best
+    errors = (
+        (diagnosis.before_fit, diagnosis.before_validate) if best is None else (best.after_fit, best.after_validate)
+    )
+    return worst_over_noise(*errors) <= NEAR_NOISE
+
+
+def dependence_text(maps: Sequence[ResidualMap], most: int = 2) -> str:
+    """The coordinates the residual depends on most, with their shares; empty where there is none."""
+    strongest = [m for m in maps if m.share > MENTIONED_SHARE][:most]
+    names = [COORDINATE_NAMES.get(m.coordinate, m.coordinate.replace("_", " ")) for m in strongest]
+    return " and ".join(f"{name} ({100 * m.share:.0f} %)" for name, m in zip(names, strongest))
+
+
+def noise_text(problem: Problem) -> str:
+    """The noise by channel, the form of the residual, and the band it is compared in."""
+    measured = {*problem.fit_records[0].measured, "position"}
+    parts = [
+        f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})"
+        for channel, noise in problem.noise.items()
+        if channel in measured
+    ]
+    band = getattr(problem.fit_records[0], "whole", None)
+    text = f"{', '.join(parts)}; residual as {problem.form.replace('_', ' ')}"
+    if band is not None and band.width > 0:
+        text += f", below {BAND / band.width:.3g} Hz: the band that the position's noise allows"
+    return text
+
+
+def comparison_statement(found: Comparison) -> str:
+    """The error of the model over the noise, and the coordinates on which its residual depends."""
+    if is_adequate(found):
+        most = worst_over_noise(found.fit, found.validate)
+        return f"The error is {over_noise_text(most)} the noise: the residual is at the noise level."
+    over = held_out_over_noise(found.fit, found.validate)
+    text = f"The error is {over_noise_text(over)} the noise on the held-out records."
+    fit = worst_over_noise(found.fit, {})
+    if fit > CLEARLY_WORSE * over:
+        text += f" On the fit records it is {over_noise_text(fit)}."
+    return f"{text} The residual depends on {dependence_text(found.maps) or 'no recorded coordinate'}."
+
+
+def verdict_title(found: Diagnosis) -> str:
+    """The verdict of a diagnosis in a few words."""
+    titles = {"adequate": "Nothing is missing", "unexplained": "Unexplained residual"}
+    return titles.get(found.verdict, f"What is missing: {found.effect}")
+
+
+def decision_line(found: Diagnosis) -> str:
+    """The decision (`missing`, `adequate` or `unexplained`), a colon, and its statement."""
+    statement = diagnosis_statement(found)
+    if found.effect:
+        return f"missing: {statement.replace(' is missing', '', 1)}"
+    return f"adequate: {found.reason}." if found.verdict == "adequate" else f"{found.verdict}: {statement}"
+
+
+def diagnosis_statement(found: Diagnosis) -> str:
+    """The decision of a diagnosis with the errors behind it."""
+    if found.verdict == "adequate":
+        return f"{verdict_title(found)}: {found.reason}."
+    depends = dependence_text(found.maps)
+    if found.verdict == "unexplained" or found.best is None:
+        rivals = rivals_text(found)
+        text = f"No effect of the library explains the residual: {rivals or found.reason}."
+        return f"{text} It depends on {depends or 'no recorded coordinate'}."
+    channel = worst_channel(found.problem, found.before_validate)
+    before, after = found.before_validate[channel], found.best.after_validate[channel]
+    unit = channel_unit(found.problem, channel)
+    rms = f"{quantity_text(before.rms, unit)} to {quantity_text(after.rms, unit)}"
+    ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
+    error = f"the error of {channel.replace('_', ' ')} on the held-out records"
+    if found.decision.detected_by:
+        return f"{found.effect} is missing: {found.decision.detected_by}. With it {error} changes from {rms}, {ratio}."
+    if dominated_by_few_samples(before, after):
+        text = f"{found.effect} is missing. With it {error} falls {ratio}."
+        text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
+    else:
+        text = f"{found.effect} is missing. With it {error} falls from {rms}, {ratio}."
+    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(found.best.after_fit, {}))
+    if fit[0] > CLEARLY_WORSE * before.over_noise or fit[1] > CLEARLY_WORSE * after.over_noise:
+        text += f" On the fit records it falls from {over_noise_text(fit[0])} to {over_noise_text(fit[1])}."
+    if depends:
+        text += f" Without it the residual depends on {depends}."
+    if found.unexplained_share > NEGLIGIBLE_SHARE:
+        text += f" {found.effect} explains {100 * (1.0 - found.unexplained_share):.0f} % of the misfit"
+        curve = found.decision.free_curve
+        if curve is not None and curve.share > 1.0 - found.unexplained_share:
+            text += f"; {_curve_text(curve)} explains {100 * curve.share:.0f} %"
+        text += "."
+    return text
+
+
+def rivals_text(found: Diagnosis) -> str:
+    """Shares of the misfit that the best free curve and the best named effect explain; empty without any."""
+    curve, named = found.decision.free_curve, found.decision.best_named
+    parts = []
+    if curve is not None and curve.share > NEGLIGIBLE_SHARE:
+        parts.append(f"{_curve_text(curve)} explains {100 * curve.share:.0f} % of the misfit")
+    if named is not None and named[1] > NEGLIGIBLE_SHARE:
+        verb, what = ("", "") if parts else (" explains", " of the misfit")
+        parts.append(f"the best named effect, {named[0]},{verb} {100 * named[1]:.0f} %{what}")
+    return ", ".join(parts)
+
+
+def _curve_text(curve: FreeCurve) -> str:
+    name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
+    return f"a free curve, a {curve.quantity} of {name},"
+
+
+def in_command(folder: Path) -> str:
+    """A folder as an argument of a printed command: in quotes where it contains blanks."""
+    return f'"{folder}"' if " " in str(folder) else str(folder)
+
+
+def next_step_statement(found: Diagnosis) -> str:
+    """Possible next steps where more is missing than the effect named, or nothing is named; else empty."""
+    folder = in_command(found.problem.experiment.folder)
+    if found.best is not None and found.unexplained_share > NEGLIGIBLE_SHARE:
+        return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."
+    if found.verdict != "unexplained":
+        return ""
+    curve, named = found.decision.free_curve, found.decision.best_named
+    ways = []
+    if named is not None and named[1] > NEGLIGIBLE_SHARE:
+        ways.append(f"if {named[0]} is certainly present, run 'stagecad add {folder} {named[0]}' and diagnose again")
+    if curve is not None and curve.share > NEGLIGIBLE_SHARE:
+        name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
+        ways.append(f"declare an effect of your own, a {curve.quantity} of {name} ([model] custom)")
+    if any(noise.source != "given" for noise in found.problem.noise.values()):
+        ways.append("state the noise of the sensors under [noise], which is only estimated")
+    return f"What to do: {'; or '.join(ways)}." if ways else ""
+
+
+def equivalence_statement(found: Diagnosis) -> str:
+    """Effects that these records cannot distinguish from the one named; empty where there is none."""
+    names = list(found.indistinguishable)
+    if not names or not found.effect:
+        return ""
+    return (
+        f"These records cannot distinguish {found.effect} from {' or '.join(names)}: the difference on the held-out "
+        "records is not significant. 'stagecad suggest' looks for a motion that separates them."
+    )
+
+
+def replacement_statements(diagnosis: Diagnosis) -> list[str]:
+    """Effects added earlier that should be removed or replaced."""
+    lines = []
+    for swap in diagnosis.replacements:
+        before, after = over_noise_text(swap.before), over_noise_text(swap.after)
+        change = f"({before} to {after} the noise on the held-out records)"
+        if swap.new is None:
+            lines.append(f"{swap.old}, added earlier, is no longer needed {change}: add --drop {swap.old}")
+        else:
+            lines.append(
+                f"{swap.new} in place of {swap.old}, added earlier, explains more {change}: "
+                f"add {swap.new} --drop {swap.old}"
+            )
+    return lines
+
+
+def unphysical_statements(diagnosis: Diagnosis) -> list[str]:
+    """Effects that would reduce the error only with a value beyond its physical range.
+
+    With a named effect, only those that would explain at least half as much as it does.
+    """
+    named = 1.0 - diagnosis.unexplained_share if diagnosis.best is not None else 0.0
+    least = max(WORTH_SAYING, 0.5 * named)
+    lines = []
+    for trial in diagnosis.trials[:12]:
+        amplitude = next((p for p in trial.effect.parameters if p.role == "amplitude"), None)
+        blocked, predicted = trial.blocked_reduction, trial.predicted_reduction
+        if amplitude is not None and blocked >= least and blocked > 2.0 * predicted:
+            error = 100.0 * (1.0 - (1.0 - min(blocked, 1.0)) ** 0.5)
+            lines.append(
+                f"{trial.public_name} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
+                f"{amplitude.low:g} {amplitude.unit}, which is not physical."
+            )
+    return lines
+
+
+def suggestion_statements(found: Suggestion) -> list[str]:
+    """The next motion, or why none is needed."""
+    lines = []
+    if found.revisited:
+        lines.append(
+            f"Nothing is missing now; {found.revisited}, added last, is compared with effects that could replace it."
+        )
+    if len(found.competing) < 2:
+        state = {
+            "adequate": "the residual is at the noise level, and no effects compete",
+            "unexplained": "no effect of the library explains the residual, so none compete",
+        }.get(found.diagnosis.verdict, f"no other effect competes with {found.diagnosis.effect}")
+        return [*lines, f"{state}: the space-filling motion covers what these records do not contain."]
+    for name in found.inseparable:
+        lines.append(
+            f"no motion of this family separates {found.competing[0]} from {name}: on this rig, with these channels, "
+            "they are equivalent."
+        )
+    best = found.motions[0]
+    for pair in best.pairs:
+        if pair.effects[1] not in found.inseparable:
+            lines.append(
+                f"run {best.motion.name}: separates {pair.effects[1]} from {pair.effects[0]} at "
+                f"{_sigma(pair.deviations)} in {best.motion.seconds:.0f} s; these records: {_sigma(pair.records)}"
+                + (" (already separated)" if pair.records >= SEPARATED else "")
+            )
+    return lines
+
+
+def _sigma(deviations: float) -> str:
+    return f"{deviations:.1f} sigma" if deviations < 100.0 else f"{deviations:.0f} sigma"

@@ -1,0 +1,150 @@
+"""`suggest`: the next motion that would best separate the competing effects of an experiment."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.atomic import atomic_write_text
+from sysid.experiment_design import t_optimal_design as experiment_design
+from sysid.report import suggestion_json
+from workbench.operations.diagnose import Diagnosis
+from workbench.operations.experiment import Experiment, as_experiment
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import Result, finite
+from workbench.operations.statements import SEPARATED, suggestion_statements
+from workbench.operations.tables import Line, motion_table
+from workbench.report.identification import keep_section, report_folder
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from workbench.operations.design import Design
+
+
+class Suggestion(Result):
+    """Motions for the next measurement, best first."""
+
+    def __init__(
+        self, experiment: Experiment, computed: experiment_design.Suggestion, files: tuple[str, ...] = ()
+    ) -> None:
+        self.experiment = experiment
+        self.computed = computed
+        self.files = files
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """The diagnosis whose competing effects are compared."""
+        return Diagnosis(self.experiment, self.computed.diagnosis)
+
+    @property
+    def competing(self) -> tuple[str, ...]:
+        """The effects compared, best first."""
+        return self.computed.competing
+
+    @cached_property
+    def motions(self) -> dict[str, pd.DataFrame]:
+        """The motions as tables with columns `name [unit]`, by name, best first."""
+        import pandas as pd
+
+        motions = [value.motion for value in self.computed.motions]
+        return {m.name: pd.DataFrame(experiment_design.columns_of(self.computed.problem, m)) for m in motions}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each motion: seconds, and the distance of the closest two effects in standard deviations."""
+        import pandas as pd
+
+        columns = ["motion", "seconds", "deviations", "deviations_squared_per_second", "reason"]
+        return pd.DataFrame(self.to_json(), columns=columns).set_index("motion")
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """The document of `stagecad suggest --json`; `file` is null where the motions were not written."""
+        return finite(suggestion_json(self.computed, self.files or (None,) * len(self.computed.motions)))
+
+    def plot(self, motion: str | None = None) -> Figure:
+        """A motion over time; the best one when left out.
+
+        Raises:
+            InputError: no such motion.
+        """
+        from workbench.figures.identification import motion_figure
+
+        return motion_figure(self.motions, motion)
+
+    def write(self, folder: str | Path) -> Suggestion:
+        """Write every motion as a CSV file into a folder; returns the suggestion with its files."""
+        files = []
+        for name, table in self.motions.items():
+            path = Path(folder) / (re.sub(r"\W+", "_", name) + ".csv")
+            atomic_write_text(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
+            files.append(str(path))
+        return Suggestion(self.experiment, self.computed, tuple(files))
+
+    def write_below(self, out: str | Path) -> Suggestion:
+        """Write the motions below the folder `out` as `stagecad suggest` does; returns it with its files."""
+        return self.write(report_folder(Path(out), self.experiment.name) / "suggest")
+
+    @property
+    def statements(self) -> list[str]:
+        """The result in words."""
+        return suggestion_statements(self.computed)
+
+    def lines(self) -> Iterator[Line]:
+        """What `stagecad suggest` prints: a table and sentences."""
+        yield motion_table(self.to_json())
+        yield from self.statements
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write the report of `stagecad suggest` below the folder `out`; returns the file to open."""
+        computed = self.computed
+        best, title = computed.motions[0], "What to measure next"
+        if len(computed.competing) > 1:
+            pairs = [p for p in best.pairs if p.effects[1] not in computed.inseparable and p.records < SEPARATED]
+            title += f": {best.motion.name if pairs else 'nothing is left to separate'}"
+        section = {
+            "kind": "suggest",
+            "title": title,
+            "effects": [e.name for e in computed.problem.start.effects],
+            "records": {record.name: record.sha256 for record in computed.problem.records},
+            "state": "good" if computed.diagnosis.verdict == "adequate" else "found",
+            "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
+            "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in self.statements),
+            "motions": motion_table(self.to_json()).as_json(),
+        }
+        return keep_section(Path(out), self.experiment.name, section)
+
+    def summary(self) -> list[tuple[str, str]]:
+        return [("result", line) for line in self.statements]
+
+    def __repr__(self) -> str:
+        best = self.computed.motions[0].motion
+        competing = f" for {', '.join(self.competing)}" if len(self.competing) > 1 else ""
+        return f"<Suggestion for '{self.experiment.name}': {best.name}, {best.seconds:.0f} s{competing}>"
+
+
+def suggest(
+    experiment: Experiment | str | Path, design: Design | None = None, progress: ProgressCallback | None = None
+) -> Suggestion:
+    """Diagnose an experiment, and rank motions by how well they separate the effects that its records do not.
+
+    Args:
+        experiment: the experiment, or its folder.
+        design: where the folder's file states a value as `"design"`.
+        progress: called with the name of a step, its number, and the number of steps.
+
+    Raises:
+        InputError: one line on the fault in a file or a record.
+    """
+    stated = as_experiment(experiment, design)
+    return Suggestion(stated, experiment_design.suggest(stated.problem, progress=progress))
+
+
+def suggest_after(diagnosis: Diagnosis) -> Suggestion:
+    """Rank motions by how well they separate the effects of a diagnosis, whose effect named was added since."""
+    computed = diagnosis.computed
+    motions = experiment_design.motions_for(computed.problem)
+    return Suggestion(diagnosis.experiment, experiment_design.rank_motions(computed, motions, computed.effect))
