@@ -17,8 +17,8 @@ from sysid.report import parameters_json
 from workbench.operations.design_values import as_design_values
 from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.fitted import FittedResult, error_frame, error_frames, parameter_frame
-from workbench.operations.result import Result, finite
-from workbench.operations.statements import NEAR_NOISE, held_out_over_noise, in_command
+from workbench.operations.result import Reported, Result, finite
+from workbench.operations.statements import held_out_over_noise, in_command
 from workbench.operations.tables import (
     PARTS,
     Line,
@@ -32,12 +32,11 @@ from workbench.operations.tables import (
     worst_over_noise,
 )
 from workbench.operations.write_back import WriteBack, WrittenBack
-from workbench.report.identification import keep_section, report_folder
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
+    from workbench.figures.plot import Plot
     from workbench.operations.design import Design
 
 
@@ -70,7 +69,7 @@ class Addition(FittedResult):
         written = {} if self.written is None else self.written.to_json()
         return finite({**identification.addition_json(self.computed), **written})
 
-    def plot(self, record: str | None = None, channel: str | None = None) -> Figure:
+    def plot(self, record: str | None = None, channel: str | None = None) -> Plot:
         """Measurement, prediction of the new model, and residual.
 
         Args:
@@ -139,7 +138,7 @@ class Restoration(Result):
         return f"<Restoration in '{self.place.resolve().name}': rung {self.rung}, model {effects}>"
 
 
-class Ladder(Result):
+class Ladder(Reported):
     """The error of a model after each effect added so far."""
 
     def __init__(self, experiment: Experiment, rungs: list[dict[str, Any]], edited: bool) -> None:
@@ -172,7 +171,7 @@ class Ladder(Result):
         """The document of `stagecad ladder --json`."""
         return finite(self.rungs)
 
-    def plot(self) -> Figure:
+    def plot(self) -> Plot:
         """Error over noise after each effect added.
 
         Raises:
@@ -194,30 +193,6 @@ class Ladder(Result):
         yield ladder_table(self.rungs)
         if self.edited:
             yield Note("note: [model] was edited by hand since the last rung")
-
-    def write_report(self, out: str | Path) -> Path:
-        """Write figure and report of `stagecad ladder` below the folder `out`; returns the file to open."""
-        from stagecad.parameters.atomic import atomic_write_text
-        from workbench.figures.plot import save_figures
-
-        last, steps = self.rungs[-1], len(self.rungs) - 1
-        first, now = (max(worst_over_noise(r["before"].get(part, {})) for part in PARTS) for r in (self.rungs[0], last))
-        folder, figure = report_folder(Path(out), self.experiment.name), self.plot()
-        save_figures(folder, {"ladder": figure})
-        section = {
-            "kind": "ladder",
-            "title": "The ladder",
-            "effects": list(last["effects"]),
-            "state": "good" if now <= NEAR_NOISE else "found",
-            "number": over_noise_text(now),
-            "headline": f"From {over_noise_text(first)} the noise to {over_noise_text(now)}, in "
-            f"{'one step' if steps == 1 else f'{steps} steps'}.",
-            "figure": figure.svg("ladder"),
-            "rungs": ladder_table(self.rungs).as_json(),
-            "parameters": parameter_table(last.get("parameters", {})).as_json(),
-        }
-        atomic_write_text(folder / "ladder.svg", section["figure"])
-        return keep_section(Path(out), self.experiment.name, section)
 
     def summary(self) -> list[tuple[str, str]]:
         return [("note", "[model] was edited by hand since the last rung")] if self.edited else []

@@ -16,7 +16,6 @@ from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.progress import ProgressCallback
 from workbench.operations.result import finite
-from workbench.operations.sections import figures_section, fitted_section
 from workbench.operations.statements import comparison_statement, held_out_over_noise, is_adequate, noise_text
 from workbench.operations.tables import (
     MOST_COORDINATES,
@@ -32,12 +31,11 @@ from workbench.operations.tables import (
     parameter_table,
     simulation_table,
 )
-from workbench.report.identification import keep_section, report_folder
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
+    from workbench.figures.plot import Plot
     from workbench.operations.design import Design
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
@@ -67,7 +65,7 @@ class Comparison(FittedResult):
         """The document of `stagecad compare --json`."""
         return finite(comparison_json(self.computed))
 
-    def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Figure:
+    def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Plot:
         """A figure.
 
         Args:
@@ -106,20 +104,6 @@ class Comparison(FittedResult):
             yield dependence_table(document["where"][:MOST_COORDINATES])
         yield from (Warned(line) for line in self.computed.warnings)
         yield self.statement
-
-    def write_report(self, out: str | Path) -> Path:
-        """Write figures and the report of `stagecad compare` below the folder `out`; returns the file to open."""
-        model = {"model": self.fitted.model}
-        section = {
-            **fitted_section(self.problem, self.fitted.model, self.document, "Parameters"),
-            **figures_section(self.problem, model, self.computed.validate, self.computed.maps),
-            "kind": "compare",
-            "title": "The model as it stands",
-            "state": "good" if self.adequate else "bad",
-            "number": over_noise_text(held_out_over_noise(self.computed.fit, self.computed.validate)),
-            "headline": self.statement,
-        }
-        return keep_section(Path(out), self.experiment.name, section)
 
     def bootstrap(
         self, draws: int, seed: int = 1, scheduler: str | None = None, progress: ProgressCallback | None = None
@@ -187,7 +171,7 @@ class Refits:
         from workbench.figures.identification import bootstrap_figure
         from workbench.figures.plot import save_figures
 
-        folder = report_folder(Path(out), self.comparison.experiment.name)
+        folder = self.comparison.experiment.results_in(out)
         (path,) = save_figures(folder, {"compare_bootstrap": bootstrap_figure(self.drawn, self.document)})
         return path
 

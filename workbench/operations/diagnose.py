@@ -15,12 +15,10 @@ from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.progress import ProgressCallback
 from workbench.operations.result import finite
-from workbench.operations.sections import figures_section, fitted_section
 from workbench.operations.statements import (
     decision_line,
     diagnosis_statement,
     equivalence_statement,
-    held_out_over_noise,
     near_noise,
     next_step_statement,
     noise_text,
@@ -33,21 +31,17 @@ from workbench.operations.tables import (
     Note,
     Warned,
     detectable_table,
-    over_noise_text,
     parameter_table,
     ranking_table,
 )
-from workbench.report.identification import keep_section
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
+    from workbench.figures.plot import Plot
     from workbench.operations.design import Design
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
-STATES = {"missing-effect": "found", "adequate": "good"}
-"""States of a section of the report; `bad` otherwise."""
 
 
 class Diagnosis(FittedResult):
@@ -118,7 +112,7 @@ class Diagnosis(FittedResult):
         """The document of `stagecad diagnose --json`."""
         return finite(diagnosis_json(self.computed))
 
-    def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Figure:
+    def plot(self, kind: Kind = "overlay", record: str | None = None, channel: str | None = None) -> Plot:
         """A figure.
 
         Args:
@@ -133,10 +127,10 @@ class Diagnosis(FittedResult):
             tried = {row["effect"]: row["over_noise"] for row in self.document["ranking"] if row.get("over_noise")}
             before = max((m.over_noise for m in self.computed.before_validate.values()), default=float("nan"))
             return ranking_figure(tried, self.effect, before)
-        return self._figure(kind, self._drawn_models, record, channel)
+        return self._figure(kind, self.drawn_models, record, channel)
 
     @property
-    def _drawn_models(self) -> dict[str, Model]:
+    def drawn_models(self) -> dict[str, Model]:
         """The model before, and the one with the effect named or the best one tried."""
         computed = self.computed
         best = computed.best or (computed.trials[0] if computed.trials else None)
@@ -164,10 +158,11 @@ class Diagnosis(FittedResult):
     def remarks(self) -> list[str]:
         """Effects that could replace each other, values that are not physical, and what to do next, in words."""
         following = next_step_statement(self.computed) if self.computed.best is None else ""
-        return [*self._open, following] if following else self._open
+        return [*self.changes, following] if following else self.changes
 
     @property
-    def _open(self) -> list[str]:
+    def changes(self) -> list[str]:
+        """Effects that could replace each other, and values that are not physical, in words."""
         return [*replacement_statements(self.computed), *unphysical_statements(self.computed)]
 
     @property
@@ -190,35 +185,8 @@ class Diagnosis(FittedResult):
             yield detectable_table(document["detectable"])
         yield from (Warned(line) for line in self.computed.warnings)
         yield decision_line(self.computed)
-        sentences = [self.ties, next_step_statement(self.computed), *self._open, *document["not_identifiable"]]
+        sentences = [self.ties, next_step_statement(self.computed), *self.changes, *document["not_identifiable"]]
         yield from (line for line in sentences if line)
-
-    def write_report(self, out: str | Path) -> Path:
-        """Write figures and the report of `stagecad diagnose` below the folder `out`; returns the file to open."""
-        computed, document = self.computed, self.document
-        before = held_out_over_noise(computed.before_fit, computed.before_validate)
-        names = ("name", "meaning", "equation", "shows", "source")
-        best = computed.best
-        parameters = f"Parameters of the model {f'with {self.effect}' if self.effect else 'as it stands'}"
-        after = None if best is None else document["after"]
-        sizes = document["detectable"] if near_noise(computed) else []
-        section = {
-            **fitted_section(self.problem, computed.base.fitted.model, document, parameters, after),
-            **figures_section(self.problem, self._drawn_models, computed.before_validate, computed.maps),
-            "kind": "diagnose",
-            "title": self.title,
-            "state": STATES.get(self.verdict, "bad"),
-            "number": over_noise_text(before),
-            "verdict": self.verdict,
-            "headline": self.statement,
-            "next_step": next_step_statement(computed),
-            "equivalent": self.ties,
-            "ranking": ranking_table(document["ranking"], len(computed.trials), before).as_json(),
-            "detectable": detectable_table(sizes).as_json(),
-            "effect": None if best is None else {name: getattr(best.effect, name) for name in names},
-            "remarks": self._open,
-        }
-        return keep_section(Path(out), self.experiment.name, section)
 
     def summary(self) -> list[tuple[str, str]]:
         facts = [("result", self.statement), ("ties", self.ties)]

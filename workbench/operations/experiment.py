@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -28,9 +29,9 @@ from workbench.operations.statements import noise_text
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from sysid.prediction.problem import Problem
+    from workbench.figures.plot import Plot
     from workbench.operations.design import Design
 
 Setting = str | float | Mapping[str, Any]
@@ -318,6 +319,10 @@ class Experiment(Result):
         """Name: of the folder, or as given."""
         return self.stated.folder.resolve().name if self.in_files else str(self.stated.folder)
 
+    def results_in(self, out: str | Path) -> Path:
+        """Folder below `out` for report and files of results."""
+        return Path(out) / (re.sub(r"[^\w.-]", "_", self.name) or "experiment")
+
     @property
     def in_files(self) -> bool:
         """Whether the experiment is a folder; otherwise it is in memory."""
@@ -397,7 +402,7 @@ class Experiment(Result):
         """The content of `experiment.toml`, as plain data."""
         return tomllib.loads(self.stated.text)
 
-    def plot(self) -> Figure:
+    def plot(self) -> Plot:
         """Every channel of every record over time."""
         from workbench.figures.identification import channels_figure
 

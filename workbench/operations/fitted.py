@@ -21,14 +21,14 @@ from sysid.prediction.simulation_error import free_runs, simulation_errors
 from sysid.report import channel_unit, headline_channel, parameter_unit
 from workbench.figures.curves import curve_of, worst_record
 from workbench.operations.experiment import Experiment
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Reported, Result, finite
 from workbench.operations.tables import PARTS
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from sysid.estimation.fit import FittedModel
+    from workbench.figures.plot import Plot
 
 Part = Literal["fit", "validate"]
 
@@ -46,7 +46,7 @@ class ChangedModel:
     over_noise: dict[str, dict[str, float]]
 
 
-class FittedResult(Result):
+class FittedResult(Reported):
     """A result with a fitted model: its values, predictions and residuals.
 
     Attributes:
@@ -113,8 +113,11 @@ class FittedResult(Result):
         return self._part_of_overlay("residual")
 
     def _part_of_overlay(self, ending: str) -> pd.DataFrame:
-        table = self.overlay[[f"{channel}_{ending}" for channel in self.channels]]
-        return table.rename(columns={f"{channel}_{ending}": channel for channel in self.channels})
+        import pandas as pd
+
+        table = pd.DataFrame(self.overlay[[f"{channel}_{ending}" for channel in self.channels]])
+        table.columns = pd.Index(self.channels)
+        return table
 
     @property
     def channels(self) -> list[str]:
@@ -226,7 +229,7 @@ class FittedResult(Result):
         """Contradictions in the records, one line each."""
         return list(self.document.get("warnings", ()))
 
-    def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Figure:
+    def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Plot:
         """A figure of one or two models on the records.
 
         Raises:
@@ -290,7 +293,7 @@ class Correlation(Result):
         """The correlations as plain data; lags are multiples of `step`."""
         return finite(asdict(self.computed))
 
-    def plot(self) -> Figure:
+    def plot(self) -> Plot:
         """Each correlation over its lag, with its 99 % bound."""
         from workbench.figures.identification import correlation_figure
 

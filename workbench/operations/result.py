@@ -8,6 +8,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
@@ -66,6 +67,17 @@ def finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+class Reported(Result):
+    """A result of an experiment that has a section in its report."""
+
+    def write_report(self, out: str | Path) -> Path:
+        """Write the figures of the result and the report of the experiment below the folder `out`; returns the file
+        to open."""
+        from workbench.report.identification import write_report
+
+        return write_report(self, Path(out))
 
 
 @contextmanager

@@ -33,10 +33,10 @@ from workbench.operations.tables import CODE, STRONG, TEXT, Line, Note, make_tab
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from stagecad.parameters.design import Design as Values
     from stagecad.parameters.mass_properties import BodyMasses
+    from workbench.figures.plot import Plot
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity",)
@@ -311,7 +311,7 @@ class Simulation(Result):
         """The document of `stagecad simulate NAME --json`."""
         return finite({self.name: features_of(self.results)})
 
-    def plot(self, table: str | None = None) -> Figure:
+    def plot(self, table: str | None = None) -> Plot:
         """Motions and forces of one table over its time; the first table when left out.
 
         Raises:
@@ -325,7 +325,7 @@ class Simulation(Result):
         }
         return motion_figure(shown, table)
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self) -> dict[str, Plot]:
         """The figures of the command, by the names of their files."""
         if self.name == "stage":
             from workbench.figures.stage import stage_figures
@@ -438,7 +438,7 @@ class SimulatedRecords(Result):
         atomic_write_text(files[-1], head + tomlkit.dumps(simulated.document(formats[0])))
         return SimulatedRecords(self.experiment, simulated, self.seed, tuple(str(file) for file in files))
 
-    def plot(self, record: str | None = None) -> Figure:
+    def plot(self, record: str | None = None) -> Plot:
         """The channels of a record over time; the first record when left out.
 
         Raises:

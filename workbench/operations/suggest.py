@@ -14,19 +14,18 @@ from sysid.report import suggestion_json
 from workbench.operations.diagnose import Diagnosis
 from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.progress import ProgressCallback
-from workbench.operations.result import Result, finite
-from workbench.operations.statements import SEPARATED, suggestion_statements
+from workbench.operations.result import Reported, finite
+from workbench.operations.statements import suggestion_statements
 from workbench.operations.tables import Line, motion_table
-from workbench.report.identification import keep_section, report_folder
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
+    from workbench.figures.plot import Plot
     from workbench.operations.design import Design
 
 
-class Suggestion(Result):
+class Suggestion(Reported):
     """Motions for the next measurement, best first."""
 
     def __init__(
@@ -65,7 +64,7 @@ class Suggestion(Result):
         """The document of `stagecad suggest --json`; `file` is null where the motions were not written."""
         return finite(suggestion_json(self.computed, self.files or (None,) * len(self.computed.motions)))
 
-    def plot(self, motion: str | None = None) -> Figure:
+    def plot(self, motion: str | None = None) -> Plot:
         """A motion over time; the best one when left out.
 
         Raises:
@@ -86,7 +85,7 @@ class Suggestion(Result):
 
     def write_below(self, out: str | Path) -> Suggestion:
         """Write the motions below the folder `out` as `stagecad suggest` does; returns it with its files."""
-        return self.write(report_folder(Path(out), self.experiment.name) / "suggest")
+        return self.write(self.experiment.results_in(out) / "suggest")
 
     @property
     def statements(self) -> list[str]:
@@ -97,25 +96,6 @@ class Suggestion(Result):
         """What `stagecad suggest` prints: a table and sentences."""
         yield motion_table(self.to_json())
         yield from self.statements
-
-    def write_report(self, out: str | Path) -> Path:
-        """Write the report of `stagecad suggest` below the folder `out`; returns the file to open."""
-        computed = self.computed
-        best, title = computed.motions[0], "What to measure next"
-        if len(computed.competing) > 1:
-            pairs = [p for p in best.pairs if p.effects[1] not in computed.inseparable and p.records < SEPARATED]
-            title += f": {best.motion.name if pairs else 'nothing is left to separate'}"
-        section = {
-            "kind": "suggest",
-            "title": title,
-            "effects": [e.name for e in computed.problem.start.effects],
-            "records": {record.name: record.sha256 for record in computed.problem.records},
-            "state": "good" if computed.diagnosis.verdict == "adequate" else "found",
-            "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
-            "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in self.statements),
-            "motions": motion_table(self.to_json()).as_json(),
-        }
-        return keep_section(Path(out), self.experiment.name, section)
 
     def summary(self) -> list[tuple[str, str]]:
         return [("result", line) for line in self.statements]

@@ -1,4 +1,4 @@
-"""One HTML report per experiment, from the sections that `compare`, `diagnose`, `suggest` and `ladder` made so far.
+"""One HTML report per experiment, from the results of `compare`, `diagnose`, `suggest` and `ladder` so far.
 
 A section is plain data: every command keeps its own as a JSON file below `OUT/NAME/sections/` and composes the report
 again from all of them: one for each command and model, in the order they were first made. Sections made on other
@@ -9,36 +9,230 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
-from workbench.operations.result import finite
+from stagecad.parameters.errors import InputError
+from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.prediction.model import Model
+from sysid.prediction.problem import Problem
+from sysid.report import worst_channel
+from workbench.figures.curves import curve_of, worst_record
+from workbench.figures.identification import loops_figure, maps_figure, overlay_figure
+from workbench.figures.plot import save_figures
+from workbench.operations.add import Addition, Ladder, ladder
+from workbench.operations.compare import Comparison
+from workbench.operations.diagnose import Diagnosis
+from workbench.operations.result import Result, finite
+from workbench.operations.statements import (
+    NEAR_NOISE,
+    SEPARATED,
+    held_out_over_noise,
+    near_noise,
+    next_step_statement,
+    noise_text,
+)
+from workbench.operations.suggest import Suggestion
+from workbench.operations.tables import (
+    PARTS,
+    correlation_table,
+    dependence_table,
+    detectable_table,
+    error_table,
+    ladder_table,
+    motion_table,
+    over_noise_text,
+    parameter_table,
+    quantity_text,
+    ranking_table,
+    simulation_table,
+    worst_over_noise,
+)
 from workbench.report.html import render
 
 SCHEMA = 5
 WIDTH = 9.6
 """Inches of a figure of the report."""
+MOST_CORRELATED = 14
+"""Parameters up to which the matrix of correlations is shown."""
+MOST_OVERLAYS = 3
+"""Channels of which an overlay is drawn."""
+STATES = {"missing-effect": "found", "adequate": "good"}
+"""State of the section of a diagnosis by its verdict; `bad` otherwise."""
 
 Section = dict[str, Any]
 
 
-def report_folder(out: Path, name: str) -> Path:
-    """Folder of the report of the experiment called `name`."""
-    return out / (re.sub(r"[^\w.-]", "_", name) or "experiment")
-
-
-def keep_section(out: Path, name: str, section: Section) -> Path:
-    """Write a section, and its figures as SVG, below `out`; then the report with all sections, which is returned."""
-    folder = report_folder(out, name)
-    command = section["kind"]
-    for k, overlay in enumerate(section.get("overlays", ())):
+def write_report(result: Result, out: Path) -> Path:
+    """Write the section of a result, and its figures, below the folder `out`; then the report, which is returned."""
+    if isinstance(result, Addition):
+        result = ladder(result.experiment)
+    if isinstance(result, Ladder):
+        return write_ladder(result, out)
+    if isinstance(result, Suggestion):
+        return keep_section(result.experiment.results_in(out), suggestion_section(result))
+    assert isinstance(result, Comparison | Diagnosis)
+    section = comparison_section(result) if isinstance(result, Comparison) else diagnosis_section(result)
+    folder = result.experiment.results_in(out)
+    for k, overlay in enumerate(section["overlays"]):
         file = "overlay" if k == 0 else f"overlay_{overlay['channel'].replace(' ', '_')}"
-        atomic_write_text(folder / f"{command}_{file}.svg", overlay["figure"])
-    if section.get("maps"):
-        atomic_write_text(folder / f"{command}_where.svg", section["maps"])
+        atomic_write_text(folder / f"{section['kind']}_{file}.svg", overlay["figure"])
+    if section["maps"]:
+        atomic_write_text(folder / f"{section['kind']}_where.svg", section["maps"])
+    return keep_section(folder, section)
+
+
+def write_ladder(rungs: Ladder, out: Path) -> Path:
+    """Figure (`ladder.png`, `ladder.svg`) and section of a ladder below the folder `out`; returns the report."""
+    folder, figure = rungs.experiment.results_in(out), rungs.plot()
+    save_figures(folder, {"ladder": figure})
+    section = ladder_section(rungs, figure.svg("ladder"))
+    atomic_write_text(folder / "ladder.svg", section["figure"])
+    return keep_section(folder, section)
+
+
+def comparison_section(comparison: Comparison) -> Section:
+    """Result of `compare`."""
+    computed, model = comparison.computed, comparison.fitted.model
+    return {
+        **_fitted(comparison.problem, model, comparison.document, "Parameters"),
+        **_figures(comparison.problem, {"model": model}, computed.validate, computed.maps),
+        "kind": "compare",
+        "title": "The model as it stands",
+        "state": "good" if comparison.adequate else "bad",
+        "number": over_noise_text(held_out_over_noise(computed.fit, computed.validate)),
+        "headline": comparison.statement,
+        "whiteness": correlation_table(comparison.document).as_json(),
+    }
+
+
+def diagnosis_section(diagnosis: Diagnosis) -> Section:
+    """Result of `diagnose`."""
+    computed, document = diagnosis.computed, diagnosis.document
+    problem, best, effect = diagnosis.problem, computed.best, diagnosis.effect
+    before = held_out_over_noise(computed.before_fit, computed.before_validate)
+    parameters = f"Parameters of the model {f'with {effect}' if effect else 'as it stands'}"
+    after = None if best is None else document["after"]
+    names = ("name", "meaning", "equation", "shows", "source")
+    sizes = document["detectable"] if near_noise(computed) else []
+    return {
+        **_fitted(problem, computed.base.fitted.model, document, parameters, after),
+        **_figures(problem, diagnosis.drawn_models, computed.before_validate, computed.maps),
+        "kind": "diagnose",
+        "title": diagnosis.title,
+        "state": STATES.get(diagnosis.verdict, "bad"),
+        "number": over_noise_text(before),
+        "verdict": diagnosis.verdict,
+        "headline": diagnosis.statement,
+        "next_step": next_step_statement(computed),
+        "equivalent": diagnosis.ties,
+        "ranking": ranking_table(document["ranking"], len(computed.trials), before).as_json(),
+        "detectable": detectable_table(sizes).as_json(),
+        "effect": None if best is None else {name: getattr(best.effect, name) for name in names},
+        "remarks": diagnosis.changes,
+    }
+
+
+def ladder_section(grown: Ladder, figure: str) -> Section:
+    """The ladder so far."""
+    last, steps = grown.rungs[-1], len(grown.rungs) - 1
+    first, now = (max(worst_over_noise(r["before"].get(part, {})) for part in PARTS) for r in (grown.rungs[0], last))
+    count = "one step" if steps == 1 else f"{steps} steps"
+    return {
+        "kind": "ladder",
+        "title": "The ladder",
+        "effects": list(last["effects"]),
+        "state": "good" if now <= NEAR_NOISE else "found",
+        "number": over_noise_text(now),
+        "headline": f"From {over_noise_text(first)} the noise to {over_noise_text(now)}, in {count}.",
+        "figure": figure,
+        "rungs": ladder_table(grown.rungs).as_json(),
+        "parameters": parameter_table(last.get("parameters", {})).as_json(),
+    }
+
+
+def suggestion_section(suggestion: Suggestion) -> Section:
+    """Result of `suggest`."""
+    computed = suggestion.computed
+    best, title = computed.motions[0], "What to measure next"
+    if len(computed.competing) > 1:
+        pairs = [p for p in best.pairs if p.effects[1] not in computed.inseparable and p.records < SEPARATED]
+        title += f": {best.motion.name if pairs else 'nothing is left to separate'}"
+    return {
+        "kind": "suggest",
+        "title": title,
+        "effects": [e.name for e in computed.problem.start.effects],
+        "records": {record.name: record.sha256 for record in computed.problem.records},
+        "state": "good" if computed.diagnosis.verdict == "adequate" else "found",
+        "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
+        "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in suggestion.statements),
+        "motions": motion_table(suggestion.to_json()).as_json(),
+    }
+
+
+def _fitted(problem: Problem, model: Model, document: Mapping[str, Any], title: str, after: Any = None) -> Section:
+    """Experiment, errors and parameters of a document of `compare` or `diagnose`; `title` is that of the parameters."""
+    names, matrix = document["correlation"]["keys"], document["correlation"]["matrix"]
+    shown = 1 < len(names) <= MOST_CORRELATED
+    return {
+        "effects": [e.name for e in model.effects],
+        "records": {record.name: record.sha256 for record in problem.records},
+        "rig": _rig_text(problem),
+        "record_list": [
+            f"{r.name} ({'fit' if r.role == 'fit' else 'held out'}): {r.size} rows in {r.time[-1] - r.time[0]:.4g} s"
+            for r in problem.records
+        ],
+        "noise": noise_text(problem),
+        "notes": list(problem.notes),
+        "warnings": list(document["warnings"]),
+        "errors": error_table("", document["before"], after).as_json(),
+        "simulation": simulation_table(document).as_json(),
+        "where": dependence_table(document["where"]).as_json(),
+        "parameters": parameter_table(document["parameters"], title).as_json(),
+        "not_identifiable": document["not_identifiable"],
+        "correlation": {"names": names, "cells": matrix} if shown else None,
+        "seconds": document["seconds"],
+    }
+
+
+def _rig_text(problem: Problem) -> str:
+    rig = problem.experiment.rig
+    known = []
+    for name, quantity in rig.known.items():
+        declared = rig.declaration.known[name]
+        unit = declared.rotary_unit if rig.rotary else declared.unit
+        known.append(f"{name.replace('_', ' ')} {quantity_text(quantity.value, unit)}")
+    return f"{rig.kind}" + (", rotary" if rig.rotary else "") + (f": {', '.join(known)}" if known else "")
+
+
+def _figures(
+    problem: Problem, models: Mapping[str, Model], by_channel: Mapping[str, Any], maps: Sequence[ResidualMap]
+) -> Section:
+    """Overlays of the worst channel on the worst held-out record and of other channels there, and residual maps."""
+    records = problem.validate_records or problem.fit_records
+    worst, first = worst_channel(problem, by_channel), next(iter(models.values()))
+    overlays = []
+    for channel in [worst, *(c for c in records[0].measured if c != worst)][:MOST_OVERLAYS]:
+        curve = curve_of(problem, worst_record(records, channel, first), channel, models)
+        of = f"{curve.record} {curve.channel}"
+        overlays.append(
+            {
+                "channel": curve.words,
+                "figure": overlay_figure(curve, WIDTH).svg(f"overlay {of}"),
+                "loops": loops_figure(curve, WIDTH).svg(f"loops {of}") if curve.motion else "",
+            }
+        )
+    try:
+        drawn = maps_figure(maps, problem, WIDTH).svg("maps " + " ".join(m.coordinate for m in maps))
+    except InputError:
+        drawn = ""
+    return {"overlays": overlays, "maps": drawn}
+
+
+def keep_section(folder: Path, section: Section) -> Path:
+    """Write a section into its folder, then the report with all sections."""
     sections = _read(folder)
     key = section_key(section)
     numbers = {section_key(s): s["number_in_report"] for s in sections}
