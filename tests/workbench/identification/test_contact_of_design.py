@@ -15,14 +15,16 @@ from workbench.cli.options import Run
 from workbench.operations.design_values import as_design_values
 
 
-def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch: pytest.MonkeyPatch, capsys):
+def test_an_experiment_takes_the_stiffness_with_a_note(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
     run = Run(None, (), Path("build"), None)
     monkeypatch.setattr(workbench.operations.design_values, "_inputs", lambda design: DesignInputs(design.values))
     r = DesignInputs(run.design.values)
     expected = contact_stiffness(r, load(r))
     value = as_design_values(run.design)("contact_stiffness")
     assert value == DesignValue(pytest.approx(expected.tangential), pytest.approx(0.2 * expected.tangential))
-    printed = " ".join(capsys.readouterr())
+    printed = caplog.text
     assert "note: contact_stiffness = " in printed
     assert "(Mindlin)" in printed
     assert "(Hertz)" in printed

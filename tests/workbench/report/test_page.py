@@ -11,6 +11,7 @@ from typing import cast
 import numpy as np
 import pytest
 
+from sysid.experiment.experiment import Experiment as StatedExperiment
 from workbench.figures.curves import axis_scale, decimate, worst_stretch
 from workbench.operations.add import Ladder
 from workbench.operations.experiment import Experiment
@@ -77,7 +78,7 @@ def rung(number: int, effects: list[str], added: list[str], over: float) -> dict
 
 def ladder(name: str, rungs: list[dict]) -> Ladder:
     """The ladder of an experiment of which nothing but the name is read."""
-    return Ladder(cast(Experiment, SimpleNamespace(name=name)), rungs, False)
+    return Ladder(Experiment(cast(StatedExperiment, SimpleNamespace(folder=name, revisions=()))), rungs, False)
 
 
 class Links(HTMLParser):
