@@ -79,16 +79,22 @@ class Definition:
     Args:
         faces: of the solid.
         superfluous: dimensions that follow from others.
+        miscounted: what the solid has otherwise than a dimension of several features says.
     """
 
     faces: tuple[FaceDefinition, ...]
     superfluous: tuple[str, ...]
+    miscounted: tuple[str, ...] = ()
 
     @property
     def problems(self) -> tuple[str, ...]:
         """Everything that is missing or given twice, a line each."""
         missing = [problem for face in self.faces for problem in face.problems]
-        return (*missing, *(f"the dimension '{name}' follows from others" for name in self.superfluous))
+        return (
+            *missing,
+            *self.miscounted,
+            *(f"the dimension '{name}' follows from others" for name in self.superfluous),
+        )
 
 
 @dataclass(frozen=True)
@@ -99,10 +105,13 @@ class Notes:
         symmetric: names of axes whose middle plane is a plane of symmetry.
         turned: number of equal sectors about z.
         defines: text of what defines a face at a point besides dimensions; empty for nothing.
+        packaged: whether the origin of the part is its middle, axis or datum plane by agreement, and faces without a
+            simple shape are intersections of others. For other parts only what is stated or seen on the solid counts.
     """
 
     symmetric: str = ""
     turned: int = 1
+    packaged: bool = True
     defines: Callable[[Point], str] = lambda point: ""
 
 
@@ -112,6 +121,7 @@ def notes_on_shape(module: Any, design: Any) -> Notes:
     return Notes(
         getattr(module, "SYMMETRIC", ""),
         getattr(module, "TURNED", 1),
+        True,
         (lambda point: by_note(design, point)) if by_note else lambda point: "",
     )
 
@@ -133,7 +143,7 @@ def definition(
         views: of all its sheets, with curves; without any, what they show is not looked at.
         roughness: Ra of faces without a mark, um.
     """
-    part = _Part(verifier, dimensions, notes)
+    part = _Part(verifier, dimensions, notes) if notes.packaged else _StatedPart(verifier, dimensions, notes)
     drawn = [_drawn(view) for view in views if not view.clip]
     faces = []
     for number, surface in enumerate(verifier.surfaces, start=1):
@@ -150,7 +160,25 @@ def definition(
                 not drawn or any(_is_shown(surface, view, lines) for view, lines in drawn),
             )
         )
-    return Definition(tuple(faces), tuple(name for one in part.levels.values() for name in one.superfluous))
+    superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)
+    return Definition(tuple(faces), superfluous, tuple(miscounted(verifier, dimensions)))
+
+
+def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension]) -> Iterator[str]:
+    """Diameters given for more features than the solid has, or for holes of which some go through and some do not."""
+    for d in dimensions:
+        if d.kind not in ("diameter", "tap_drill") or d.direction is None:
+            continue
+        found = verifier.holes(d)
+        if len(found) == d.count:
+            ends = {verifier.open_ends(surface, d.direction) for surface in found}
+            if len(ends) > 1 and len({len(end) for end in ends}) > 1:
+                yield f"'{d.name}' is one dimension for holes that go through and holes that do not"
+            continue
+        radius = found[0].radius
+        alike = {surface.axis_key for surface in verifier.surfaces if surface.is_round(radius)}
+        if len(alike) < d.count:
+            yield f"'{d.name}' is given for {d.count} features, the solid has {len(alike)} of this diameter"
 
 
 class _Part:
@@ -160,7 +188,13 @@ class _Part:
         self._notes = notes
         self._surfaces = verifier.surfaces
         self.levels = {
-            name: Levels(axis, dimensions, name in notes.symmetric, partial(self._feature_at, axis))
+            name: Levels(
+                axis,
+                dimensions,
+                name in notes.symmetric,
+                partial(self._feature_at, axis),
+                datum=notes.packaged or name in notes.symmetric or self._on_axis(axis),
+            )
             for name, axis in AXES.items()
         }
         self._radii = list(_radii(dimensions))
@@ -169,6 +203,17 @@ class _Part:
         self._distances = [d for d in dimensions if d.kind == "linear"]
         self._slopes = [d for d in dimensions if d.kind in ("slope", "angle")]
         self._tabulated = {d.value for d in dimensions if d.table and d.kind in ("diameter", "tap_drill")}
+
+    def _on_axis(self, along: Point) -> bool:
+        """Whether the origin of the part is on the axis of its largest outer round face, across a direction."""
+        outside = [s for s in self._surfaces if s.kind == "CYLINDER" and s.outward]
+        largest = max((s for s in outside), key=lambda s: s.radius, default=None)
+        size = max(s.high[n] - s.low[n] for s in self._surfaces for n in range(3))
+        if largest is None or abs(dot(largest.axis, along)) > SQUARE or abs(dot(largest.origin, along)) > NEAR:
+            return False
+        ends = [(s.low, s.high) for s in self._surfaces]
+        across = [max(dot(high, along) for _, high in ends), -min(dot(low, along) for low, _ in ends)]
+        return largest.radius > 0.7 * max(across) or largest.radius > 0.35 * size
 
     def _feature_at(self, along: Point, point: Point) -> Hashable:
         """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
@@ -252,6 +297,140 @@ class _Part:
                 return ""
             names.append(found)
         return "; ".join(dict.fromkeys(names))
+
+
+class _StatedPart(_Part):
+    """A part of which nothing is agreed: each round face needs its own declaration, each place its dimensions."""
+
+    def __init__(self, verifier: DimensionVerifier, dimensions: Sequence[Dimension], notes: Notes) -> None:
+        super().__init__(verifier, dimensions, notes)
+        self._verifier = verifier
+        self._sizes: dict[int, str] = {}
+        self._cones: list[tuple[Point, Point, str]] = []
+        self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
+        for d in dimensions:
+            self._enter(d)
+
+    def _enter(self, d: Dimension) -> None:
+        """Enter the round faces whose size a dimension gives."""
+        if d.kind in ("diameter", "tap_drill") and d.direction is not None:
+            try:
+                holes = self._verifier.holes(d)
+            except (LookupError, StopIteration):
+                self._cones.append((d.points[0], d.direction, d.name))
+                return
+            for number, surface in enumerate(self._surfaces):
+                if surface.is_round(holes[0].radius) and (
+                    len(holes) < d.count or any(surface.is_coaxial(hole) for hole in holes)
+                ):
+                    self._sizes.setdefault(number, d.name)
+        elif d.kind == "radius":
+            for number, surface in enumerate(self._surfaces):
+                if surface.kind in ("CYLINDER", "SPHERE", "TORUS") and abs(surface.radius - d.value) < NEAR:
+                    self._sizes.setdefault(number, d.name)
+        elif d.kind == "linear" and d.direction is not None:
+            middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
+            for number, surface in enumerate(self._surfaces):
+                across = surface.is_round(d.value / 2) and abs(dot(surface.axis, d.direction)) < SQUARE
+                if across and (d.count > 1 or abs(dot(surface.origin, d.direction) - middle) < NEAR):
+                    self._sizes.setdefault(number, f"{d.name} (ends)")
+
+    def size_of(self, surface: Surface) -> str:
+        number = next(n for n, other in enumerate(self._surfaces) if other is surface)
+        if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
+            return self._sizes.get(number, "") or self._notes.defines(_middle(surface))
+        if surface.kind == "CONE" and not self._joins(surface):
+            return ""
+        return "-"
+
+    def place_of(self, surface: Surface) -> str:
+        found = super().place_of(surface)
+        if found:
+            return found
+        if surface.kind == "PLANE":
+            return self._by_vertices(surface) or self._notes.defines(_middle(surface))
+        if surface.kind == "CYLINDER":
+            for d in self._circles:
+                centre, _ = d.points
+                on = d.direction and _parallel(surface, d.direction) and self._centre_is_located(centre, d.direction)
+                if on and abs(2 * surface.off_axis(centre) - d.value) < NEAR and self._turn_is_given(surface, d):
+                    return f"{d.name}, equally spaced"
+        return ""
+
+    def _centre_is_located(self, centre: Point, axis: Point) -> bool:
+        across = [name for name, unit in AXES.items() if abs(dot(unit, axis)) < SQUARE]
+        return all(self.levels[name].located_by(dot(centre, AXES[name])) for name in across)
+
+    def _turn_is_given(self, surface: Surface, d: Dimension) -> bool:
+        """Whether the holes of a circle are mirror images about an axis of the part: no angle is needed."""
+        across = [unit for unit in AXES.values() if abs(dot(unit, d.direction or AXES["z"])) < SQUARE]
+        u, v = (dot(surface.origin, unit) - dot(d.points[0], unit) for unit in across[:2])
+        step = 180.0 / d.count
+        off = math.degrees(math.atan2(v, u)) % step
+        return min(off, step - off) < 1e-3 or (90.0 % step < 1e-9 and min(off, step - off) < 1e-3)
+
+    def _by_vertices(self, surface: Surface) -> str:
+        """A plane at an angle, by the located levels of all its corners."""
+        names: list[str] = []
+        for corner in surface.vertices:
+            for name, unit in AXES.items():
+                if abs(dot(surface.axis, unit)) > SQUARE:
+                    found = self.levels[name].located_by(dot(corner, unit))
+                    if not found:
+                        return ""
+                    names.append(found)
+        return "; ".join(dict.fromkeys(names)) and f"corners: {'; '.join(dict.fromkeys(names))}"
+
+    def _joins(self, surface: Surface) -> str:
+        if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
+            return self._notes.defines(_middle(surface))
+        return super()._joins(surface)
+
+    def _cone(self, surface: Surface) -> str:
+        """A drill point below a depth, a countersink, or a cone between diameters at located levels."""
+        along = next((name for name in AXES if _parallel(surface, AXES[name])), None)
+        if along is None:
+            return ""
+        for at, axis, name in self._cones:
+            if _parallel(surface, axis) and surface.off_axis(at) < NEAR and "countersink" in name:
+                low, high = surface.extent(AXES[along])
+                if low - NEAR <= dot(at, AXES[along]) <= high + NEAR:
+                    return name
+        rims = {round(dot(v, AXES[along]), 4): surface.off_axis(v) for v in surface.vertices}
+        ends = {level: radius for level, radius in rims.items() if radius > NEAR}
+        for level, radius in ends.items():
+            known = any(
+                number in self._sizes and abs(other.radius - radius) < NEAR and other.is_coaxial(surface)
+                for number, other in enumerate(self._surfaces)
+                if other.kind == "CYLINDER"
+            )
+            stated = any(
+                surface.off_axis(at) < NEAR and abs(dot(at, AXES[along]) - level) < NEAR for at, _, _ in self._cones
+            )
+            if not (known or stated) or not self.levels[along].locates_end(level):
+                return ""
+        return "cone between diameters, or drill point below a depth" if ends else ""
+
+
+def symmetric_axes(verifier: DimensionVerifier) -> str:
+    """Names of the axes across whose middle plane, through the origin, the faces of a solid are mirror images."""
+    faces = [(s.kind, s.low, s.high) for s in verifier.surfaces]
+    found = ""
+    for number, name in enumerate(AXES):
+        mirrored = [
+            (kind, _with(low, number, -high[number]), _with(high, number, -low[number])) for kind, low, high in faces
+        ]
+        if all(any(_same_box(face, other) for other in faces) for face in mirrored):
+            found += name
+    return found
+
+
+def _with(point: Point, number: int, value: float) -> Point:
+    return tuple(value if n == number else p for n, p in enumerate(point))  # type: ignore[return-value]
+
+
+def _same_box(one: tuple[str, Point, Point], other: tuple[str, Point, Point]) -> bool:
+    return one[0] == other[0] and math.dist(one[1], other[1]) < 0.02 and math.dist(one[2], other[2]) < 0.02
 
 
 def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:

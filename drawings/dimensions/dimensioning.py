@@ -44,7 +44,7 @@ from drawings.dimensions.text import (
     tolerance_text,
     wrapped_lines,
 )
-from drawings.views.view import View, degrees_of, dot
+from drawings.views.view import Arc, View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -72,12 +72,14 @@ class SheetDimensions:
         notes: texts of the notes that dimensions refer to by number (`[1]`).
         missing: names of declarations that no view can show.
         table: of holes; None where no declaration asks for one.
+        elsewhere: dimensions that the view for which they are declared does not show, a line each.
     """
 
     specs: tuple[DimensionSpec, ...]
     notes: tuple[str, ...]
     missing: tuple[str, ...]
     table: HoleTable | None = None
+    elsewhere: tuple[str, ...] = ()
 
 
 def sheet_dimensions(
@@ -109,7 +111,9 @@ def sheet_dimensions(
     for requirement in requirements:
         if not (isinstance(requirement, GeometricTolerance) and requirement.feature):
             builder.require(requirement)
-    return SheetDimensions(tuple(builder.specs), tuple(builder.notes), tuple(builder.missing), builder.table())
+    return SheetDimensions(
+        tuple(builder.specs), tuple(builder.notes), tuple(builder.missing), builder.table(), tuple(builder.elsewhere)
+    )
 
 
 class _Builder:
@@ -124,6 +128,7 @@ class _Builder:
         self.specs: list[DimensionSpec] = []
         self.notes: list[str] = []
         self.missing: list[str] = []
+        self.elsewhere: list[str] = []
         self.frames: dict[str, list[GeometricTolerance]] = {}
         self._table_view: View | None = None
         self._groups: list[HoleGroup] = []
@@ -155,10 +160,31 @@ class _Builder:
         view = self._view_of(head) or next(iter(_preferred(self.views, head.view, head.points)), None)
         if view is None:
             self.missing += [d.name for d in group]
-        elif len(group) > 1 or (head.feature and not self._stands_alone(head)):
+            return
+        self._compare_view(view, head)
+        if len(group) > 1 or (head.feature and not self._stands_alone(head)):
             self.specs.append(self._callout(view, group))
         else:
             self.specs.append(self._single(view, head))
+
+    def _compare_view(self, view: View, head: Dimension) -> None:
+        """Note a dimension that is in another view than declared, and a hole whose mouth its view does not show."""
+        as_declared = head.view in ("any", view.name, view.projection.name)
+        if not as_declared and not (head.view == "section" and view.cut):
+            self.elsewhere.append(
+                f"'{head.name}' is declared for the view '{head.view}', which does not show it in true size: "
+                f"it is in '{view.name}'"
+            )
+        if head.kind in ("diameter", "tap_drill") and head.direction and not view.cut and self._is_circle(view, head):
+            centre = view.projection.to_view(head.points[0])
+            radii = {
+                round(curve.radius, 3)
+                for layer in ("VISIBLE", "THREAD")
+                for curve in view.curves.get(layer, ())
+                if isinstance(curve, Arc) and math.dist(curve.centre, centre) < 1e-3
+            }
+            if not any(abs(radius - head.value / 2) < 1e-2 for radius in radii):
+                self.elsewhere.append(f"'{head.name}' is not seen in the view '{view.name}'")
 
     def _tabulate(self, group: list[Dimension]) -> None:
         """Add holes, or a distance between holes, to the hole table."""
@@ -198,6 +224,9 @@ class _Builder:
                 return self._round(view, dimension)
             case "angle":
                 return self._angle(view, dimension)
+            case "pitch_circle":
+                centre = view.projection.to_view(dimension.points[0])
+                return CalloutSpec(view.name, centre, dimension.value / 2, (self._text(dimension),), (dimension.name,))
             case _:
                 return self._callout(view, [dimension])
 
@@ -231,6 +260,8 @@ class _Builder:
                 return abs(dot(along, eye)) < SQUARE
             case "angle":
                 return abs(abs(eye[2]) - 1) < SQUARE
+            case "pitch_circle":
+                return self._is_circle(view, dimension)
             case "radius":
                 return self._surface(dimension).kind != "CYLINDER" or abs(abs(dot(along, eye)) - 1) < SQUARE
             case _:

@@ -31,6 +31,7 @@ class Levels:
         dimensions: of the part.
         symmetric: whether the middle plane of the axis is a plane of symmetry.
         feature_at: identifies the plane face, by a number, or the axis of a round face, at a point of a dimension.
+        datum: whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part.
 
     Attributes:
         superfluous: names of dimensions between faces that other dimensions tie together already.
@@ -42,7 +43,10 @@ class Levels:
         dimensions: Sequence[Dimension],
         symmetric: bool,
         feature_at: Callable[[Point], Hashable],
+        *,
+        datum: bool = True,
     ) -> None:
+        self._datum = datum
         own = [d for d in dimensions if _is_along(d, axis)]
         self._symmetric = symmetric
         self._levels: list[float] = []
@@ -67,7 +71,7 @@ class Levels:
 
     def located_by(self, level: float) -> str:
         """Name of what locates a level; empty where nothing does."""
-        if abs(level) < NEAR:
+        if abs(level) < NEAR and self._datum:
             return "middle, axis or datum plane"
         if name := self._direct(level):
             return name
@@ -75,9 +79,15 @@ class Levels:
             # A feature of the given width about a located middle, and features in a row.
             starts = [level - step / 2, level + step / 2]
             starts += [level + side * times * step for times in range(1, most) for side in (-1, 1)]
-            if any(abs(start) < NEAR or self._direct(start) for start in starts):
+            if any((abs(start) < NEAR and self._datum) or self._direct(start) for start in starts):
                 return f"{name}, repeated"
         return ""
+
+    def locates_end(self, level: float) -> bool:
+        """Whether a level is located, be it that of the end of one drilled hole only."""
+        side = abs(level) if self._symmetric else level
+        ends = [known for number, known in enumerate(self._levels) if number in self._located]
+        return bool(self.located_by(level)) or any(abs(known - side) < NEAR for known in ends)
 
     def _direct(self, level: float) -> str:
         for number, known in enumerate(self._levels):
@@ -124,25 +134,28 @@ class Levels:
         for index, row in enumerate(rows):
             for number, coefficient in row.items():
                 matrix[index, number] = coefficient
-        best: set[int] = set()
-        zero = [number for number, level in enumerate(self._levels) if abs(level) < NEAR]
-        references = zero or ([] if self._symmetric else list(range(count)))
-        for reference in references or [None]:
-            fixed = matrix if reference is None else np.vstack((matrix, np.eye(count)[reference]))
-            found = {number for number in range(count) if _is_determined(fixed, number)}
+        null = _null_space(matrix)
+        free = np.abs(null).max(axis=1, initial=0.0) < 1e-6
+        zero = [number for number, level in enumerate(self._levels) if abs(level) < NEAR and self._datum]
+        references = zero[:1] or ([] if self._symmetric else list(range(count)))
+        best = set(np.flatnonzero(free).tolist())
+        for reference in references:
+            # With the reference fixed, an unknown is determined if it is proportional to the reference in the space.
+            row = null[reference]
+            size = float(row @ row)
+            along = null - np.outer(null @ row / size, row) if size > 1e-12 else null
+            found = set(np.flatnonzero(np.abs(along).max(axis=1, initial=0.0) < 1e-6).tolist())
             best = max(best, found, key=len)
-            if zero:
-                break
         return best
 
 
-def _is_determined(matrix: np.ndarray, number: int) -> bool:
-    """Whether the equations determine one unknown: its unit vector is in the space of their rows."""
-    unit = np.eye(matrix.shape[1])[number]
+def _null_space(matrix: np.ndarray) -> np.ndarray:
+    """Orthonormal vectors, as columns, that the equations do not see."""
     if matrix.shape[0] == 0:
-        return False
-    solution, *_ = np.linalg.lstsq(matrix.T, unit, rcond=None)
-    return bool(np.abs(matrix.T @ solution - unit).max() < 1e-6)
+        return np.eye(matrix.shape[1])
+    _, values, rows = np.linalg.svd(matrix)
+    rank = int((values > 1e-9 * values.max(initial=1.0)).sum())
+    return rows[rank:].T
 
 
 def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hashable]) -> list[str]:

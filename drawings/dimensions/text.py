@@ -83,6 +83,8 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
             value = f"slope {{box:{ratio}}}" if dimension.exact else f"slope {ratio}"
         case "depth":
             value = "{depth}" + value
+        case "pitch_circle":
+            return f"{DIAMETER}{value} ({dimension.count}{TIMES} {360 / dimension.count:g}{DEGREE})"
         case "sag":
             value = f"crown {value} over {math.dist(*dimension.points):.1f}"
         case "callout":
@@ -116,7 +118,7 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
             continue
         match d.kind:
             case "diameter":
-                sign = "{counterbore}" if "counterbore" in d.name else ""
+                sign = next((f"{{{word}}}" for word in ("counterbore", "countersink") if word in d.name), "")
                 lines.append(f"{sign}{DIAMETER}{value[d.name]}")
             case "depth" if d.note:
                 lines.append("{depth}" + value[d.name])

@@ -96,6 +96,7 @@ def part_views(
     plans: Sequence[SheetPlan],
     holes: Sequence[ThreadedHole] = (),
     mesh: Mesh | None = None,
+    circles: Sequence[tuple[Point, Point | None, float]] = (),
     *,
     exact: bool = True,
 ) -> tuple[tuple[View, ...], ...]:
@@ -105,6 +106,7 @@ def part_views(
         shape: the solid.
         holes: its tapped holes.
         mesh: of the solid, if there is one already.
+        circles: on which holes are spaced: centre, axis, radius.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
     axes = axes_of(shape)
@@ -132,7 +134,9 @@ def part_views(
             threads = thread_lines(curves, holes, projection, plan.cut, scale)
             curves["THREAD"] = threads["THREAD"]
             curves["VISIBLE"] = (*without_mouths(curves["VISIBLE"], holes, projection), *threads["VISIBLE"])
-            curves["CENTRE"] = centre_lines(curves, axes, projection, scale, plan.symmetry)
+            eye = projection.towards_eye
+            spaced = [Arc(projection.to_view(at), r) for at, axis, r in circles if axis and abs(dot(axis, eye)) > 0.999]
+            curves["CENTRE"] = (*centre_lines(curves, axes, projection, scale, plan.symmetry), *spaced)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])
             curves = {layer: clipped(lines, *clip) for layer, lines in curves.items()}
@@ -162,6 +166,8 @@ class PartDescription:
         treatment: of the material.
         brittle: whether the material is, so that edges are not broken by hand.
         mesh: of the solid, if there is one already.
+        plan: of its sheets; None for the packaged one of its name. With a plan, a dimension in another view than
+            declared is reported.
     """
 
     name: str
@@ -176,6 +182,7 @@ class PartDescription:
     treatment: str = "-"
     brittle: bool = False
     mesh: Mesh | None = None
+    plan: tuple[SheetPlan, ...] | None = None
 
 
 def part_sheets(
@@ -188,11 +195,14 @@ def part_sheets(
         verifier: of the solid, if there is one already.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
-    changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in sheet_plans(part.name, design)]
+    changed = [
+        changed_plan(plan, overrides_of(design, plan.name)) for plan in part.plan or sheet_plans(part.name, design)
+    ]
     plans = tuple(plan for plan, _ in changed)
     verifier = verifier or DimensionVerifier(part.solid)
     holes = threaded_holes(part.dimensions, verifier)
-    views = part_views(part.solid.wrapped, plans, holes, part.mesh, exact=exact)
+    circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
+    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, exact=exact)
     sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(
         replace(sheet, unapplied=(*problems, *sheet.unapplied))
@@ -224,6 +234,7 @@ def _sheet(
     lines = (*_note_lines(part, shown.notes), *listed_notes(overrides))
     paper, arranged, note, corner = _arranged(plan, views, shown, lines, title)
     annotations, unapplied = moved(arranged.annotations, overrides, plan.name)
+    unapplied = [*unapplied, *(shown.elsewhere if part.plan else ())]
     table: tuple[Primitive, ...] = ()
     tabulated: tuple[str, ...] = ()
     if shown.table:

@@ -139,6 +139,12 @@ class DimensionDeclarations:
         """Distance of neighbours in a row from the first to the last of equal features, `steps` distances."""
         self.add("pitch", name, key, (first, last), towards(first, last), **{**fields, "count": steps})
 
+    def pitch_circle(
+        self, name: str, key: str, centre: Point, hole: Point, count: int, axis: Point = Z, **fields: Any
+    ) -> None:
+        """Diameter of the circle about `centre` on which `count` equal holes, one of them about `hole`, are spaced."""
+        self.add("pitch_circle", name, key, (centre, hole), axis, **{**fields, "count": count})
+
     def remark(self, name: str, keys: tuple[str, ...], on: Point, text: str, **fields: Any) -> None:
         """A text on a feature, with the parameters that it gives (`keys` with their tables)."""
         fields = {"direction": X, **self._common, **fields, "note": text}

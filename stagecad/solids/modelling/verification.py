@@ -41,6 +41,29 @@ class Surface:
         """Vertices of the face; computed on demand, since they are needed for few faces."""
         return tuple(vertex.toTuple() for vertex in self.face.Vertices())
 
+    @cached_property
+    def outward(self) -> bool:
+        """Whether the material of a round face is on the side of its axis, as of a shaft."""
+        u0, u1, v0, v1 = self.face._uvBounds()
+        normal, point = self.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
+        return _dot(_across(_minus(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
+
+    @property
+    def axis_key(self) -> tuple[float, ...]:
+        """Numbers that are equal for coaxial faces."""
+        sign = 1.0 if self.axis > (0.0, 0.0, 0.0) else -1.0
+        unit = tuple(sign * a for a in self.axis)
+        foot = _across(self.origin, self.axis)
+        return tuple(round(value, 3) + 0.0 for value in (*foot, *unit))
+
+    def is_round(self, radius: float) -> bool:
+        """Whether the face is a cylinder of a radius."""
+        return self.kind == "CYLINDER" and abs(self.radius - radius) < NEAR
+
+    def is_coaxial(self, other: Surface) -> bool:
+        """Whether two round faces have one axis."""
+        return self.off_axis(other.origin) < NEAR and abs(abs(_dot(self.axis, other.axis)) - 1) < 1e-9
+
     def off_axis(self, point: Point) -> float:
         """Distance of a point from the axis, mm."""
         to = _minus(point, self.origin)
@@ -82,7 +105,27 @@ class DimensionVerifier:
     """
 
     def __init__(self, solid: cq.Shape) -> None:
+        self.solid = solid
         self.surfaces = [_surface(face) for face in solid.Faces()]
+
+    def is_inside(self, point: Point) -> bool:
+        """Whether a point is in the material."""
+        return any(solid.isInside(point) for solid in self.solid.Solids())  # pyright: ignore[reportAttributeAccessIssue]
+
+    def open_ends(self, surface: Surface, along: Point) -> tuple[bool, ...]:
+        """For the lower and the upper end of a bore along a direction, True where it is open; only those that are."""
+        found = []
+        for end, side in zip(surface.extent(along), (-1.0, 1.0), strict=True):
+            beyond = end + side * 0.02 - _dot(surface.origin, along)
+            point = tuple(o + beyond * a for o, a in zip(surface.origin, along, strict=True))
+            deeper = tuple(p + side * surface.radius * a for p, a in zip(point, along, strict=True))
+            found.append(not self.is_inside(point) and not self.is_inside(deeper))  # type: ignore[arg-type]
+        return tuple(one for one in found if one)
+
+    @cached_property
+    def vertices(self) -> tuple[Point, ...]:
+        """All vertices of the solid."""
+        return tuple(vertex.toTuple() for vertex in self.solid.Vertices())
 
     def measure(self, dimension: Dimension) -> float | None:
         """Value of a dimension on the solid, mm (degrees; a number for slope and count).
@@ -118,6 +161,8 @@ class DimensionVerifier:
                 return sine / math.sqrt(1 - sine**2)
             case "angle":
                 return self._angle(points[0], points[1], along)
+            case "pitch_circle":
+                return self._pitch_circle(dimension)
             case "count":
                 return self._count(points[0], along) / dimension.count
             case _:
@@ -180,6 +225,28 @@ class DimensionVerifier:
                 return radius
         raise LookupError(f"no round face about {axis} through {point}")
 
+    def _pitch_circle(self, dimension: Dimension) -> float:
+        """Diameter of a circle of equally spaced holes, mm.
+
+        Raises:
+            LookupError: there is no hole at a place of the circle.
+        """
+        (centre, hole), axis = dimension.points, dimension.direction or (0.0, 0.0, 1.0)
+        radius = self._radius_about((hole,), axis)
+        like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]
+        first = next(surface for surface in like if surface.off_axis(hole) < NEAR)
+        out = _across(_minus(first.origin, centre), axis)
+        side = _cross(axis, out)
+        for number in range(dimension.count):
+            turn = 2 * math.pi * number / dimension.count
+            c, s = math.cos(turn), math.sin(turn)
+            x, y, z = (p + c * o + s * q for p, o, q in zip(centre, out, side, strict=True))
+            if not any(surface.off_axis((x, y, z)) < NEAR for surface in like):
+                raise LookupError(
+                    f"hole {number + 1} of {dimension.count} on the circle is not at ({x:g}, {y:g}, {z:g})"
+                )
+        return 2 * math.hypot(*out)
+
     def _place(self, point: Point, along: Point) -> float:
         """Coordinate along `along` of the face at the point, or of the axis of the round feature there."""
         for surface in self.surfaces:
@@ -223,6 +290,9 @@ class DimensionVerifier:
         for level in levels + planes:
             if abs(level - at) < NEAR:
                 return level
+        for vertex in self.vertices:
+            if math.dist(vertex, point) < NEAR:
+                return _dot(vertex, along)
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point) -> float:
@@ -273,6 +343,16 @@ def _alike(one: Surface, other: Surface) -> bool:
 
 def _dot(a: Point, b: Point) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _across(vector: Point, axis: Point) -> Point:
+    """The component of a vector at right angles to an axis."""
+    along = _dot(vector, axis)
+    return (vector[0] - along * axis[0], vector[1] - along * axis[1], vector[2] - along * axis[2])
+
+
+def _cross(a: Point, b: Point) -> Point:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def _minus(a: Point, b: Point) -> Point:
