@@ -28,6 +28,7 @@ from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_definition, part_names
 
 if TYPE_CHECKING:
+    from drawings.dimensions.definition import Notes
     from drawings.friction_stage.assembly_dimensions import MachineSize
     from drawings.friction_stage.procedure.figures import ProcedureValues
     from drawings.pictures.picture import Picture
@@ -195,16 +196,23 @@ def _part_sheets(part: BuiltPart, design: Any, folder: Path, *, exact: bool) -> 
     verifier = DimensionVerifier(described.solid)
     write_ap242(part.name, design, described.solid, folder / f"{part.name}_ap242.step", verifier)
     sheets = part_sheets(described, design, verifier, exact=exact)
-    return sheets, _write_definition(described, design, verifier, sheets, folder)
-
-
-def _write_definition(
-    described: PartDescription, design: Any, verifier: DimensionVerifier, sheets: Sequence[Sheet], folder: Path
-) -> list[str]:
-    """Write the table of what defines each face of a part; what is missing or given twice, a line each."""
-    from drawings.dimensions.definition import HEADINGS, definition, notes_on_shape
+    from drawings.dimensions.definition import notes_on_shape
 
     notes = notes_on_shape(part_definition(described.name), design)
+    return sheets, write_definition(described, notes, design, verifier, sheets, folder)
+
+
+def write_definition(
+    described: PartDescription,
+    notes: Notes,
+    design: Any,
+    verifier: DimensionVerifier,
+    sheets: Sequence[Sheet],
+    folder: Path,
+) -> list[str]:
+    """Write the table of what defines each face of a part; what is missing or given twice, a line each."""
+    from drawings.dimensions.definition import HEADINGS, definition
+
     views = [view for sheet in sheets for view in sheet.views if view.projection.name != "iso"]
     roughness = 1e6 * design.drawing.roughness
     found = definition(verifier, described.dimensions, described.requirements, notes, views, roughness)

@@ -161,24 +161,30 @@ def definition(
             )
         )
     superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)
-    return Definition(tuple(faces), superfluous, tuple(miscounted(verifier, dimensions)))
+    return Definition(tuple(faces), superfluous, tuple(miscounted(verifier, dimensions, alike=not notes.packaged)))
 
 
-def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension]) -> Iterator[str]:
-    """Diameters given for more features than the solid has, or for holes of which some go through and some do not."""
+def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool = True) -> Iterator[str]:
+    """Diameters given for more features than the solid has; with `alike`, also for holes of which some go through and
+    some do not.
+    """
     for d in dimensions:
         if d.kind not in ("diameter", "tap_drill") or d.direction is None:
             continue
-        found = verifier.holes(d)
+        try:
+            found = verifier.holes(d)
+        except (LookupError, StopIteration):
+            continue  # of a cone
         if len(found) == d.count:
             ends = {verifier.open_ends(surface, d.direction) for surface in found}
-            if len(ends) > 1 and len({len(end) for end in ends}) > 1:
+            if alike and len({len(end) for end in ends}) > 1:
                 yield f"'{d.name}' is one dimension for holes that go through and holes that do not"
             continue
         radius = found[0].radius
-        alike = {surface.axis_key for surface in verifier.surfaces if surface.is_round(radius)}
-        if len(alike) < d.count:
-            yield f"'{d.name}' is given for {d.count} features, the solid has {len(alike)} of this diameter"
+        like = [surface for surface in verifier.surfaces if surface.is_round(radius)]
+        separate = {(s.axis_key, tuple(round(end, 3) for end in s.extent(s.axis_key[3:]))) for s in like}  # type: ignore[arg-type]
+        if len(separate) < d.count:
+            yield f"'{d.name}' is given for {d.count} features, the solid has {len(separate)} of this diameter"
 
 
 class _Part:
@@ -217,9 +223,10 @@ class _Part:
 
     def _feature_at(self, along: Point, point: Point) -> Hashable:
         """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
-        for number, surface in enumerate(self._surfaces):
-            if surface.kind == "PLANE" and surface.holds(point):
-                return number
+        flat = [(n, s) for n, s in enumerate(self._surfaces) if s.kind == "PLANE" and s.holds(point)]
+        square = [n for n, surface in flat if _parallel(surface, along)]
+        if square or flat:
+            return square[0] if square else flat[0][0]
         for surface in self._surfaces:
             if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not _parallel(surface, along):
                 reach = dot(surface.origin, surface.axis)
@@ -307,6 +314,7 @@ class _StatedPart(_Part):
         self._verifier = verifier
         self._sizes: dict[int, str] = {}
         self._cones: list[tuple[Point, Point, str]] = []
+        self._depths = [d for d in dimensions if d.kind == "depth"]
         self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
         for d in dimensions:
             self._enter(d)
@@ -348,6 +356,10 @@ class _StatedPart(_Part):
         if found:
             return found
         if surface.kind == "PLANE":
+            for d in self._depths:
+                across = surface.holds(d.points[1]) or self._is_floor(surface, d)
+                if d.direction and _parallel(surface, d.direction) and across:
+                    return d.name
             return self._by_vertices(surface) or self._notes.defines(_middle(surface))
         if surface.kind == "CYLINDER":
             for d in self._circles:
@@ -356,6 +368,18 @@ class _StatedPart(_Part):
                 if on and abs(2 * surface.off_axis(centre) - d.value) < NEAR and self._turn_is_given(surface, d):
                     return f"{d.name}, equally spaced"
         return ""
+
+    def _is_floor(self, surface: Surface, d: Dimension) -> bool:
+        """Whether a plane face is the floor of a stepped hole whose depth is declared, or of one of its equals."""
+        assert d.direction is not None
+        if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:
+            return False
+        middle = _middle(surface)
+        return any(
+            other.kind == "CYLINDER" and _parallel(other, d.direction) and other.off_axis(middle) < NEAR
+            for other in self._surfaces
+            if d.count > 1 or other.off_axis(d.points[1]) < NEAR
+        )
 
     def _centre_is_located(self, centre: Point, axis: Point) -> bool:
         across = [name for name, unit in AXES.items() if abs(dot(unit, axis)) < SQUARE]
@@ -412,25 +436,15 @@ class _StatedPart(_Part):
         return "cone between diameters, or drill point below a depth" if ends else ""
 
 
-def symmetric_axes(verifier: DimensionVerifier) -> str:
-    """Names of the axes across whose middle plane, through the origin, the faces of a solid are mirror images."""
-    faces = [(s.kind, s.low, s.high) for s in verifier.surfaces]
+def centred_axes(verifier: DimensionVerifier) -> str:
+    """Names of the axes along which a solid reaches equally far to both sides of the origin: what is not dimensioned
+    from a side is symmetric about this middle, and the sheet says so."""
     found = ""
     for number, name in enumerate(AXES):
-        mirrored = [
-            (kind, _with(low, number, -high[number]), _with(high, number, -low[number])) for kind, low, high in faces
-        ]
-        if all(any(_same_box(face, other) for other in faces) for face in mirrored):
-            found += name
+        low = min(surface.low[number] for surface in verifier.surfaces)
+        high = max(surface.high[number] for surface in verifier.surfaces)
+        found += name if abs(low + high) < NEAR else ""
     return found
-
-
-def _with(point: Point, number: int, value: float) -> Point:
-    return tuple(value if n == number else p for n, p in enumerate(point))  # type: ignore[return-value]
-
-
-def _same_box(one: tuple[str, Point, Point], other: tuple[str, Point, Point]) -> bool:
-    return one[0] == other[0] and math.dist(one[1], other[1]) < 0.02 and math.dist(one[2], other[2]) < 0.02
 
 
 def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:

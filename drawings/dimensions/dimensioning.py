@@ -44,6 +44,7 @@ from drawings.dimensions.text import (
     tolerance_text,
     wrapped_lines,
 )
+from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, polyline_lines
 from drawings.views.view import Arc, View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -59,6 +60,8 @@ from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 EXACT = 1e-6
 """Greatest difference of the solid from a declared value, before rounding, mm."""
 
+OUTLINED = 0.02
+"""Half side of the box at the end of a diameter in which its outline must be drawn, mm."""
 LONGEST_BESIDE = 12
 """Length of the longest note printed at its dimension, characters; a longer one is a numbered note of the sheet."""
 
@@ -88,6 +91,8 @@ def sheet_dimensions(
     design: Any,
     gauge: DimensionVerifier,
     views: Sequence[View],
+    *,
+    stated: bool = False,
 ) -> SheetDimensions:
     """Specifications of all declarations, each in the view that shows it best.
 
@@ -96,11 +101,13 @@ def sheet_dimensions(
         design: for the tolerance classes.
         gauge: of the part's solid.
         views: of this sheet, with curves; their places are ignored.
+        stated: whether a view that a declaration names is a statement of the user's, and no preference.
 
     Raises:
         ValueError: the solid differs from a declared value.
     """
     builder = _Builder(design, gauge, views)
+    builder.stated = stated
     builder.frames = frames_of_features(requirements)
     done: set[str] = set()
     for dimension in dimensions:
@@ -129,6 +136,7 @@ class _Builder:
         self.notes: list[str] = []
         self.missing: list[str] = []
         self.elsewhere: list[str] = []
+        self.stated = False
         self.frames: dict[str, list[GeometricTolerance]] = {}
         self._table_view: View | None = None
         self._groups: list[HoleGroup] = []
@@ -158,6 +166,8 @@ class _Builder:
             self._tabulate(group)
             return
         view = self._view_of(head) or next(iter(_preferred(self.views, head.view, head.points)), None)
+        if self.stated and view is not None and len(group) == 1:
+            view = self._where_outlined(view, head)
         if view is None:
             self.missing += [d.name for d in group]
             return
@@ -167,13 +177,32 @@ class _Builder:
         else:
             self.specs.append(self._single(view, head))
 
+    def _where_outlined(self, view: View, d: Dimension) -> View:
+        """The view, or for a diameter seen from the side whose outline it lacks, one that shows the outline."""
+        if d.kind != "diameter" or self._is_circle(view, d) or self._outlined(view, d):
+            return view
+        others = [one for one in self.views if not one.clip and one.projection.name != "iso"]
+        return next((one for one in others if not self._is_circle(one, d) and self._outlined(one, d)), view)
+
+    def _outlined(self, view: View, d: Dimension) -> bool:
+        """Whether lines of the part are drawn at both ends of a diameter that is seen from the side."""
+        spec = self._diameter_from_side(view, d)
+        lines = SegmentIndex(
+            [
+                line
+                for layer in ("VISIBLE", "HIDDEN")
+                for curve in view.curves.get(layer, ())
+                for line in polyline_lines(list(curve_points(curve)))
+            ]
+        )
+        return all(lines.count_in(enlarged((*end, *end), OUTLINED)) for end in (spec.first, spec.second))
+
     def _compare_view(self, view: View, head: Dimension) -> None:
         """Note a dimension that is in another view than declared, and a hole whose mouth its view does not show."""
         as_declared = head.view in ("any", view.name, view.projection.name)
         if not as_declared and not (head.view == "section" and view.cut):
             self.elsewhere.append(
-                f"'{head.name}' is declared for the view '{head.view}', which does not show it in true size: "
-                f"it is in '{view.name}'"
+                f"'{head.name}' is declared for the view '{head.view}', which does not show it: it is in '{view.name}'"
             )
         if head.kind in ("diameter", "tap_drill") and head.direction and not view.cut and self._is_circle(view, head):
             centre = view.projection.to_view(head.points[0])

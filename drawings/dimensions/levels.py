@@ -63,6 +63,7 @@ class Levels:
                 row[number] = row.get(number, 0.0) + sign * side
                 self._names.setdefault(number, d.name)
             rows.append(row)
+        rows += self._outlines(dimensions, axis)
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
         rows += self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)
@@ -108,6 +109,25 @@ class Levels:
         if private:
             self._private.add(len(self._levels) - 1)
         return len(self._levels) - 1, side
+
+    def _outlines(self, dimensions: Sequence[Dimension], axis: Point) -> list[dict[int, float]]:
+        """The equations of round faces seen from the side: their outlines are a radius off the axis."""
+        rows: list[dict[int, float]] = []
+        levels = list(self._levels)
+        for d in dimensions:
+            if d.kind != "diameter" or d.direction is None or abs(dot(d.direction, axis)) > SQUARE:
+                continue
+            centre = dot(d.points[0], axis)
+            for side in (-1.0, 1.0):
+                outline = centre + side * d.value / 2
+                if any(abs(abs(outline) - abs(level)) < NEAR for level in levels):
+                    row: dict[int, float] = {}
+                    for level, sign in ((outline, 1.0), (centre, -1.0)):
+                        number, mirrored = self._unknown(level, private=False)
+                        row[number] = row.get(number, 0.0) + sign * mirrored
+                        self._names.setdefault(number, d.name)
+                    rows.append(row)
+        return rows
 
     def _equal_features(self, sizes: Sequence[float]) -> list[dict[int, float]]:
         """The equations of equal features: two levels as far apart as a dimension that is given for several, or a level

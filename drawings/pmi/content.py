@@ -20,7 +20,7 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
 )
 
-TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth", "sag")
+TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth", "sag", "pitch_circle")
 """Kinds of declaration that are no distance, angle or size of the solid: they become texts."""
 
 
@@ -128,7 +128,7 @@ def _plus_minus(design: Any, dimension: Dimension) -> float | None:
 
 
 def _as_text(design: Any, dimension: Dimension) -> str:
-    if dimension.kind in ("callout", "sag"):
+    if dimension.kind in ("callout", "sag", "pitch_circle"):
         return dimension_text(dimension, 0.0).replace("±", "+-")
     plus_minus = _plus_minus(design, dimension)
     text = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]

@@ -226,7 +226,7 @@ def _sheet(
         for r in part.requirements
         if (r.feature in features if _is_on_callout(r) else sheet_of_requirement(plans, r) is plan)
     ]
-    shown = sheet_dimensions(dimensions, requirements, design, verifier, views)
+    shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=bool(part.plan))
     if shown.missing:
         raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
     title = _title(part, design, plan, number, len(plans))

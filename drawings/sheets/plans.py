@@ -67,13 +67,8 @@ class SheetPlan:
 
 
 def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:
-    """The sheets of a part, in order; a part of the user's own has one with three views and a picture."""
-    return _PLANS[part](design) if part in _PLANS else _own(part, design)
-
-
-def _own(part: str, design: Any) -> tuple[SheetPlan, ...]:
-    views = (_TOP, ViewPlan("front", "front", "top", hidden=True), _RIGHT, _ISO)
-    return (SheetPlan(part, ("A3", "A2"), getattr(design, part).drawing_scale, views),)
+    """The sheets of a packaged part, in order."""
+    return _PLANS[part](design)
 
 
 def sheet_of(plans: tuple[SheetPlan, ...], declaration: str) -> SheetPlan:

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
-SCALES = (5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
-ROOM = (230.0, 160.0)
-"""Space of the views on the sheet, with gaps and dimensions, mm."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +118,7 @@ def own_design(design: Design, name: str, parameters: Mapping[str, str], path: P
         declaration = Declaration("number", f"of {name}", "mm", low=0.0, closed=False)
         entries.append(read_entry(f"{name}.{key}", FileEntry(text, place), declaration, ()))
     extended = replace(design, entries=(*design.entries, *entries))
-    table = SimpleNamespace(**{entry.key.split(".")[1]: entry.value for entry in entries}, drawing_scale=1.0)
+    table = SimpleNamespace(**{entry.key.split(".")[1]: entry.value for entry in entries})
     object.__setattr__(extended, name, table)
     return extended
 
@@ -141,42 +138,77 @@ def draw_part(part: OwnPart, folder: Path) -> dict[str, Any]:
 
 
 def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
-    from drawings.artefacts.sheets import write_sheet
+    from drawings.artefacts.sheets import write_definition, write_sheet
+    from drawings.dimensions.definition import AXES, Notes, centred_axes
     from drawings.pmi.ap242 import ap242_bytes
+    from drawings.sheets.chosen_views import chosen_plan
     from drawings.sheets.part import PartDescription, part_sheets
     from stagecad.parameters.atomic import atomic_write_bytes
     from stagecad.solids.modelling.mass import density_of, geometry_of, mass_properties
+    from stagecad.solids.modelling.part import treatment_of
     from stagecad.solids.modelling.verification import DimensionVerifier
 
-    module, design = part.module, part.design
+    module = part.module
+    design = with_sheet_changes(part)
     solid, material = built_solid(part)
     mass = mass_properties(geometry_of(solid), density_of(design, material))
-    low, high = mass.bounding_box
-    getattr(design, part.name).drawing_scale = _scale([1e3 * (b - a) for a, b in zip(low, high, strict=True)])
-    description = PartDescription(
-        name=part.name,
-        solid=solid,
-        dimensions=tuple(module.dimensions(design)),
-        requirements=tuple(module.requirements(design)) if hasattr(module, "requirements") else (),
-        notes=tuple(getattr(module, "NOTES", ())),
-        material=design.materials[material].description,
-        mass=f"{mass.mass:.3f} kg" if mass.mass >= 1 else f"{1e3 * mass.mass:.1f} g",
-        digest=design.digest[:8],
-    )
     verifier = DimensionVerifier(solid)
-    for dimension in description.dimensions:
+    dimensions = tuple(module.dimensions(design))
+    requirements = tuple(module.requirements(design)) if hasattr(module, "requirements") else ()
+    for dimension in dimensions:
         try:
             verifier.measure(dimension)
         except LookupError as error:
             raise InputError(f"{part.path}: dimension '{dimension.name}': {error.args[0]}") from None
+    symmetric = "".join(name for name in AXES if name in getattr(module, "SYMMETRIC", "") + centred_axes(verifier))
+    defines = getattr(module, "defined_by_note", None)
+    notes = Notes(
+        symmetric,
+        getattr(module, "TURNED", 1),
+        False,
+        (lambda point: defines(design, point)) if defines else lambda point: "",
+    )
+    lines = tuple(getattr(module, "NOTES", ()))
+    if symmetric:
+        lines = (*lines, f"Symmetric about the middle {' and '.join(symmetric)} unless dimensioned.")
+    description = PartDescription(
+        name=part.name,
+        solid=solid,
+        dimensions=dimensions,
+        requirements=requirements,
+        notes=lines,
+        material=design.materials[material].description,
+        mass=f"{mass.mass:.3f} kg" if mass.mass >= 1 else f"{1e3 * mass.mass:.1f} g",
+        digest=design.digest[:8],
+        treatment=treatment_of(module, design, material),
+        brittle=design.materials[material].strength_kind == "fracture",
+        plan=(chosen_plan(part.name, dimensions, requirements, verifier, getattr(module, "VIEWS", ())),),
+    )
     folder.mkdir(parents=True, exist_ok=True)
-    sheets = [write_sheet(sheet, folder) for sheet in part_sheets(description, design, verifier)]
+    drawn = part_sheets(description, design, verifier)
+    sheets = [write_sheet(sheet, folder) for sheet in drawn]
+    sheets[0]["hits"] += write_definition(description, notes, design, verifier, drawn, folder)
     model = folder / f"{part.name}_ap242.step"
     atomic_write_bytes(model, ap242_bytes(part.name, module, design, solid, verifier))
     files = [str(folder / f"{sheet['name']}.{kind}") for sheet in sheets for kind in ("dxf", "svg", "pdf", "png")]
     properties = folder / f"{part.name}_mass.json"
     properties.write_text(json.dumps(mass.as_json(), indent=1) + "\n", "utf-8")
-    return {"part": part.name, "sheets": sheets, "files": [*files, str(model), str(properties)], **mass.as_json()}
+    files += [str(model), str(folder / f"{part.name}_definition.csv"), str(properties)]
+    return {"part": part.name, "sheets": sheets, "files": files, **mass.as_json()}
+
+
+def with_sheet_changes(part: OwnPart) -> Design:
+    """The design of a part with the manual changes of its sheet, from `sheets.toml` beside its file."""
+    from drawings.artefacts.names import sheet_names
+    from drawings.sheets.overrides import FILE, read_overrides
+
+    path = part.path.parent / FILE
+    if not path.is_file():
+        return part.design
+    known = [sheet for sheets in sheet_names(part.design).values() for sheet in sheets]
+    changed = replace(part.design, sheets=read_overrides(path, [*known, part.name]))
+    object.__setattr__(changed, part.name, getattr(part.design, part.name))
+    return changed
 
 
 def called(part: OwnPart, function: str) -> Any:
@@ -213,12 +245,3 @@ def _solid(part: OwnPart, found: Any) -> Any:
     if getattr(shape, "ShapeType", lambda: "")() != "Solid" or not shape.isValid() or shape.Volume() <= 0:
         raise InputError(f"{part.path}: build(design) must return one valid closed solid")
     return shape
-
-
-def _scale(size: list[float]) -> float:
-    """The largest usual scale with which top, front and right view fit on an A3 sheet."""
-    x, y, z = size
-    for scale in SCALES:
-        if scale * (x + y) <= ROOM[0] and scale * (y + z) <= ROOM[1]:
-            return scale
-    return SCALES[-1]

@@ -23,6 +23,7 @@ from stagecad.parameters.dimension import (
     View,
 )
 from stagecad.parameters.iso286 import is_class
+from stagecad.solids.modelling.verification import moved
 
 THREAD_DESIGNATION = {
     "m3": "M3x0.5",
@@ -244,11 +245,6 @@ def towards(first: Point, second: Point) -> Point:
     step = (second[0] - first[0], second[1] - first[1], second[2] - first[2])
     size = math.sqrt(sum(s * s for s in step))
     return (step[0] / size, step[1] / size, step[2] / size)
-
-
-def moved(point: Point, direction: Point, by: float) -> Point:
-    """The point moved along a direction, mm."""
-    return (point[0] + by * direction[0], point[1] + by * direction[1], point[2] + by * direction[2])
 
 
 def fillet_inset(radius: float) -> float:

@@ -115,11 +115,15 @@ class DimensionVerifier:
     def open_ends(self, surface: Surface, along: Point) -> tuple[bool, ...]:
         """For the lower and the upper end of a bore along a direction, True where it is open; only those that are."""
         found = []
+        across = _cross(along, (0.36, 0.48, 0.8))
+        size, side_way = math.hypot(*across), _cross(along, across)
         for end, side in zip(surface.extent(along), (-1.0, 1.0), strict=True):
-            beyond = end + side * 0.02 - _dot(surface.origin, along)
-            point = tuple(o + beyond * a for o, a in zip(surface.origin, along, strict=True))
-            deeper = tuple(p + side * surface.radius * a for p, a in zip(point, along, strict=True))
-            found.append(not self.is_inside(point) and not self.is_inside(deeper))  # type: ignore[arg-type]
+            # Beyond the cone of a drill, off the axis: a smaller hole may go on from the floor.
+            beyond = end + side * (0.02 + 0.5 * surface.radius) - _dot(surface.origin, along)
+            foot = moved(surface.origin, along, beyond)
+            reach = 0.8 * surface.radius / size
+            around = [moved(foot, way, sign * reach) for way in (across, side_way) for sign in (-1.0, 1.0)]
+            found.append(not any(map(self.is_inside, around)))
         return tuple(one for one in found if one)
 
     @cached_property
@@ -343,6 +347,11 @@ def _alike(one: Surface, other: Surface) -> bool:
 
 def _dot(a: Point, b: Point) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def moved(point: Point, direction: Point, by: float) -> Point:
+    """The point moved along a direction, mm."""
+    return (point[0] + by * direction[0], point[1] + by * direction[1], point[2] + by * direction[2])
 
 
 def _across(vector: Point, axis: Point) -> Point:
