@@ -98,7 +98,9 @@ class Steady:
     largest_tip_force: float
 
 
-def steady(machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5) -> Steady:
+def steady(
+    machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5, guess: float = GUESS
+) -> Steady:
     """Steady speed at a setting, about mid-travel, begun near it.
 
     The run continues until its last two fifths are equally fast: pads may take a second to bring a stage to rest
@@ -107,12 +109,13 @@ def steady(machine: StageMachine, setting: Setting, shortest: float, longest: fl
     Args:
         machine, setting: the driven machine and its drive; its position and velocity are chosen here.
         shortest, longest: of the shortest run, s; between them it is five periods.
+        guess: speed over X f with which the run begins: from another one it may end in another limit cycle.
     """
     duration = min(max(shortest, 5.0 / setting.frequency), longest) / PIECES
     steps = round(duration / STEP / STEADY_STRIDE) * STEADY_STRIDE
     full = 2.0 * setting.ellipse.along * setting.frequency
-    begin = -0.5 * GUESS * full * duration
-    simulation = StageSimulation(machine, over_drive_surface(machine, begin, setting.height), STEP, GUESS * full)
+    begin = -0.5 * guess * full * duration
+    simulation = StageSimulation(machine, over_drive_surface(machine, begin, setting.height), STEP, guess * full)
     piece, changed = 0, math.inf
     while abs(changed) > SETTLED * full and piece < LOOKED_AT[-1] * PIECES:
         before = simulation.travel

@@ -12,7 +12,7 @@ from sim.stage.studies.ellipse import EllipseSearch
 from sim.stage.studies.hunting import HOLDS, HuntingStudy
 from sim.stage.studies.planar import PlanarStudy
 from sim.stage.studies.positioning import LOOPS, PositioningStudy
-from sim.stage.studies.speed import HEIGHTS, LAWS, SpeedStudy
+from sim.stage.studies.speed import HALF, HEIGHTS, LAWS, SpeedStudy
 from sim.stage.studies.steps import StepStudy
 from sim.stage.studies.travel_map import LIFTED, TravelMap
 from workbench.figures.plot import GREY, INK, Plot, new_plot, styled
@@ -72,6 +72,8 @@ def speed_figure(study: SpeedStudy) -> Plot:
         ratio.plot(f[lifts], study.ratio(height)[lifts], "o", color="white", markeredgecolor=ink, markersize=6)
         changing = ~study.is_steady(height)
         ratio.plot(f[changing], study.ratio(height)[changing], "x", color=ink, markersize=9)
+    again = np.array([point.velocity[0] for point in study.again])
+    speed.plot(f, np.maximum(again, 1e-6) * 1e3, ":", color=GREY, label=f"{HALF}, begun slower")
     speed.set(ylabel="speed (mm/s)", xscale="log", yscale="log")
     speed.legend(title="apex at mid-stroke over the surface,\nin half heights of the ellipse", loc="upper left")
     ratio.set(ylabel="speed / (X f), X as the tip moves", xlabel="frequency (Hz)", ylim=(0.0, 3.5))

@@ -160,6 +160,7 @@ def _speed(study: Any) -> dict[str, Columns]:
         columns[f"tip_load_{height} [N]"] = np.array([point.tip_load for point in points])
         columns[f"contact_share_{height} [1]"] = np.array([point.contact_share for point in points])
         columns[f"lifted_share_{height} [1]"] = np.array([point.lifted_share for point in points])
+    columns["speed_raised_again [m/s]"] = np.array([point.velocity[0] for point in study.again])
     return {"stage_speed": columns}
 
 

@@ -20,6 +20,10 @@ HEIGHTS = {"level": 0.0, "raised": 0.5, "high": 1.0}
 """Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 HALF = "raised"
 """Height at which the tip touches for about half of each turn: the bent stage comes down on it."""
+SECOND_GUESS = 0.5
+"""Speed over X f with which each run at that height begins a second time, slower than its limit cycle."""
+APART = 0.1
+"""Two limit cycles, or an irregular motion: the speeds differ by more than this part of X f."""
 
 
 @dataclass(frozen=True)
@@ -31,16 +35,24 @@ class SpeedStudy:
         drive_frequency: the design's, Hz.
         frequencies: Hz, shape (n,).
         points: by height, each shape (n,).
+        again: with the height `HALF` and from another initial speed, shape (n,).
     """
 
     travel: float
     drive_frequency: float
     frequencies: np.ndarray
     points: dict[str, list[Steady]] = field(repr=False)
+    again: list[Steady] = field(repr=False)
 
     def speed(self, height: str) -> np.ndarray:
         """m/s, shape (n,)."""
         return np.array([point.velocity[0] for point in self.points[height]])
+
+    @property
+    def scatter(self) -> np.ndarray:
+        """Difference of the speeds at the height `HALF` from two initial speeds over X f, shape (n,)."""
+        other = np.array([point.velocity[0] for point in self.again])
+        return np.abs(self.speed(HALF) - other) / (self.travel * self.frequencies)
 
     def swing(self, height: str) -> np.ndarray:
         """X that the tip makes, m, shape (n,): more than commanded near its resonance, less at the current limit."""
@@ -80,6 +92,10 @@ class SpeedStudy:
         at = int(np.argmax(self.speed(fastest)))
         found["largest_speed"] = (float(self.speed(fastest)[at]), "m/s")
         found["largest_speed_at"] = (float(self.frequencies[at]), "Hz")
+        at = int(np.argmax(self.scatter))
+        found["largest_scatter"] = (float(self.scatter[at]), "1")
+        found["largest_scatter_at"] = (float(self.frequencies[at]), "Hz")
+        found["frequencies_of_two_cycles"] = (float(np.sum(self.scatter > APART)), "1")
         for height in self.points:
             at_drive = float(np.interp(self.drive_frequency, self.frequencies, self.speed(height)))
             found[f"speed_at_drive_frequency_{height}"] = (at_drive, "m/s")
@@ -89,7 +105,7 @@ class SpeedStudy:
 
 
 def speed_study(drive: TipDrive, run_all: RunAll) -> SpeedStudy:
-    """Steady speed over frequency and height of the tip.
+    """Steady speed over frequency and height of the tip, at one height from two initial speeds.
 
     Args:
         drive: of a machine with one actuator.
@@ -102,4 +118,7 @@ def speed_study(drive: TipDrive, run_all: RunAll) -> SpeedStudy:
     found = run_all(partial(steady, drive.machine, shortest=0.2), cases)
     count = len(FREQUENCIES)
     points = {name: found[i * count : (i + 1) * count] for i, name in enumerate(HEIGHTS)}
-    return SpeedStudy(2.0 * ellipse.along, drive.frequency, np.array(FREQUENCIES), points)
+    half = list(HEIGHTS).index(HALF) * count
+    slow = partial(steady, drive.machine, shortest=0.2, guess=SECOND_GUESS)
+    again = run_all(slow, cases[half : half + count])
+    return SpeedStudy(2.0 * ellipse.along, drive.frequency, np.array(FREQUENCIES), points, again)
