@@ -12,6 +12,7 @@ import numpy as np
 
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.quality import scale_warnings
+from sysid.experiment.questions import unanswered_questions
 from sysid.experiment.record import Record
 from sysid.noise.estimate import noise_warnings
 from sysid.prediction.force_balance.measured_motion import motion_warnings
@@ -49,7 +50,8 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
     found += noise_warnings(problem.noise, {c: (m.over_noise, m.size) for c, m in errors.items()})
     found += _identical_records(problem.records)
     found += scale_warnings([(record.name, record.channels, record.units) for record in problem.records])
-    found += [f"{record.name}: {line}" for record in problem.records for line in record.warnings]
+    found += dict.fromkeys(f"{record.name}: {fault.text}" for record in problem.records for fault in record.faults)
+    found += unanswered_questions(problem.experiment.text)
     for record in problem.records:
         found += _constant_channels(record, measured)
         found += _outliers(record, measured)

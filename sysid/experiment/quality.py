@@ -32,13 +32,19 @@ class Fault:
         channel: its name.
         kind: `clipped`, `frozen` or `dropped`.
         rows: mask (n,).
+        logged: what the file has there, SI, shape (n,).
         text: one line for the user.
     """
 
     channel: str
     kind: str
     rows: np.ndarray
+    logged: np.ndarray
     text: str
+
+    def within(self, part: slice) -> Fault:
+        """The fault in a part of the record."""
+        return Fault(self.channel, self.kind, self.rows[part], self.logged[part], self.text)
 
 
 def faults_of(
@@ -64,7 +70,8 @@ def faults_of(
             found["frozen"] = _frozen(signal, moving) & ~found["clipped"]
         for kind, rows in found.items():
             if rows.any():
-                faults.append(Fault(channel, kind, rows, _text(channel, kind, rows, time, signal, units[channel])))
+                text = _text(channel, kind, rows, time, signal, units[channel])
+                faults.append(Fault(channel, kind, rows, signal, text))
     return faults
 
 

@@ -12,7 +12,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.columns.repeated_time import RepeatedTime, without_repeats
 from sysid.experiment.experiment import Experiment, RecordSpec
-from sysid.experiment.quality import faults_of, without_faults
+from sysid.experiment.quality import Fault, faults_of, without_faults
 from sysid.experiment.readers.base import MOST_ROWS, shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
@@ -48,7 +48,7 @@ class Record:
         uniform: whether every step equals the median within 1 %.
         continues: name of the record that this one continues; None if there is none.
         noise: standard deviation by channel as given for this record or the experiment, SI.
-        warnings: what is wrong in its rows, one line each.
+        faults: rows without a value of their own, which are gaps of the channels.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Record:
     uniform: bool
     continues: str | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    faults: tuple[Fault, ...] = ()
 
     @property
     def size(self) -> int:
@@ -194,7 +194,7 @@ def _record(
         uniform=uniform,
         continues=spec.continues,
         noise={**noise, **spec.noise},
-        warnings=tuple(fault.text for fault in faults),
+        faults=tuple(faults),
     )
 
 
@@ -384,4 +384,5 @@ def _part(record: Record, rows: slice, note: str) -> Record:
         time=record.time[rows],
         channels={channel: array[rows] for channel, array in record.channels.items()},
         notes=(*record.notes, note),
+        faults=tuple(part for fault in record.faults if (part := fault.within(rows)).rows.any()),
     )

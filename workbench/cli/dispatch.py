@@ -27,6 +27,7 @@ COMMANDS = {
     "calc": "One design calculator by itself.",
     "simulate": "The thesis's experiments, and the stage driven by its piezos.",
     "effects": "The library of physical effects.",
+    "look": "All channels of a measurement as they are logged, with what is wrong in them, before any fit.",
     "compare": "Fit the model to a measurement; show on what its residual depends.",
     "diagnose": "Which physical effect is missing, ranked, and which effects are indistinguishable.",
     "add": "Add effects to an experiment's model, fit, and write the next rung of its ladder.",

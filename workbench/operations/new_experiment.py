@@ -17,6 +17,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
 from sysid.experiment.columns.proposal import Proposal as Column
 from sysid.experiment.columns.proposal import propose as propose_columns
+from sysid.experiment.questions import QUESTION
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.open import SUFFIXES, RecordFile, open_record_file, record_suffix, unknown_format
 from sysid.experiment.rig_kinds.declaration import find_rig, kinds
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
     from workbench.operations.design import Design
 
-QUESTION = "QUESTION:"
-"""Mark of a line that the user should look at."""
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""
 

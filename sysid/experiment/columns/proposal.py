@@ -155,13 +155,13 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         unit = column_unit(stated) if stated else None
         if unit is None and not header.numbered:
             unit = _unit_of_name(column.name)
-        if unit is None and is_serial_date(column.name, values):
-            unit = "day"
+        serial = unit is None and is_serial_date(column.name, values)
+        unit = "day" if serial else unit
         guess = _meaning(column.name, unit, header.numbered, known)
         if column.name.strip().casefold() not in known and (reason := _is_flag(column.name, values)):
             reasons[index] = reason
             continue
-        guesses[index] = guess
+        guesses[index] = guess._replace(why="by its numbers: days, as spreadsheets write dates") if serial else guess
     _by_numbers(guesses, columns)
     chosen, question = (kind, "") if kind else _kind({guess.meaning for guess in guesses.values()})
     rig = find_rig(chosen, "--kind")

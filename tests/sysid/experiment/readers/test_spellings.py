@@ -84,7 +84,7 @@ def test_a_mark_that_may_be_either_is_asked_for(tmp_path: Path) -> None:
     rows = [f"{k},0;{1 + k % 3}.{100 + k};{k},5" for k in range(ROWS)]
     file = _write(tmp_path, rows)
     with pytest.raises(InputError, match=r"'1\.100' is not a number; if '\.' groups thousands: \[format\] thousands"):
-        _columns(file)
+        _columns(file, decimal=",")
     assert _columns(file, decimal=",", thousands=".")[1][0] == 1100.0
 
 

@@ -1,0 +1,85 @@
+"""Clipped, frozen and dropped values are found and left out; signals without such faults are left alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sysid.experiment.quality import faults_of, scale_warnings, without_faults
+
+TIME = np.arange(4000) * 1e-3
+UNITS = {"position": "m", "friction_force": "N"}
+
+
+def _channels(noise: float = 0.01, quantum: float = 0.0, seed: int = 1) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    position = 0.05 * np.sin(2 * np.pi * 0.7 * TIME)
+    velocity = np.gradient(position, TIME)
+    force = 3.0 * np.sign(velocity) + 20.0 * velocity + noise * rng.standard_normal(TIME.size)
+    force = np.round(force / quantum) * quantum if quantum else force
+    return {"position": position, "friction_force": force}
+
+
+def _faults(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    return {fault.kind: fault.rows for fault in faults_of(TIME, channels, UNITS, ["friction_force"])}
+
+
+@pytest.mark.parametrize("limit", [3.5, 4.5, 7.0])
+def test_clipped_values(limit: float) -> None:
+    channels = _channels()
+    over = np.abs(channels["friction_force"]) > limit
+    channels["friction_force"] = np.clip(channels["friction_force"], -limit, limit)
+    found = _faults(channels)
+    assert set(found) == {"clipped"}
+    assert np.mean(found["clipped"][over]) > 0.9 and not np.any(found["clipped"][~over])
+
+
+def test_frozen_values() -> None:
+    channels = _channels()
+    channels["friction_force"][1000:1200] = channels["friction_force"][1000]
+    found = _faults(channels)
+    assert set(found) == {"frozen"}
+    np.testing.assert_array_equal(np.flatnonzero(found["frozen"]), np.arange(1001, 1200))
+
+
+@pytest.mark.parametrize(("value", "rows"), [(0.0, [700]), (-9999.0, [100, 900, 2500, 2502])])
+def test_dropped_values(value: float, rows: list[int]) -> None:
+    channels = _channels()
+    channels["friction_force"][rows] = value
+    found = _faults(channels)
+    np.testing.assert_array_equal(np.flatnonzero(found["dropped"]), rows)
+
+
+QUIET = {
+    "noise": _channels(),
+    "no noise": _channels(0.0),
+    "coarse counts": _channels(0.01, 0.2),
+    "fine counts": _channels(0.05, 0.01),
+    "plain Coulomb friction": _channels(0.0) | {"friction_force": np.sign(np.cos(4.4 * TIME))},
+    "rests": _channels() | {"position": np.clip(0.05 * np.sin(4.4 * TIME), -0.03, 0.03)},
+}
+
+
+@pytest.mark.parametrize("name", QUIET)
+def test_records_without_faults(name: str) -> None:
+    assert not _faults(QUIET[name])
+
+
+def test_rows_of_a_fault_are_gaps_and_no_other() -> None:
+    channels = _channels()
+    channels["friction_force"][700] = 0.0
+    faults = faults_of(TIME, channels, UNITS, ["friction_force"])
+    kept = without_faults(channels, faults)
+    assert np.flatnonzero(np.isnan(kept["friction_force"])).tolist() == [700]
+    assert (
+        faults[0].text
+        == "'friction_force' drops to 0 N for single rows (1 row, the first at 0.7 s); this row is left out"
+    )
+
+
+def test_a_record_of_another_scale_is_named() -> None:
+    one, other = _channels(), _channels(seed=2)
+    other["position"] = 1e3 * other["position"]
+    lines = scale_warnings([("fit", one, UNITS), ("validate", other, UNITS)])
+    assert len(lines) == 1 and "'position'" in lines[0] and "1e+03 times" in lines[0]
+    assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])

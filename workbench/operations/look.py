@@ -1,0 +1,132 @@
+"""All channels of an experiment as they are logged, with what is wrong in them, before any fit."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stagecad.parameters.units import format_quantity
+from sysid.experiment.experiment import Experiment, load_experiment
+from sysid.experiment.quality import scale_warnings
+from sysid.experiment.questions import unanswered_questions
+from sysid.experiment.record import Record, load_whole_records
+from workbench.operations.result import Result, finite
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+class Look(Result):
+    """The records of an experiment before any fit.
+
+    Args:
+        experiment: as read.
+        records: every record, with gaps where a sensor has no value of its own.
+    """
+
+    def __init__(self, experiment: Experiment, records: tuple[Record, ...]) -> None:
+        self.experiment, self.records = experiment, records
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What is wrong, one line each."""
+        faults = [f"{record.name}: {fault.text}" for record in self.records for fault in record.faults]
+        scales = scale_warnings([(record.name, record.channels, record.units) for record in self.records])
+        return [*faults, *scales, *unanswered_questions(self.experiment.text)]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each channel of each record: range, gaps, rows of each fault; SI."""
+        import pandas as pd
+
+        return pd.DataFrame(self._rows()).set_index(["record", "channel"])
+
+    def _rows(self) -> list[dict[str, Any]]:
+        rows = []
+        for record in self.records:
+            for channel, values in record.channels.items():
+                counts = {
+                    kind: sum(int(f.rows.sum()) for f in record.faults if (f.channel, f.kind) == (channel, kind))
+                    for kind in ("clipped", "frozen", "dropped")
+                }
+                some = np.isfinite(values).any()
+                rows.append(
+                    {
+                        "record": record.name,
+                        "channel": channel,
+                        "unit": record.units[channel],
+                        "low": float(np.nanmin(values)) if some else None,
+                        "high": float(np.nanmax(values)) if some else None,
+                        "gaps": int(np.isnan(values).sum()) - sum(counts.values()),
+                        **counts,
+                    }
+                )
+        return rows
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad look --json`."""
+        records = [
+            {
+                "name": record.name,
+                "role": record.role,
+                "file": record.file,
+                "rows": record.size,
+                "seconds": float(record.time[-1] - record.time[0]),
+                "step": {"value": record.step, "unit": "s"},
+                "uniform": record.uniform,
+                "notes": list(record.notes),
+                "sha256": record.sha256,
+                "channels": {
+                    row["channel"]: {
+                        "low": {"value": row["low"], "unit": row["unit"]},
+                        "high": {"value": row["high"], "unit": row["unit"]},
+                        **{key: row[key] for key in ("gaps", "clipped", "frozen", "dropped")},
+                    }
+                    for row in self._rows()
+                    if row["record"] == record.name
+                },
+            }
+            for record in self.records
+        ]
+        return finite({"schema": 1, "records": records, "warnings": self.warnings})
+
+    def lines(self) -> list[str]:
+        """The records and their channels as text."""
+        shown = []
+        for record in self.records:
+            span = format_quantity(float(record.time[-1] - record.time[0]), "s", 4)
+            shown.append(f"{record.name} ({record.role}): {record.size} rows, {span}, {record.file}")
+            for row in self._rows():
+                if row["record"] != record.name:
+                    continue
+                ends = [
+                    "none" if row[end] is None else format_quantity(row[end], row["unit"], 4) for end in ("low", "high")
+                ]
+                faults = [f"{row[kind]} {kind}" for kind in ("gaps", "clipped", "frozen", "dropped") if row[kind]]
+                shown.append(f"  {row['channel']}: {' .. '.join(ends)}" + (f"; {', '.join(faults)}" if faults else ""))
+        return shown
+
+    def plot(self) -> Figure:
+        """All raw channels over time, with the faults marked."""
+        from workbench.figures.raw_channels import raw_channels_figure
+
+        return raw_channels_figure(self.records)
+
+    def __repr__(self) -> str:
+        return f"<Look at {len(self.records)} records: {len(self.warnings)} warnings>"
+
+
+def look(experiment: str | Path | Experiment) -> Look:
+    """Read every record of an experiment, and look at its rows.
+
+    Args:
+        experiment: the folder, its `experiment.toml`, or an experiment as read.
+
+    Raises:
+        InputError: one line with file, row and column.
+    """
+    loaded = experiment if isinstance(experiment, Experiment) else load_experiment(experiment)
+    return Look(loaded, tuple(load_whole_records(loaded)))
