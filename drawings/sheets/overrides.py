@@ -28,6 +28,7 @@ from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
 from drawings.views.view import PROJECTIONS, Point2
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
 
 FILE = "sheets.toml"
@@ -71,7 +72,7 @@ def read_overrides(path: Path, sheets: Sequence[str]) -> tuple[tuple[str, str], 
         InputError: not TOML, an unknown sheet or key, a wrong value.
     """
     try:
-        document = tomllib.loads(path.read_text("utf-8"))
+        document = tomllib.loads(read_input(path).decode("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
     for name, changes in document.items():

@@ -22,6 +22,7 @@ from typing import Any
 from sim.effects.catalogue import library, valid_name
 from sim.effects.effect import Axis, Effect, Parameter
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 
 ROWS = 7
 ACTS_ON = ("friction", "axis", "drive", "piezo", "sensor", "memory", "structure")
@@ -87,13 +88,13 @@ def load_all_custom(sources: Sequence[str | Path | Effect], accept: Accept = lam
 
 def _run(path: Path, accept: Accept) -> ModuleType:
     try:
-        data = path.read_bytes()
+        data = read_input(path)
     except FileNotFoundError:
         folder = path.parent if path.parent.is_dir() else None
         near = nearest(path.name, [p.name for p in folder.glob("*.py")]) if folder and list(folder.glob("*.py")) else ""
         raise InputError(f"{path}: no such file{near}") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     accept(path, data)
     module = ModuleType(path.stem)
     module.__file__ = str(path)

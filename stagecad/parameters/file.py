@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.iso286 import in_range, is_class
 from stagecad.parameters.project_tables import HARDWARE, ProjectTable, read_project_tables
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
@@ -98,10 +99,7 @@ def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
         return _packaged()
     name = str(path)
     try:
-        with Path(path).open("rb") as stream:
-            data = stream.read(_LARGEST + 1)
-        if len(data) > _LARGEST:
-            raise InputError(f"{name}: is too large for a parameter file")
+        data = read_input(path, _LARGEST)
     except FileNotFoundError:
         raise InputError(f"{name}: no such parameter file") from None
     except IsADirectoryError:

@@ -23,6 +23,7 @@ from stagecad.parameters.file import (
     read_parameter_file,
     require_origin,
 )
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.project_tables import HARDWARE, ROW, ProjectTable, kinds, slot_kinds
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
@@ -216,9 +217,7 @@ def write_values(path: str | Path, changes: Mapping[str, tuple[str | float | boo
 def check_values(path: str | Path, changes: Mapping[str, tuple[str | float | bool, str]]) -> str:
     """The text that `write_values` would write, checked as a whole; arguments and errors as there."""
     read_parameter_file(path)
-    with Path(path).open(encoding="utf-8-sig", newline="") as stream:
-        text = stream.read()
-    return changed_text(text, str(path), changes)
+    return changed_text(read_input(path).decode("utf-8-sig"), str(path), changes)
 
 
 def changed_text(

@@ -19,6 +19,7 @@ from typing import Any
 
 from stagecad.friction_stage.parameters import hardware, physics
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.schema import Declaration, declarations, mm
 from stagecad.parameters.units import parse_quantity, quoted
 
@@ -142,16 +143,13 @@ def _text(name: str, folder: Path, place: str) -> str:
         path, root = (folder / name).resolve(), folder.resolve()
         if Path(name).is_absolute() or root not in path.parents:
             raise InputError(f"{place} = {shown}: lies outside the folder of the parameter file; put the table into it")
-        with path.open("rb") as stream:
-            data = stream.read(_LARGEST + 1)
+        data = read_input(path, _LARGEST)
     except FileNotFoundError:
         raise InputError(f"{place} = {shown}: no such file in the folder of the parameter file") from None
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{place} = {shown}: cannot be read ({getattr(error, 'strerror', error)})") from None
-    if len(data) > _LARGEST:
-        raise InputError(f"{name}: is too large for a table of hardware, at most {_LARGEST / 1e6:g} MB")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -25,6 +25,7 @@ import numpy as np
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.input_file import read_input
 from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, systematic_errors
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
@@ -123,7 +124,7 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
 
 def _source(path: Path) -> str:
     """Text of a user's effect, which another process runs without asking."""
-    data = path.read_bytes()
+    data = read_input(path)
     require_consent(path, data)
     return data.decode("utf-8")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import parse_quantity
 
@@ -131,7 +132,7 @@ def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
         InputError: unreadable, not UTF-8, or not TOML, with line and column.
     """
     try:
-        data = path.read_bytes()
+        data = read_input(path)
         text = data.decode("utf-8-sig")
     except OSError as error:
         raise InputError(f"{shown_name}: cannot be read: {error.strerror}") from None

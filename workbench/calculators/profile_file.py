@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
 
 COLUMNS = ("position", "height")
@@ -21,8 +22,8 @@ def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
         InputError: no such file, another header, a cell that is not a number, or uneven spacing (by more than 0.1 %).
     """
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.reader(file) if row]
+        lines = read_input(path).decode("utf-8").splitlines()
+        rows = [row for row in csv.reader(lines) if row]
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except UnicodeDecodeError:

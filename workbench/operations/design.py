@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parse_parameter_text, read_parameter_file
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.load import (
     changed_text,
     design_from_text,
@@ -99,7 +100,7 @@ class Design(Result):
         """Text of the parameter file, without the overrides."""
         if self._text is not None:
             return self._text
-        return packaged_text() if self.path is None else self.path.read_text("utf-8-sig")
+        return packaged_text() if self.path is None else read_input(self.path).decode("utf-8-sig")
 
     @property
     def file(self) -> ParameterFile:

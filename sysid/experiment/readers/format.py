@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,6 +10,9 @@ from sysid.experiment.toml_table import TomlTable, kind_of, quantity, shown
 
 DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
 """Characters between columns, and their names; any run of blanks and tabs is one delimiter for ' '."""
+
+SAMPLE = "0.5;-1e3\n"
+"""A row that an encoding of texts must be able to write and to read."""
 
 REPEATED_TIME = ("first", "mean", "spread")
 
@@ -79,11 +81,13 @@ def read_format(table: TomlTable) -> Format:
     if "encoding" in table.data:
         encoding = table.text("encoding")
         try:
-            codecs.lookup(encoding)
-        except LookupError:
+            known = SAMPLE.encode(encoding).decode(encoding) == SAMPLE
+        except (LookupError, ValueError):
+            known = False
+        if not known:
             raise InputError(
-                f"{table.where('encoding')}: {shown(encoding)} is not an encoding; such as utf-8, utf-16, cp1252"
-            ) from None
+                f"{table.where('encoding')}: {shown(encoding)} is no text encoding; such as utf-8, utf-16, cp1252"
+            )
     if "repeated_time" in table.data:
         repeated = table.choice("repeated_time", REPEATED_TIME)
     if "sample_rate" in table.data:

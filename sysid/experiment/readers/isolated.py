@@ -1,7 +1,7 @@
 """Binary record files, read by another process: one that crashes, or that a small file makes large, harms nothing here.
 
 The process opens the file and answers on its standard output with a line of JSON and the columns as raw 64-bit floats.
-It has limits on memory and on processor time, and ends with the process that started it. Nothing that it answers is run
+It has limits on memory and on time, and ends with the process that started it. Nothing that it answers is run
 or unpickled.
 """
 
@@ -28,6 +28,8 @@ MEMORY = 4 * 1024**3
 """Limit of the address space beyond the file's size, bytes."""
 SECONDS = 60
 """Limit of the processor time, s."""
+WAITING = 300
+"""Limit of the elapsed time, s: a file system may not answer."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,11 @@ def _ask(
     # The process ends when this end of its standard input is closed.
     standard_input, kept_open = os.pipe()
     try:
-        ended = subprocess.run(command, stdin=standard_input, capture_output=True, env=environment, check=False)
+        ended = subprocess.run(
+            command, stdin=standard_input, capture_output=True, env=environment, check=False, timeout=WAITING
+        )
+    except subprocess.TimeoutExpired:
+        raise InputError(f"{name}: is not read within {WAITING} s") from None
     finally:
         os.close(standard_input)
         os.close(kept_open)

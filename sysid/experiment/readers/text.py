@@ -11,12 +11,16 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MOST_BYTES, shown_path
+from sysid.experiment.readers.base import MOST_BYTES, MOST_ROWS, shown_path
 from sysid.experiment.readers.format import Format
 
 HEAD = 1 << 18
 """Bytes at the start of a file in which its form is looked for."""
 
+MOST_LINES = MOST_ROWS + 10_000
+"""Largest number of lines of a file: its rows, and text above them."""
+LONGEST_ROW = 16_000_000
+"""Largest number of bytes of a row."""
 _BLOCK = 1 << 22
 _MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig"))
 
@@ -31,32 +35,49 @@ def open_bytes(path: Path) -> BinaryIO:
     """The bytes of a file, decompressed.
 
     Raises:
-        InputError: while it is read, if it is larger than a record file may be once it is decompressed.
+        InputError: while it is read, if it has more bytes, rows, or bytes in a row than a record file may have.
     """
-    return cast(BinaryIO, io.BufferedReader(_Decompressed(path), _BLOCK)) if is_gzip(path) else path.open("rb")
+    return cast(BinaryIO, io.BufferedReader(_Limited(path), _BLOCK))
 
 
-class _Decompressed(io.RawIOBase):
-    """The content of a gzip file: a small one may hold a very large text."""
+class _Limited(io.RawIOBase):
+    """The content of a text file, decompressed; a small compressed one may hold a very large text."""
 
     def __init__(self, path: Path) -> None:
-        self.file = gzip.open(path, "rb")  # noqa: SIM115
-        self.name = str(path)
-        self.count = 0
+        self.file: Any = gzip.open(path, "rb") if is_gzip(path) else path.open("rb", buffering=0)  # noqa: SIM115
+        self.name = shown_path(str(path))
+        self.bytes = self.rows = self.row_bytes = 0
 
     def readable(self) -> bool:
         return True
 
     def readinto(self, buffer: Any, /) -> int:
         count = self.file.readinto(buffer)
-        self.count += count
-        if self.count > MOST_BYTES:
-            raise InputError(f"{shown_path(self.name)}: is larger than {MOST_BYTES / 1024**3:g} GB decompressed")
+        data = bytes(buffer[:count])
+        self.bytes += count
+        # Rows may end with either sign.
+        rows = max(data.count(b"\n"), data.count(b"\r"))
+        self.rows += rows
+        self.row_bytes = 0 if rows else self.row_bytes + count
+        if self.bytes > MOST_BYTES:
+            raise InputError(f"{self.name}: is larger than {MOST_BYTES / 1024**3:g} GB decompressed")
+        if self.rows > MOST_LINES:
+            raise InputError(f"{self.name}: has more than {MOST_ROWS} rows; keep every n-th row")
+        if self.row_bytes > LONGEST_ROW:
+            raise InputError(f"{self.name}: near row {self.rows + 1}: a row is longer than {LONGEST_ROW / 1e6:g} MB")
         return count
 
     def close(self) -> None:
         self.file.close()
         super().close()
+
+
+def need_few_rows(path: Path) -> None:
+    """Refuse a text file that is not compressed and has too many rows, or too long ones, before it is loaded."""
+    if path.stat().st_size > MOST_LINES:
+        with open_bytes(path) as file:
+            while file.read(_BLOCK):
+                pass
 
 
 def read_head(path: Path, name: str) -> tuple[bytes, bool]:
@@ -75,6 +96,8 @@ def read_head(path: Path, name: str) -> tuple[bytes, bool]:
         raise InputError(f"{name}: is a Parquet file; give it the suffix .parquet")
     if b"\x00" in data[:4096] and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise InputError(f"{name}: holds binary data, no CSV text")
+    if more and b"\n" not in data and b"\r" not in data:
+        raise InputError(f"{name}: its first row is longer than {HEAD // 1024} kB; is it a file with columns?")
     return data, more
 
 
@@ -88,9 +111,9 @@ def encoding_of(head: bytes, settings: Format, name: str) -> str:
     if settings.encoding is not None:
         try:
             head[: len(head) // 4 * 4 - 8 if len(head) == HEAD else None].decode(settings.encoding)
-        except UnicodeDecodeError as error:
+        except UnicodeError as error:
             raise InputError(
-                f"{name}: byte {error.start + 1} is not {settings.encoding}; see [format] encoding"
+                f"{name}: byte {getattr(error, 'start', 0) + 1} is not {settings.encoding}; see [format] encoding"
             ) from None
         return settings.encoding
     for mark, encoding in _MARKS:

@@ -23,6 +23,7 @@ from sysid.experiment.readers.formats.arrays import (
 
 __all__ = ["is_hdf5", "read_columns", "read_header", "row_number"]
 
+ELSEWHERE = "is stored in another file, which is not read; copy it into this one (h5repack)"
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -41,7 +42,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
     with _open(path, name) as file:
         found: list[str] = []
         units: dict[str, str] = {}
-        for place, data in _data_sets(file):
+        for place, data in _data_sets(file, name):
             paths = [key for key, _ in vector_places(data.dtype, data.shape, place)]
             found += paths
             unit = data.attrs.get("unit", data.attrs.get("units"))
@@ -56,7 +57,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     wanted = [header.layout[index] for index in indices]
     found: dict[str, np.ndarray] = {}
     with _open(path, name) as file:
-        for place, data in _data_sets(file):
+        for place, data in _data_sets(file, name):
             if any(key == place or key.startswith(f"{place}.") for key in wanted):
                 try:
                     found |= dict(vectors(data[()], place))
@@ -78,17 +79,34 @@ def _open(path: Path, name: str) -> Any:
         raise damaged(name, "hdf5") from None
 
 
-def _data_sets(file: Any) -> Iterator[tuple[str, Any]]:
-    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out."""
+def _data_sets(file: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out.
+
+    Raises:
+        InputError: data of another file, by an external link, external storage, or a virtual data set.
+    """
     import h5py
 
+    groups = set()
+
     def inside(group: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-        for key, item in group.items():
+        address = hash(group.id)
+        if address in groups:  # a group within itself
+            return
+        groups.add(address)
+        for key in group:
+            place = f"{prefix}{key}"
             if key.startswith("#"):
                 continue
+            # A link is looked at before it is followed: another file may be anything.
+            if isinstance(group.get(key, getlink=True), h5py.ExternalLink):
+                raise InputError(f"{name}: '{place}' {ELSEWHERE}")
+            item = group.get(key)
             if isinstance(item, h5py.Group):
-                yield from inside(item, f"{prefix}{key}.")
+                yield from inside(item, f"{place}.")
             elif isinstance(item, h5py.Dataset) and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
-                yield f"{prefix}{key}", item
+                if item.external or item.is_virtual:
+                    raise InputError(f"{name}: '{place}' {ELSEWHERE}")
+                yield place, item
 
     yield from inside(file, "")

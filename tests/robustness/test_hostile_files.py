@@ -1,0 +1,149 @@
+"""Files that wait for ever, lead elsewhere, or are larger than they look, each refused in one line."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.input_file import read_input
+from sysid.experiment.readers import isolated, text
+from sysid.experiment.readers.base import MOST_ROWS
+from sysid.experiment.readers.open import open_record_file
+from workbench.cli import run
+
+pipes = pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes")
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(InputError) as caught:
+        opened = open_record_file(path, path.name)
+        opened.columns(range(len(opened.header.labels)))
+    line = str(caught.value)
+    assert "\n" not in line
+    return line
+
+
+@pipes
+def test_only_regular_files_are_read(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.toml"
+    os.mkfifo(pipe)
+    for path in (pipe, Path("/dev/zero")):
+        with pytest.raises(OSError, match="is not a regular file"):
+            read_input(path)
+    with pytest.raises(IsADirectoryError):
+        read_input(tmp_path)
+    (tmp_path / "large").write_bytes(b"0" * 11)
+    with pytest.raises(OSError, match="is larger than"):
+        read_input(tmp_path / "large", 10)
+
+
+@pipes
+@pytest.mark.parametrize("case", ["experiment", "effect", "parameters", "diff", "part", "table"])
+def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, capsys, case: str) -> None:
+    """A pipe that nobody writes to, wherever a command reads a file of the user's."""
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe")
+    os.mkfifo("pipe.py")
+    words = {
+        "experiment": ["compare", "rig"],
+        "effect": ["compare", "rig"],
+        "parameters": ["params", "--params", "pipe"],
+        "diff": ["diff", "stage.toml", "pipe"],
+        "part": ["calc", "probe", "pipe"],
+        "table": ["params"],
+    }[case]
+    table = '[hardware]\nscrews = "pipe"\n' if case == "table" else ""
+    Path("stage.toml").write_text(f'extends = "thesis"\n{table}')
+    Path("rig").mkdir()
+    if case == "experiment":
+        os.mkfifo("rig/experiment.toml")
+    else:
+        os.mkfifo("rig/own.py")
+        Path("rig/experiment.toml").write_text('[rig]\nkind = "tip-on-disc"\n[model]\ncustom = ["own.py"]\n')
+    assert run(words) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+class TestHdf5:
+    """Data sets that are not in the file itself, which may be any file of the user's, or a pipe."""
+
+    h5py = pytest.importorskip("h5py")
+
+    def file(self, folder: Path):
+        return self.h5py.File(folder / "a.h5", "w")
+
+    def test_external_storage(self, tmp_path: Path) -> None:
+        (tmp_path / "secret.bin").write_bytes(bytes(800))
+        with self.file(tmp_path) as file:
+            file["time"] = [0.0, 1.0, 2.0]
+            file.create_dataset("x", shape=(100,), dtype="f8", external=[(str(tmp_path / "secret.bin"), 0, 800)])
+        assert "'x' is stored in another file" in refusal(tmp_path / "a.h5")
+
+    @pipes
+    def test_external_link_to_a_pipe(self, tmp_path: Path) -> None:
+        os.mkfifo(tmp_path / "pipe")
+        with self.file(tmp_path) as file:
+            file["time"] = [0.0, 1.0, 2.0]
+            file["group/x"] = self.h5py.ExternalLink(str(tmp_path / "pipe"), "/x")
+        assert "'group.x' is stored in another file" in refusal(tmp_path / "a.h5")
+
+    def test_virtual_data_set(self, tmp_path: Path) -> None:
+        layout = self.h5py.VirtualLayout(shape=(3,), dtype="f8")
+        layout[:] = self.h5py.VirtualSource("other.h5", "x", shape=(3,))
+        with self.file(tmp_path) as file:
+            file.create_virtual_dataset("x", layout)
+        assert "'x' is stored in another file" in refusal(tmp_path / "a.h5")
+
+    def test_links_within_the_file_are_followed_once(self, tmp_path: Path) -> None:
+        with self.file(tmp_path) as file:
+            file["group/x"] = [0.0, 1.0, 2.0]
+            file["group/again"] = file["group"]
+            file["nowhere"] = self.h5py.SoftLink("/none")
+        assert open_record_file(tmp_path / "a.h5", "a.h5").header.labels == ("group.x",)
+
+
+def test_a_reader_that_waits_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.npz").write_bytes(b"PK")
+    monkeypatch.setattr(isolated, "WAITING", 0.01)
+    assert "is not read within" in refusal(tmp_path / "a.npz")
+
+
+def test_a_small_file_of_too_many_rows_is_refused_while_it_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = b"time [s],x [m]\n" + b"1,1\n" * 60_000
+    for name, content in (("a.csv", rows), ("a.csv.gz", gzip.compress(rows)), ("b.csv", rows.replace(b"\n", b"\r"))):
+        (tmp_path / name).write_bytes(content)
+        monkeypatch.setattr(text, "MOST_LINES", 1_000_000)
+        open_record_file(tmp_path / name, name).columns([0, 1])
+        monkeypatch.setattr(text, "MOST_LINES", 50_000)
+        assert f"has more than {MOST_ROWS} rows" in refusal(tmp_path / name)
+
+
+def test_a_row_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "first.csv.gz").write_bytes(gzip.compress(b"1," * 400_000))
+    assert "its first row is longer than 256 kB" in refusal(tmp_path / "first.csv.gz")
+    monkeypatch.setattr(text, "LONGEST_ROW", 5_000_000)
+    (tmp_path / "later.csv.gz").write_bytes(gzip.compress(b"t [s],x [m]\n0,1\n1,1\n" + b"1," * 8_000_000))
+    assert "near row 4: a row is longer than 5 MB" in refusal(tmp_path / "later.csv.gz")
+
+
+@pytest.mark.parametrize("encoding", ["idna", "rot13", "undefined", "base64", "no-such"])
+def test_encodings_that_are_no_text_encodings_are_refused(tmp_path: Path, capsys, encoding: str) -> None:
+    (tmp_path / "fit.csv").write_text("time [s],x [m]\n0,0\n1,1\n")
+    (tmp_path / "experiment.toml").write_text(
+        f'[rig]\nkind = "tip-on-disc"\n[format]\nencoding = "{encoding}"\n[[record]]\nfile = "fit.csv"\nuse = "fit"\n'
+    )
+    assert run(["compare", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_rows_wider_than_a_header_with_time_stamps(tmp_path: Path) -> None:
+    rows = "".join(f"{k},{k},2026-01-01 00:00:{k:02d}\n" for k in range(30))
+    (tmp_path / "a.csv").write_text(f"time [s]\n{rows}")
+    assert refusal(tmp_path / "a.csv").startswith("a.csv: row 2: has 3 cells")
