@@ -19,10 +19,14 @@ from workbench.cli import run
 pipes = pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes")
 
 
+def read_all(path: Path) -> None:
+    opened = open_record_file(path, path.name)
+    opened.columns(range(len(opened.header.labels)))
+
+
 def refusal(path: Path) -> str:
     with pytest.raises(InputError) as caught:
-        opened = open_record_file(path, path.name)
-        opened.columns(range(len(opened.header.labels)))
+        read_all(path)
     line = str(caught.value)
     assert "\n" not in line
     return line
@@ -104,7 +108,7 @@ class TestHdf5:
             file["group/x"] = [0.0, 1.0, 2.0]
             file["group/again"] = file["group"]
             file["nowhere"] = self.h5py.SoftLink("/none")
-        assert open_record_file(tmp_path / "a.h5", "a.h5").header.labels == ("group.x",)
+        assert open_record_file(tmp_path / "a.h5", "a.h5").header.labels == ("x",)
 
 
 def test_a_reader_that_waits_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,7 +124,7 @@ def test_a_small_file_of_too_many_rows_is_refused_while_it_is_read(
     for name, content in (("a.csv", rows), ("a.csv.gz", gzip.compress(rows)), ("b.csv", rows.replace(b"\n", b"\r"))):
         (tmp_path / name).write_bytes(content)
         monkeypatch.setattr(text, "MOST_LINES", 1_000_000)
-        open_record_file(tmp_path / name, name).columns([0, 1])
+        read_all(tmp_path / name)
         monkeypatch.setattr(text, "MOST_LINES", 50_000)
         assert f"has more than {MOST_ROWS} rows" in refusal(tmp_path / name)
 
@@ -141,9 +145,3 @@ def test_encodings_that_are_no_text_encodings_are_refused(tmp_path: Path, capsys
     )
     assert run(["compare", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_rows_wider_than_a_header_with_time_stamps(tmp_path: Path) -> None:
-    rows = "".join(f"{k},{k},2026-01-01 00:00:{k:02d}\n" for k in range(30))
-    (tmp_path / "a.csv").write_text(f"time [s]\n{rows}")
-    assert refusal(tmp_path / "a.csv").startswith("a.csv: row 2: has 3 cells")

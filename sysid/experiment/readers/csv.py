@@ -21,7 +21,15 @@ from sysid.experiment.readers.base import Column, Header, to_numpy
 from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, kind_of_cell, split, unit_of_cell
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.numbers import is_hexadecimal, respelled_column
-from sysid.experiment.readers.text import SingleBlanks, encoding_of, is_gzip, lines_of, need_few_rows, open_bytes, read_head
+from sysid.experiment.readers.text import (
+    SingleBlanks,
+    encoding_of,
+    is_gzip,
+    lines_of,
+    need_few_rows,
+    open_bytes,
+    read_head,
+)
 from sysid.experiment.readers.time_stamps import seconds
 from sysid.experiment.toml_table import shown
 
