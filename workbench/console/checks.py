@@ -12,8 +12,8 @@ from designcalc.checks.analysis.sweep import Point, Range, changing_checks
 from designcalc.checks.analysis.tolerance import ToleranceStudy
 from designcalc.checks.check import Check
 from designcalc.friction_stage.physics.tolerance_chains import Chain
+from workbench.cli.console import plain_table
 from workbench.cli.options import Run
-from workbench.console.tables import plain_table
 
 _STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
 MOST_COLUMNS, MOST_CURVES = 6, 8

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from designcalc.checks.analysis.report import shown, shown_margin
 from stagecad.parameters.units import format_quantity
+from workbench.cli.console import plain_table
 from workbench.cli.options import Run
-from workbench.console.tables import plain_table
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check

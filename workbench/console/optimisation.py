@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from rich.markup import escape
 
 from designcalc.checks.analysis.report import counted, shown, shown_margin
+from workbench.cli.console import plain_table
 from workbench.cli.options import Run
-from workbench.console.tables import plain_table
 from workbench.machine.levels import level_rows, never_met, price_rows
 
 if TYPE_CHECKING:

@@ -36,7 +36,7 @@ def command(
         raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--drop' if drop else '--write-back'}")
     if not (undo_last or effects or drop or keys):
         raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
-    from workbench.console.tables import show
+    from workbench.cli.console import show
     from workbench.operations.add import add, undo, write_fitted
     from workbench.operations.experiment import Experiment
     from workbench.operations.write_back import WriteBack

@@ -27,7 +27,7 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show on what its residual depends."""
     if scheduler is not None and bootstrap is None:
         raise InputError("--scheduler: only --bootstrap has many independent runs")
-    from workbench.console.tables import show, steps_in
+    from workbench.cli.console import show, steps_in
     from workbench.operations.compare import compare
 
     with run.busy("fitting the model as it stands"):

@@ -42,7 +42,7 @@ def command(run: Run) -> None:
 
 def _loop(run: Run, folder: Path) -> dict[str, Any]:
     """Compare, diagnose and add until nothing is missing; suggest, ladder; the documents of all steps."""
-    from workbench.console.tables import search_progress, show
+    from workbench.cli.console import search_progress, show
     from workbench.operations.add import add, ladder
     from workbench.operations.compare import compare
     from workbench.operations.demonstration import remember

@@ -16,7 +16,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:
     """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
-    from workbench.console.tables import search_progress, show
+    from workbench.cli.console import search_progress, show
     from workbench.operations.diagnose import diagnose
 
     with run.progress() as progress:

@@ -15,7 +15,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show the error after each effect added so far to the model of EXPERIMENT."""
-    from workbench.console.tables import show
+    from workbench.cli.console import show
     from workbench.operations.add import ladder
 
     grown = ladder(experiment, run.design)

@@ -97,7 +97,7 @@ def _is_experiment(name: str, known: tuple[str, ...]) -> bool:
 
 def _simulate_records(run: Run, names: tuple[str, ...], options: dict[str, Any]) -> None:
     """Records of the model of an experiment, and their experiment.toml."""
-    from workbench.console.tables import show
+    from workbench.cli.console import show
     from workbench.operations.simulate import simulate_into
 
     if len(names) != 1:
@@ -118,7 +118,7 @@ def _simulate_records(run: Run, names: tuple[str, ...], options: dict[str, Any])
 def _simulate(run: Run, names: tuple[str, ...], options: dict[str, Any]) -> None:
     """The selected experiments: at the design's own values, over a range of a parameter, or of sampled machines."""
     from designcalc.checks.analysis.sweep import read_range
-    from workbench.console.tables import show, steps_in
+    from workbench.cli.console import show, steps_in
     from workbench.operations import simulation_study
     from workbench.operations.simulate import EXPERIMENTS, read_selection, simulate_one
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench import cli
-from workbench.console.tables import rich_table
+from workbench.cli.console import rich_table
 from workbench.operations.demonstration import fresh_copy
 from workbench.operations.tables import parameter_table, ranking_table, revision_text
 

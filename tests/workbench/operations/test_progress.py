@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from sysid.diagnose import diagnose
 from workbench import cli
-from workbench.console.tables import search_progress
+from workbench.cli.console import search_progress
 from workbench.operations.demonstration import fresh_copy
 
 

@@ -13,7 +13,7 @@ import pytest
 import stagecad
 from stagecad import Experiment, InputError, Rig, RigKind
 
-EXAMPLE = Path(__file__).parents[4] / "examples" / "own_rig"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"
 COIL = RigKind(
     "force-drive",
     channels={"coil_current": "A"},

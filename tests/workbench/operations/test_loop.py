@@ -11,7 +11,7 @@ import pytest
 
 import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
-from tests.workbench.api.slide_log import NOISE, slide_log
+from tests.workbench.operations.slide_log import NOISE, slide_log
 from workbench.cli.dispatch import run_line
 from workbench.operations.tables import correlation_table
 

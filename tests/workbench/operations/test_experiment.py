@@ -8,7 +8,7 @@ import pytest
 
 import stagecad
 from stagecad import Experiment, InputError, Model, Record, Rig
-from tests.workbench.api.slide_log import slide_log
+from tests.workbench.operations.slide_log import slide_log
 
 
 def test_data_in_memory_and_in_files_give_the_same_records(slide: Experiment, tmp_path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import stagecad
-from tests.workbench.api.slide_log import NOISE, slide_log
+from tests.workbench.operations.slide_log import NOISE, slide_log
 
 
 @pytest.fixture(scope="session")
