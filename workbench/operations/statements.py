@@ -99,8 +99,8 @@ def comparison_statement(found: Comparison) -> str:
 
 def verdict_title(found: Diagnosis) -> str:
     """The verdict of a diagnosis in a few words."""
-    titles = {"adequate": "Nothing is missing", "unexplained": "Unexplained residual"}
-    return titles.get(found.verdict, f"What is missing: {found.effect}")
+    titles = {"adequate": "Nothing is missing", "unexplained": "No effect of the library explains the residual"}
+    return titles.get(found.verdict, f"{found.effect} is missing")
 
 
 def decision_line(found: Diagnosis) -> str:
@@ -113,13 +113,13 @@ def decision_line(found: Diagnosis) -> str:
 
 def diagnosis_statement(found: Diagnosis) -> str:
     """The decision of a diagnosis with the errors behind it."""
+    title = verdict_title(found)
     if found.verdict == "adequate":
-        return f"{verdict_title(found)}: {found.reason}."
+        return f"{title}: {found.reason}."
     depends = dependence_text(found.maps)
     if found.verdict == "unexplained" or found.best is None:
         rivals = rivals_text(found)
-        text = f"No effect of the library explains the residual: {rivals or found.reason}."
-        return f"{text} It depends on {depends or 'no recorded coordinate'}."
+        return f"{title}: {rivals or found.reason}. It depends on {depends or 'no recorded coordinate'}."
     channel = worst_channel(found.problem, found.before_validate)
     before, after = found.before_validate[channel], found.best.after_validate[channel]
     unit = channel_unit(found.problem, channel)
@@ -127,12 +127,12 @@ def diagnosis_statement(found: Diagnosis) -> str:
     ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
     error = f"the error of {channel.replace('_', ' ')} on the held-out records"
     if found.decision.detected_by:
-        return f"{found.effect} is missing: {found.decision.detected_by}. With it {error} changes from {rms}, {ratio}."
+        return f"{title}: {found.decision.detected_by}. With it {error} changes from {rms}, {ratio}."
     if dominated_by_few_samples(before, after):
-        text = f"{found.effect} is missing. With it {error} falls {ratio}."
+        text = f"{title}. With it {error} falls {ratio}."
         text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
     else:
-        text = f"{found.effect} is missing. With it {error} falls from {rms}, {ratio}."
+        text = f"{title}. With it {error} falls from {rms}, {ratio}."
     fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(found.best.after_fit, {}))
     if fit[0] > CLEARLY_WORSE * before.over_noise or fit[1] > CLEARLY_WORSE * after.over_noise:
         text += f" On the fit records it falls from {over_noise_text(fit[0])} to {over_noise_text(fit[1])}."

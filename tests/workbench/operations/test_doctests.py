@@ -8,9 +8,9 @@ import pkgutil
 
 import pytest
 
-import workbench.api
+import workbench.operations
 
-MODULES = [info.name for info in pkgutil.walk_packages(workbench.api.__path__, "workbench.api.")]
+MODULES = [info.name for info in pkgutil.walk_packages(workbench.operations.__path__, "workbench.operations.")]
 
 
 @pytest.mark.parametrize("name", ["stagecad", *MODULES])

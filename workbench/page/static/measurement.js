@@ -262,10 +262,9 @@ class Measurement {
   showDiagnosis(found) {
     const { document } = found;
     const best = Math.max(...document.ranking.map((row) => row.reduction ?? row.expected_reduction ?? 0), 1e-9);
-    const titles = { 'missing-effect': [words(document.effect ?? ''), ' is missing'], adequate: ['Nothing is missing'], unexplained: ['No effect of the library explains the residual'] };
     this.candidates = new Map();
     fill(this.ranking,
-      h('div', { class: `card verdict ${document.verdict}` }, h('b', {}, titles[document.verdict]),
+      h('div', { class: `card verdict ${document.verdict}` }, h('b', {}, words(found.title ?? '')),
         document.indistinguishable.length ? h('p', { class: 'warn' }, found.ties) : null,
         document.unexplained_share > 0.05 ? h('p', { class: 'dim' }, `${Math.round(100 * document.unexplained_share)} % of the misfit stays unexplained`) : null,
         found.remarks.map((text) => h('p', { class: 'dim' }, text)),
