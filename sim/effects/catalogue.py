@@ -94,6 +94,14 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
     return effect if effect.name == name else replace(effect, name=name)
 
 
+def is_built_in(effect: Effect) -> bool:
+    """Whether an effect is what `find` returns for its name without effects of the user's own."""
+    try:
+        return find(effect.name) == effect
+    except InputError:
+        return False
+
+
 def find_where(holds: Callable[[Effect], bool]) -> Effect:
     """The first built-in effect for which a condition holds, such as the one that rounds a channel."""
     return next(effect for effect in _built_in().values() if holds(effect))

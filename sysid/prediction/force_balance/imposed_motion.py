@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -152,8 +153,15 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
         filtered,
         velocity_sign=direction.sign,
         timing_uncertainty=float(np.hypot(record.timing_uncertainty, direction.timing * step)),
-        half_width_variant=lambda: (_filtered_axis(record.axis, 0.5 * width, std, spectrum)[0], unchanged),
+        half_width_variant=partial(_half_width, record.axis, width, std, spectrum, unchanged),
     )
+
+
+def _half_width(
+    axis: Axis, width: float, std: float, spectrum: NoiseSpectrum, unchanged: GaussianFilter
+) -> tuple[Axis, GaussianFilter]:
+    """The axis filtered by half the width, and the filter of its force."""
+    return _filtered_axis(axis, 0.5 * width, std, spectrum)[0], unchanged
 
 
 def _filtered_axis(axis: Axis, width: float, std: float, spectrum: NoiseSpectrum) -> tuple[Axis, float]:

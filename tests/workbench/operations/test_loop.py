@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import re
 
 import numpy as np
@@ -136,3 +137,12 @@ def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition, 
     after = stagecad.compare(addition.experiment).to_json()
     assert abs(after["correlation_of_residual"]["friction_force"]["autocorrelation"]) < 0.5 * before["autocorrelation"]
     assert after["information"]["bic"] < comparison.to_json()["information"]["bic"] - 1000.0
+
+
+def test_every_result_can_be_pickled(slide, comparison, diagnosis, addition) -> None:
+    results = (slide, comparison, comparison.correlation(), diagnosis, addition, stagecad.ladder(addition.experiment))
+    for result in (*results, stagecad.simulate(slide, seed=None), comparison.plot()):
+        assert repr(pickle.loads(pickle.dumps(result))) == repr(result)
+    again = pickle.loads(pickle.dumps(diagnosis))
+    assert again.to_json() == diagnosis.to_json()
+    pd.testing.assert_frame_equal(again.predictions, diagnosis.predictions)
