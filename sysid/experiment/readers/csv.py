@@ -9,7 +9,7 @@ import math
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -92,7 +92,10 @@ def _fast_columns(
         table = table.drop_columns([f"c{index}"])
         if index in spelled and index not in dialect.stamps:
             cells = respelled_column(cells, dialect.form, dialect.gaps, spelled[index])
-        column = None if cells is None else _from_arrow(cells, dialect, index, settings, name)
+        column = None
+        # A text among the time stamps may stand below the numbers: the slow reader knows.
+        with suppress(InputError):
+            column = None if cells is None else _from_arrow(cells, dialect, index, settings, name)
         if column is None:
             return None
         found[index] = column

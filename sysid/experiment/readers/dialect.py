@@ -121,7 +121,9 @@ class Dialect:
 def split(line: str, delimiter: str) -> list[str]:
     """The cells of a line, without blanks around them."""
     if delimiter == " ":
-        return line.split()
+        # A unit in brackets belongs to the name before it. No-break blanks do not separate.
+        cells = re.findall(r'"[^"]*"|[^ \t\r\n]+(?:[ \t]+[\[(][^\])]*[\])])?', line)
+        return [cell.strip('"') for cell in cells]
     if '"' in line:
         # A line that is no CSV (a cell of more than 128 kB) is split at every delimiter.
         with suppress(csv.Error):
@@ -244,7 +246,7 @@ def _layout(
     if settings.decimal is None and settings.thousands is None and form.decimal == ",":
         _refuse_grouped(data, form, name)
     header, units = _header(lines, rows, first, columns, way, settings)
-    labels, remark = _labels(header, rows[first:], columns, name)
+    labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
     start = settings.first_row or max(header[0], units[0]) + 1
     if not header[0] and not settings.first_row:
         start = _first_of_numbers(rows, first, columns, form, settings)
@@ -281,7 +283,9 @@ def _layout(
     )
 
 
-def _labels(header: Row, rows: Sequence[Row], columns: Sequence[Kind], name: str) -> tuple[list[str], str]:
+def _labels(
+    header: Row, rows: Sequence[Row], columns: Sequence[Kind], blanks: bool, name: str
+) -> tuple[list[str], str]:
     """A label for each column, and a remark where the header has another number of cells than the rows.
 
     Cells beyond the header that hold no numbers are left out. With numbers beyond it, which of its names belongs to
@@ -292,6 +296,11 @@ def _labels(header: Row, rows: Sequence[Row], columns: Sequence[Kind], name: str
         return [f"column {k + 1}" for k in range(width)], ""
     if len(labels) == width:
         return labels, ""
+    if len(labels) > width and blanks:
+        raise InputError(
+            f"{name}: row {header[0]}: the header has {len(labels)} words, the rows {width} cells; name the columns by "
+            f"their numbers: [format] header = false and first_row = {rows[0][0] if rows else header[0] + 1}"
+        )
     if len(labels) > width:
         left = [label for label in labels[width:] if label]
         return labels[:width], f"nothing under {', '.join(left)}" if left else ""

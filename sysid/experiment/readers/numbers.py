@@ -12,8 +12,8 @@ from typing import Any
 
 MINUS = "−–‒﹣－"
 """Signs that are written for a minus: U+2212 and the dashes and full-width forms that keyboards give."""
-BLANKS = " \u00a0\u2009\u202f"
-"""Blanks between groups of three digits: plain, no-break, thin, narrow no-break (CGPM 2003, resolution 10)."""
+NO_BREAK = "\u00a0\u2009\u202f"
+"""Blanks between groups of three digits, besides the plain one: no-break, thin, narrow no-break (CGPM 2003)."""
 APOSTROPHES = "'’"
 
 GAPS = (
@@ -40,7 +40,7 @@ class NumberForm:
         decimal: decimal sign, point or comma.
         thousands: mark between groups of three digits, beside blanks and apostrophes, which mean nothing else; empty
             for none.
-        blanks: whether blanks may group digits; not where they separate columns.
+        blanks: whether plain blanks may group digits; not where they separate columns.
     """
 
     decimal: str = "."
@@ -59,7 +59,7 @@ class NumberForm:
     @cached_property
     def grouped_pattern(self) -> str:
         """Regular expression (of RE2 too) of a number whose digits are grouped by one mark."""
-        marks = (self.thousands, "[" + APOSTROPHES + "]", "[" + BLANKS + "]" if self.blanks else "")
+        marks = (self.thousands, "[" + APOSTROPHES + "]", "[" + NO_BREAK + " " * self.blanks + "]")
         forms = "|".join(
             rf"\d{{1,3}}(?:{mark if mark.startswith('[') else re.escape(mark)}\d{{3}})+" for mark in marks if mark
         )
@@ -68,7 +68,7 @@ class NumberForm:
     @cached_property
     def marks(self) -> str:
         """Every character that may group digits."""
-        return self.thousands + APOSTROPHES + (BLANKS if self.blanks else "")
+        return self.thousands + APOSTROPHES + NO_BREAK + " " * self.blanks
 
     def value(self, cell: str) -> float | None:
         """The number in a cell; None if it is none."""
