@@ -82,7 +82,7 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import MADE, part_names
-    from workbench.machine.artefacts import procedure_values
+    from workbench.operations.drawings import procedure_values
 
     design = load_design()
     times: dict[str, float] = {}

@@ -2,45 +2,33 @@ from sim.effects.effect import Effect as Effect
 from sim.effects.effect import Parameter as Parameter
 from sim.effects.effect import Scan as Scan
 from stagecad.parameters.errors import InputError as InputError
-from workbench.api.machine.design_results import (
-    Checks as Checks,
-)
-from workbench.api.machine.design_results import (
-    Drawings as Drawings,
-)
-from workbench.api.machine.design_results import (
-    Parts as Parts,
-)
-from workbench.api.machine.design_results import (
-    checks as checks,
-)
-from workbench.api.machine.design_results import (
-    drawings as drawings,
-)
-from workbench.api.machine.design_results import (
-    parts as parts,
-)
-from workbench.api.machine.differences import Differences as Differences
-from workbench.api.machine.differences import diff as diff
-from workbench.api.machine.optimisation import Optimisation as Optimisation
-from workbench.api.machine.optimisation import optimize as optimize
 from workbench.operations.add import Addition as Addition
 from workbench.operations.add import Ladder as Ladder
 from workbench.operations.add import Restoration as Restoration
 from workbench.operations.add import add as add
 from workbench.operations.add import ladder as ladder
 from workbench.operations.add import undo as undo
+from workbench.operations.checks import Checks as Checks
+from workbench.operations.checks import checks as checks
 from workbench.operations.compare import Comparison as Comparison
 from workbench.operations.compare import compare as compare
 from workbench.operations.design import Design as Design
 from workbench.operations.design import load_design as load_design
 from workbench.operations.diagnose import Diagnosis as Diagnosis
 from workbench.operations.diagnose import diagnose as diagnose
+from workbench.operations.diff import Differences as Differences
+from workbench.operations.diff import diff as diff
+from workbench.operations.drawings import Drawings as Drawings
+from workbench.operations.drawings import drawings as drawings
 from workbench.operations.experiment import Experiment as Experiment
 from workbench.operations.experiment import Model as Model
 from workbench.operations.experiment import Record as Record
 from workbench.operations.experiment import Rig as Rig
 from workbench.operations.experiment import RigKind as RigKind
+from workbench.operations.optimise import Optimisation as Optimisation
+from workbench.operations.optimise import optimize as optimize
+from workbench.operations.parts import Parts as Parts
+from workbench.operations.parts import parts as parts
 from workbench.operations.simulate import (
     SimulatedRecords as SimulatedRecords,
 )

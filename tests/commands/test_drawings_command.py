@@ -17,6 +17,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from workbench.cli import run
+from workbench.operations.drawings import Drawings
 
 
 def test_sheets_and_scales_are_the_thesis_s(design: Design) -> None:
@@ -172,7 +173,7 @@ def test_nothing_is_drawn_twice(
 def test_a_lint_hit_is_exit_status_1(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     sheet = {"part": "tip", "paper": "A3", "scale": "1:1", "views": [], "files": [], "hits": ["'20.0' lies over 'A'"]}
     document = {"sheets": {"tip": sheet}, "changed": [], "files": 0}
-    monkeypatch.setattr("workbench.cli.commands.drawings.write_drawings", lambda run, names: document)
+    monkeypatch.setattr("workbench.cli.commands.drawings.drawings", lambda design, *rest: Drawings(design, document))
     assert run(["drawings", "tip", "--lint"]) == 1
     assert "tip: '20.0' lies over 'A'" in capsys.readouterr().err
     assert run(["drawings", "tip"]) == 0

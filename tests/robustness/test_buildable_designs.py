@@ -15,7 +15,7 @@ from stagecad.solids.artefacts.part import build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import part_names
 from tests.robustness.mutation import count
-from workbench.machine.refusal import refusal_line
+from workbench.operations.parts import refusal_line
 
 pytestmark = pytest.mark.slow
 PACKAGED = load_design()

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 from rich.table import Table as RichTable
+from rich.text import Text
 
 from stagecad.parameters.errors import one_line
 from workbench.cli.options import Run
-from workbench.operations.tables import BAR, Line, Note, Table, Warned
+from workbench.operations.lines import BAR, NUMBER, Line, Note, Table, Warned
 
 if TYPE_CHECKING:
     from rich.progress import Progress
+
+STYLES = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
+"""Style of a cell that is a verdict."""
 
 
 def show(run: Run, lines: Iterable[Line]) -> None:
@@ -28,26 +32,17 @@ def show(run: Run, lines: Iterable[Line]) -> None:
 
 
 def rich_table(table: Table) -> RichTable:
-    """The table for `rich`, without its bars."""
+    """The table for `rich`, without its bars; in a plain one, a row with nothing but its first cell is a heading."""
     kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR]
+    out = RichTable(title=table.title or None, title_justify="left")
     if table.plain:
-        left = tuple(title for title, kind in table.columns if not kind.startswith("n"))
-        out = plain_table(table.title, *(table.columns[k][0] for k in kept), left=left)
-    else:
-        out = RichTable(title=table.title, title_justify="left")
-        for k in kept:
-            title, kind = table.columns[k]
-            out.add_column(title, justify="right" if kind.startswith("n") else "left")
+        out.box, out.pad_edge, out.header_style = None, False, "bold"
+    for k in kept:
+        title, kind = table.columns[k]
+        out.add_column(Text(title), justify="right" if kind.startswith(NUMBER) else "left")
     for row in table.rows:
-        out.add_row(*(row[k] for k in kept))
-    return out
-
-
-def plain_table(title: str | None, *columns: str, left: tuple[str, ...] = ("",)) -> RichTable:
-    """An empty table without a frame; columns are right-aligned, those named in `left` are not."""
-    out = RichTable(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for column in columns:
-        out.add_column(column, justify="left" if column in left else "right")
+        heading = "bold" if table.plain and row[0] and not any(row[1:]) else ""
+        out.add_row(*(Text(row[k], style=STYLES.get(row[k]) or heading) for k in kept))
     return out
 
 

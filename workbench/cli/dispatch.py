@@ -106,7 +106,7 @@ def run_line(arguments: Sequence[str]) -> int:
         sys.stderr.write(f"stagecad: {error}\n")
         return 2
     except PartError as error:
-        from workbench.machine.refusal import refusal_line
+        from workbench.operations.parts import refusal_line
 
         line = refusal_line(error)
         if line is None:

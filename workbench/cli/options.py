@@ -9,7 +9,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,8 +37,6 @@ class Run:
     overrides: tuple[str, ...]
     out: Path
     json_target: str | None
-    earlier: Path | None = None
-    """Parameter file of an earlier issue of the design, for the revision table of the drawings."""
     rules: bool = True
     """whether the design must satisfy the rules; a command that repairs a design has none"""
 
@@ -47,7 +45,13 @@ class Run:
         """The design of `--params` with `--set` applied."""
         from workbench.operations.design import Design
 
-        return Design.chosen(self.params, self.overrides, self.rules, self.earlier)
+        return Design.chosen(self.params, self.overrides, self.rules)
+
+    def with_design(self, design: Design) -> Run:
+        """The same options with another design."""
+        run = replace(self)
+        run.__dict__["design"] = design
+        return run
 
     @functools.cached_property
     def console(self) -> Console:
@@ -94,15 +98,28 @@ class Run:
         )
 
     @contextmanager
-    def reporting(self, words: str = "") -> Iterator[ProgressCallback]:
-        """A bar as the progress callback of an operation; `words` in place of the names of the steps."""
-        with self.progress() as progress:
-            task = progress.add_task(words, total=None)
+    def reporting(self, words: str = "", note: str = "") -> Iterator[ProgressCallback]:
+        """A bar as the progress callback of an operation, from its first call on.
 
-            def report(step: str, done: int, steps: int) -> None:
-                progress.update(task, description=words or step, completed=done, total=steps or None)
+        Args:
+            words: in place of the names of the steps.
+            note: printed on a terminal before the bar.
+        """
+        progress = self.progress()
 
+        def report(step: str, done: int, steps: int) -> None:
+            if not progress.tasks:
+                if note and not progress.disable:
+                    self.note(note)
+                progress.add_task(words or step)
+                progress.start()
+            task = progress.tasks[0].id
+            progress.update(task, description=words or step, completed=done, total=steps or None)
+
+        try:
             yield report
+        finally:
+            progress.stop()
 
     @contextmanager
     def busy(self, words: str) -> Iterator[None]:
@@ -119,19 +136,23 @@ class _ToStandardError(logging.Handler):
         click.echo(record.getMessage(), err=True)
 
 
-def _show_remarks() -> None:
+@contextmanager
+def _remarks_shown() -> Iterator[None]:
     log = logging.getLogger("stagecad")
-    if not log.handlers:
-        log.addHandler(_ToStandardError())
-        log.propagate = False
+    handler = _ToStandardError()
+    log.addHandler(handler)
+    log.propagate = False
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.propagate = True
 
 
 def results_in(out: str | Path, design: Design | None = None) -> Run:
     """The options of a command that writes below the folder `out`."""
     run = Run(None, (), Path(out), None)
-    if design is not None:
-        run.__dict__["design"] = design
-    return run
+    return run if design is None else run.with_design(design)
 
 
 def _need_writable(file: Path) -> None:
@@ -206,7 +227,6 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     def wrapper(
         params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
     ) -> Any:
-        _show_remarks()
         run = Run(params, overrides, out, json_target, rules=not getattr(function, "without_rules", False))
         try:
             if params is not None or overrides:
@@ -214,7 +234,8 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
                 _ = run.design.values
             if json_target not in (None, "-"):
                 _need_writable(Path(json_target))
-            return function(run, **rest)
+            with _remarks_shown():
+                return function(run, **rest)
         except ViolationsError as error:
             run.emit({"violations": error.documents})
             raise

@@ -10,12 +10,12 @@ import numpy as np
 
 from designcalc.checks.check import Check
 from stagecad.parameters.errors import InputError
-from workbench.figures.plot import AFTER, BEFORE, WIDTH, Plot, new_plot, style
+from workbench.figures.plot import AFTER, BEFORE, GREY, MODEL, WIDTH, Plot, new_plot, style
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from designcalc.optimisation.evaluation import Evaluator
+    from designcalc.optimisation.reached_levels import Levels
 
 MOST_BARS = 40
 """Checks of a figure, worst first."""
@@ -37,7 +37,7 @@ def margins_figure(checks: Sequence[Check]) -> Plot:
         panel.barh(range(len(drawn)), margins, color=[AFTER if m >= 0 else BEFORE for m in margins], height=0.66)
         panel.set_yticks(range(len(drawn)), [check.name for check in drawn])
         panel.invert_yaxis()
-        panel.axvline(0.0, color="#5d6d7e", linewidth=0.8)
+        panel.axvline(0.0, color=GREY, linewidth=0.8)
         if np.max(np.abs(margins)) > 100.0:
             panel.set_xscale("symlog", linthresh=100.0)
             panel.xaxis.set_major_formatter("{x:g}")
@@ -62,12 +62,12 @@ def changed_margins_figure(margins: pd.DataFrame) -> Plot:
     figure, axes = new_plot(width=WIDTH, height=0.8 + 0.16 * len(drawn))
     panel, places = axes[0, 0], np.arange(len(drawn))
     with style():
-        panel.hlines(places, before, after, color="#5d6d7e", linewidth=0.8)
+        panel.hlines(places, before, after, color=GREY, linewidth=0.8)
         panel.plot(before, places, "o", color=BEFORE, markersize=3.5, label="before")
         panel.plot(after, places, "o", color=AFTER, markersize=3.5, label="after")
         panel.set_yticks(places, list(drawn.index))
         panel.invert_yaxis()
-        panel.axvline(0.0, color="#5d6d7e", linewidth=0.8)
+        panel.axvline(0.0, color=GREY, linewidth=0.8)
         if max(np.max(np.abs(before)), np.max(np.abs(after))) > 100.0:
             panel.set_xscale("symlog", linthresh=100.0)
             panel.xaxis.set_major_formatter("{x:g}")
@@ -77,13 +77,58 @@ def changed_margins_figure(margins: pd.DataFrame) -> Plot:
     return figure
 
 
-def pareto_plot(evaluator: Evaluator, names: Sequence[str]) -> Plot:
-    """Margins of two requirements in all evaluated designs that violate no rule, and their Pareto front."""
-    from workbench.report.design_figures import draw_pareto
+def pareto_figure(names: Sequence[str], points: np.ndarray, front: np.ndarray) -> Plot:
+    """Margins of two requirements over all evaluated designs that violate no rule, and their Pareto front.
 
+    Args:
+        names: of the requirements.
+        points: margins (n, 2) of the designs, in parts of the limit.
+        front: (m, 2), of the designs of which no other one is better in both margins.
+    """
     figure, axes = new_plot(width=WIDTH, height=0.7 * WIDTH)
+    panel = axes[0, 0]
     with style():
-        draw_pareto(axes[0, 0], evaluator, names)
+        panel.scatter(*(100 * points).T, s=8, color="0.6", label="designs")
+        panel.plot(*(100 * front).T, marker="o", ms=4, color=BEFORE, drawstyle="steps-post", label="front")
+        panel.axhline(0, color="0.3", lw=0.8)
+        panel.axvline(0, color="0.3", lw=0.8)
+        panel.set_xscale("symlog", linthresh=10)
+        panel.set_yscale("symlog", linthresh=10)
+        panel.set_xlabel(f"margin of '{names[0]}', %")
+        panel.set_ylabel(f"margin of '{names[1]}', %")
+        panel.legend()
+    return figure
+
+
+_LEVEL_UNITS = {"m": (1e9, "nm"), "m/s": (1e3, "mm/s"), "m/s^2": (1.0, "m/s²")}
+"""Scale and unit of an axis by the unit of a level."""
+
+
+def levels_figure(levels: Levels) -> Plot:
+    """Pareto fronts of the levels of two requirements each, with the values of Table 1."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    count = max(len(levels.fronts), 1)
+    figure, axes = new_plot(1, count, width=3.6 * count, height=3.3)
+    with style():
+        for panel, ((first, second), points) in zip(axes[0], levels.fronts.items(), strict=False):
+            units = [_LEVEL_UNITS.get(levels.units[name], (1.0, "")) for name in (first, second)]
+            scales, labels = zip(*units, strict=True)
+            front = np.array(points) * scales
+            required = np.array([levels.required[name] for name in (first, second)]) * scales
+            panel.plot(*front.T, marker="o", ms=4, color=BEFORE, label="can be met together")
+            panel.plot(*required[:, None], marker="*", ms=10, ls="", color=MODEL, label="Table 1")
+            both = np.vstack([front, required])
+            wide = both.max(axis=0) > 5 * both.min(axis=0)
+            for axis, name, is_wide in zip((panel.xaxis, panel.yaxis), "xy", wide, strict=True):
+                panel.set(**{f"{name}scale": "log" if is_wide else "linear"})
+                axis.set_major_formatter("{x:g}")
+                if is_wide:
+                    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                    axis.set_minor_formatter(NullFormatter())
+            panel.set_xlabel(f"{first}, {labels[0]}")
+            panel.set_ylabel(f"{second}, {labels[1]}")
+            panel.legend()
     return figure
 
 

@@ -133,7 +133,7 @@ def draw(built: BuiltMachine, folder: Path) -> list[dict[str, Any]]:
     from drawings.artefacts.tasks import build_all_sheets
     from stagecad.solids.artefacts.outputs import write_stored
     from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.machine.artefacts import procedure_values
+    from workbench.operations.drawings import procedure_values
 
     sheets: list[dict[str, Any]] = []
     for part in built.machine.declaration.parts:

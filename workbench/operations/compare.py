@@ -14,15 +14,12 @@ from sysid.estimation.identifiability import public_key
 from sysid.report import comparison_json, parameter_unit
 from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.fitted import FittedResult, error_frame, where_frame
+from workbench.operations.lines import Line, Note, Table, Warned
 from workbench.operations.progress import ProgressCallback
 from workbench.operations.result import finite
 from workbench.operations.statements import comparison_statement, held_out_over_noise, is_adequate, noise_text
 from workbench.operations.tables import (
     MOST_COORDINATES,
-    Line,
-    Note,
-    Table,
-    Warned,
     bootstrap_table,
     correlation_table,
     dependence_table,

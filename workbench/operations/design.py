@@ -20,7 +20,7 @@ from stagecad.parameters.load import (
 )
 from stagecad.parameters.load import load_design as read_design
 from workbench.machine.own_checks import own_check_files, register
-from workbench.operations.parameter_json import entry_json
+from workbench.operations.parameters import entry_json
 from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:
@@ -162,25 +162,31 @@ class Design(Result):
         changed._folder, changed._check_files = self._folder, self._check_files
         return _read(changed)
 
-    def to_toml(self, changes: Mapping[str, tuple[str | float | bool, str]] | None = None, name: str = "") -> str:
+    def to_toml(
+        self,
+        changes: Mapping[str, tuple[str | float | bool, str]] | None = None,
+        name: str = "",
+        origin: str = "",
+    ) -> str:
         """Text of a parameter file that gives this design without overrides; comments are kept.
 
         Args:
             changes: further values with their origins, by key.
             name: of the file in messages; its present one when left out.
+            origin: of the overridden values; "assumed: given by --set" when left out.
         """
-        return self._toml if not changes else self._text_with(changes, name)
+        return self._text_with(changes or {}, name, origin) if changes or name or origin else self._toml
 
     @cached_property
     def _toml(self) -> str:
-        return self._text_with({}, "")
+        return self._text_with({}, "", "")
 
-    def _text_with(self, changes: Mapping[str, tuple[str | float | bool, str]], name: str) -> str:
+    def _text_with(self, changes: Mapping[str, tuple[str | float | bool, str]], name: str, origin: str) -> str:
         written = {}
         for override in self.overrides:
             entry = self.values.entry(override.partition("=")[0].strip())
             plain = not entry.unit and not isinstance(entry.value, str)
-            written[entry.key] = (entry.formula or (entry.value if plain else entry.text), entry.origin)
+            written[entry.key] = (entry.formula or (entry.value if plain else entry.text), origin or entry.origin)
         written |= changes
         folder = None if self.path is None else self._folder or self.path.parent
         name = name or str(self.path or "thesis.toml")

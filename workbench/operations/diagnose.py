@@ -13,6 +13,7 @@ from sysid.prediction.model import Model
 from sysid.report import diagnosis_json
 from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.fitted import FittedResult, error_frames, p_value, where_frame
+from workbench.operations.lines import Line, Note, Warned
 from workbench.operations.progress import ProgressCallback
 from workbench.operations.result import finite
 from workbench.operations.statements import (
@@ -26,14 +27,7 @@ from workbench.operations.statements import (
     unphysical_statements,
     verdict_title,
 )
-from workbench.operations.tables import (
-    Line,
-    Note,
-    Warned,
-    detectable_table,
-    parameter_table,
-    ranking_table,
-)
+from workbench.operations.tables import detectable_table, parameter_table, ranking_table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -22,6 +22,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
 from stagecad.processes import parallel_map
 from workbench.operations.design import Design
+from workbench.operations.lines import NUMBER, TEXT, Line, Note, Table
 from workbench.operations.progress import ProgressCallback
 from workbench.operations.simulate import (
     FeaturePath,
@@ -34,7 +35,6 @@ from workbench.operations.simulate import (
     simulate_selection,
 )
 from workbench.operations.simulation_tables import feature_text, write_table
-from workbench.operations.tables import NUMBER, TEXT, Line, Note, Table
 
 if TYPE_CHECKING:
     from designcalc.checks.analysis.sweep import Range

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.integration.simulate import Simulation
 from stagecad.parameters.atomic import atomic_path
-from workbench.operations.tables import NUMBER, TEXT, Table
+from workbench.operations.lines import NUMBER, TEXT, Table
 
 Columns = dict[str, np.ndarray]
 

@@ -1,21 +1,17 @@
 """Tables of an identification: errors, parameters, dependence of the residual, ranking, detectable sizes, revisions.
 
-A `Table` is plain data, built from the JSON documents of the commands. The command line prints it, the macro
-`data_table` of the report's template writes it as HTML.
+They are built from the JSON documents of the commands.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.units import format_quantity
 from workbench.figures.curves import LEAST_SHARE
-
-TEXT, NUMBER, STRONG, CODE, REMARK, BAR = "", "n", "n strong", "code", "warn", "bar"
-"""Kinds of a column: the classes of its cells in HTML. Cells of BAR are a width in percent, drawn in HTML only."""
+from workbench.operations.lines import BAR, CODE, NUMBER, REMARK, STRONG, TEXT, Table
 
 PARTS = {"fit": "fit", "validate": "held out"}
 """Names of the sets of records."""
@@ -23,37 +19,6 @@ MOST_COORDINATES = 6
 """Coordinates of the residual's dependence that are printed."""
 
 Row = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Table:
-    """Formatted cells under their column titles; `note` is printed below the table in HTML.
-
-    A `plain` one has no frame.
-    """
-
-    title: str
-    columns: tuple[tuple[str, str], ...]
-    """title and kind of each column"""
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    plain: bool = False
-
-    def as_json(self) -> dict[str, Any]:
-        """The table as it is stored with a section of the report."""
-        return {"title": self.title, "columns": self.columns, "rows": self.rows, "note": self.note}
-
-
-class Note(str):
-    """A line that is printed as a remark beside the result."""
-
-
-class Warned(str):
-    """A line that is printed as a warning."""
-
-
-Line = str | Table
-"""What a command prints of a result: a sentence, a `Note`, a warning or a table."""
 
 
 def make_table(title: str, columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]], note: str = "") -> Table:

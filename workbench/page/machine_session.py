@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import json
-import re
 import threading
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import Entry, packaged_text
-from stagecad.parameters.load import changed_text
+from stagecad.parameters.file import packaged_text
 from stagecad.parameters.rules.registry import violations
-from workbench.api.machine.differences import diff
-from workbench.api.machine.live_checks import LiveChecks, LiveResult, check_row
 from workbench.operations.design import Design, load_design
+from workbench.operations.diff import diff
+from workbench.operations.live_checks import LiveChecks, LiveResult, check_row
+from workbench.operations.parameters import entry_row, parameter_rows
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"
@@ -26,8 +24,6 @@ CHANGED = "assumed: changed in the workbench"
 
 Changes = dict[str, str]
 """Text of a value by key, as for `--set`."""
-
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?:\+-\s*\S+\s*)?(.*)$")
 
 
 class MachineSession:
@@ -151,15 +147,13 @@ class MachineSession:
         if other is not None:
             base = self._design(other, self._read(other), {})
         return [
-            {"key": one.key, "before": _entry_json(one.before), "after": _entry_json(one.after)}
-            for one in diff(base, self.design(), solids=False, margins=False).found.parameters
+            {"key": change.key, "before": _row(change.before), "after": _row(change.after)}
+            for change in diff(base, self.design(), solids=False, margins=False).changes.parameters
         ]
 
     def parameters(self) -> list[dict[str, Any]]:
         """Every parameter of the saved file: text, bounds in the unit of the text, origin, kind of the value."""
-        design = self.saved.values
-        keys = schema(tuple(design.materials))
-        return [{**parameter_json(entry), **_bounds(entry, keys[entry.key], design)} for entry in design.entries]
+        return parameter_rows(self.saved.values)
 
     def _changed(self, design: Design, changes: Changes) -> dict[str, str]:
         """Text of the values that differ from the saved file: those set, and those computed from them."""
@@ -167,14 +161,7 @@ class MachineSession:
         return {e.key: e.text for e in design.values.entries if e.text != saved[e.key] or e.key in changes}
 
     def _text_with_changes(self, name: str) -> str:
-        text = packaged_text() if self.file is None else self._text
-        design = self.design().values
-        changes: dict[str, tuple[str | float | bool, str]] = {}
-        for key in self.changes:
-            entry = design.entry(key)
-            plain = not entry.unit and not isinstance(entry.value, str)
-            changes[key] = (entry.value if plain else entry.text, CHANGED)
-        return changed_text(text, name, changes, self._folder(self.file)) if changes else text
+        return self.design().to_toml(name=name, origin=CHANGED)
 
     def _read(self, file: str | None) -> str:
         if file is None:
@@ -217,38 +204,5 @@ def violated(design: Design) -> list[dict[str, str]]:
     return [asdict(one) for one in violations(design.values)]
 
 
-def parameter_json(entry: Entry) -> dict[str, Any]:
-    """An entry with its number in the unit that it is written in."""
-    number, unit = _shown(entry)
-    return {
-        "key": entry.key,
-        "text": entry.text,
-        "number": number,
-        "unit": unit,
-        "tolerance": entry.tolerance,
-        "origin": entry.origin,
-        "meaning": entry.meaning,
-    }
-
-
-def _entry_json(entry: Entry | None) -> dict[str, Any] | None:
-    return None if entry is None else parameter_json(entry)
-
-
-def _shown(entry: Entry) -> tuple[float | None, str]:
-    if isinstance(entry.value, bool | str):
-        return None, ""
-    match = _NUMBER.match(entry.text)
-    return (float(match[1]), match[2].strip()) if match else (None, "")
-
-
-def _bounds(entry: Entry, declaration: Any, design: Any) -> dict[str, Any]:
-    number, _ = _shown(entry)
-    allowed = list(declaration.allowed)
-    if declaration.kind == "material":
-        allowed = sorted(design.materials)
-    bounds: dict[str, Any] = {"low": None, "high": None}
-    if number and declaration.unit != "degC":
-        scale = number / float(entry.value)
-        bounds = {"low": declaration.low * scale, "high": declaration.high * scale}
-    return {"kind": declaration.kind, "allowed": allowed, "closed": declaration.closed, **bounds}
+def _row(entry: Any) -> dict[str, Any] | None:
+    return None if entry is None else entry_row(entry)

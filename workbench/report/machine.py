@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 from designcalc.checks.analysis.report import counted
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
+from workbench.operations.drawings import SMALL, reduced_sheet
 from workbench.report.checks import check_rows
 from workbench.report.html import data_url, embedded, link, render
-from workbench.report.reduced_sheet import SMALL, reduced_sheet
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
     from drawings.friction_stage.procedure.procedure import Procedure
+    from stagecad.parameters.design import Design
     from stagecad.solids.assembly.interference import Interference
-    from workbench.cli.options import Run
 
 REPORT = "report.html"
 TEMPLATE = "machine.html"
@@ -57,13 +57,13 @@ class MachineResults:
     drawings: Mapping[str, Any]
 
 
-def write_report(run: Run, results: MachineResults) -> Path:
+def write_report(design: Design, out: Path, results: MachineResults) -> Path:
     """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked."""
-    target = run.out / REPORT
+    target = out / REPORT
     document, pictures = results.parts, results.pictures
     page = render(
         TEMPLATE,
-        title=run.design.values.file,
+        title=design.file,
         assembly=embedded(pictures["assembly"]),
         exploded=embedded(pictures["assembly_exploded"]),
         interferences=_by_kind(results.interferences),
@@ -75,14 +75,14 @@ def write_report(run: Run, results: MachineResults) -> Path:
         parts=_parts(document["parts"], pictures, target),
         bill=results.bill,
         procedure=results.procedure,
-        sheets=_sheets(results.drawings, target, run),
+        sheets=_sheets(results.drawings, target, design),
         subjects=check_rows(results.checks),
         counted=counted(results.checks),
         failing=sum(check.verdict == "fails" for check in results.checks),
         check_figures=[(name, embedded(path)) for name, path in results.check_figures.items()],
         simulation_figures=[(_caption(path), embedded(path)) for path in results.simulation_figures],
-        entries=_by_table(run),
-        digest=run.design.values.digest,
+        entries=_by_table(design),
+        digest=design.digest,
         versions=versions(),
     )
     atomic_write_text(target, page)
@@ -114,23 +114,23 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _sheets(drawings: Mapping[str, Any], page: Path, run: Run) -> list[dict[str, Any]]:
+def _sheets(drawings: Mapping[str, Any], page: Path, design: Design) -> list[dict[str, Any]]:
     """The drawing sheets, each as a small picture that leads to the one that can be magnified."""
     shown = []
     for name, sheet in drawings["sheets"].items():
         files = {Path(file).suffix: Path(file) for file in sheet["files"]}
         entry = {key: sheet[key] for key in ("paper", "scale", "hits")}
-        entry |= {"title": name.replace("_", " "), "picture": _reduced(files[".png"], run)}
+        entry |= {"title": name.replace("_", " "), "picture": _reduced(files[".png"], design)}
         entry |= {"opens": link(files[".svg"], page)["href"], "files": [link(file, page) for file in files.values()]}
         shown.append(entry)
     return shown
 
 
-def _reduced(path: Path, run: Run) -> str:
+def _reduced(path: Path, design: Design) -> str:
     """A sheet's picture, small enough for an overview."""
     from stagecad.solids.artefacts.store import ArtefactStore, sha256
 
-    entry = reduced_sheet(ArtefactStore(), run.design.values, path, sha256(path.read_bytes()))
+    entry = reduced_sheet(ArtefactStore(), design, path, sha256(path.read_bytes()))
     return data_url(entry.data(SMALL))
 
 
@@ -171,8 +171,8 @@ def _by_kind(interferences: Sequence[Interference]) -> list[dict[str, Any]]:
     return [rows[key] for key in sorted(rows)]
 
 
-def _by_table(run: Run) -> list[tuple[str, list[Any]]]:
+def _by_table(design: Design) -> list[tuple[str, list[Any]]]:
     tables: dict[str, list[Any]] = {}
-    for entry in run.design.values.entries:
+    for entry in design.entries:
         tables.setdefault(entry.key.rpartition(".")[0], []).append(entry)
     return list(tables.items())

@@ -28,8 +28,7 @@ from stagecad.solids.assembly.interference import stored_interferences
 from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
-from workbench.machine.artefacts import procedure_values, stored_values
-from workbench.report.reduced_sheet import reduced_sheet
+from workbench.operations.drawings import procedure_values, reduced_sheet, stored_values
 from workbench.report.stored_results import (
     COMPILED_BY,
     SIMULATED,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 """The friction experiments of the thesis."""
-CHECKED_BY = ("workbench.machine.margin_studies", "stagecad.parameters.load")
+CHECKED_BY = ("workbench.operations.checks", "stagecad.parameters.load")
 """Modules that evaluate the checks and their proposals."""
 COMPILED_BY = {"hysteresis": "presliding", "stick-slip": "presliding"}
 """The experiment that compiles, with an empty cache, what another uses."""
@@ -32,9 +32,9 @@ class _WithMasses:
     masses: BodyMasses
 
 
-def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., bool]]]:
+def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Any]]]:
     """Figures of the checks that a design has, by title: name, and what draws it."""
-    from workbench.report.check_figures import FIGURES
+    from workbench.figures.checks import FIGURES
 
     without_teeth = {title: figure for title, figure in FIGURES.items() if title != "map of the magnetic teeth"}
     return FIGURES if design.teeth.fitted else without_teeth
@@ -42,12 +42,14 @@ def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., bool]]]:
 
 def check_figure(store: ArtefactStore, design: Design, masses: BodyMasses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
+    from workbench.figures.checks import save
+
     name, draw = figures_of(design)[title]
 
     def make(tracked: Any, folder: Path) -> None:
-        draw(tracked.design, tracked.masses, folder / f"{name}.png")
+        save(draw(tracked.design, tracked.masses), folder / f"{name}.png")
 
-    return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.report.check_figures",), make)
+    return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.figures.checks",), make)
 
 
 def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, masses: BodyMasses) -> list[Check]:
@@ -56,13 +58,13 @@ def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, ma
     They depend on the whole parameter file, since a proposal is a change of any parameter. A project's own checks may
     depend on anything: with them all are evaluated now.
     """
-    from workbench.machine.margin_studies import evaluated
+    from workbench.operations.checks import evaluated_checks
 
     if source.check_files:
-        return evaluated(source, design, masses)
+        return evaluated_checks(source, masses)
 
     depends = _all_parameters(source, design, masses)
-    return stored_object(store, "checks", design, CHECKED_BY, lambda _: evaluated(source, design, masses), depends)
+    return stored_object(store, "checks", design, CHECKED_BY, lambda _: evaluated_checks(source, masses), depends)
 
 
 def _all_parameters(source: StatedDesign, design: Design, masses: BodyMasses) -> tuple[str, ...]:

@@ -14,9 +14,9 @@ from designcalc.optimisation.requirement_levels import requirement_levels
 from designcalc.optimisation.space import read_range
 from stagecad.parameters.load import load_design, load_variations
 from workbench.cli import run as stagecad
-from workbench.machine.levels import levels_document
-from workbench.report.design_figures import fronts_figure
-from workbench.report.optimisation import levels_report
+from workbench.figures.checks import save
+from workbench.operations.design import Design
+from workbench.operations.levels import ReachedLevels
 
 TIPPING = "acceleration at the end of the travel without tipping"
 PRODUCT = "PTFE pressure times speed"
@@ -56,13 +56,14 @@ def _levels() -> Levels:
 
 
 def test_report_and_document_of_the_levels(tmp_path: Path) -> None:
-    report = levels_report(_levels(), "stage.toml")
+    result = ReachedLevels(Design(), _levels())
+    report = result.report()
     assert "| speed | 200 mm/s | 30 mm/s | 20 mm/s | - |" in report
     assert f"- acceleration: {TIPPING}" in report and f"| speed 200 mm/s | {PRODUCT} |" in report
-    document = levels_document(_levels())
+    document = result.to_json()
     assert document["alone"]["smoothness"] == {"value": 2.5e-7, "unit": "m"}
     assert document["together"][1] == {"kept": "speed", "levels": {}}
-    fronts_figure(_levels(), tmp_path / "levels.png")
+    save(result.plot(), tmp_path / "levels.png")
     with Image.open(tmp_path / "levels.png") as picture:
         assert picture.size[0] > 400
 

@@ -22,7 +22,7 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, thesis
-from workbench.machine.artefacts import procedure_values
+from workbench.operations.drawings import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10
 

@@ -9,7 +9,7 @@ import pytest
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
 from stagecad.parameters.project_tables import kinds
-from workbench.machine.hardware_table import table_text
+from workbench.operations.hardware_table import table_text
 
 PIEZOS = """name,part_number,description,material,diameter [mm],length [mm],end_radius [mm],stroke [um],\
 blocking_force [N],highest_voltage [V],capacitance [uF],element_area [mm^2],moving_mass [g],source

@@ -11,33 +11,29 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress
 
-import stagecad.friction_stage.assembly.machine
-import stagecad.solids.modelling.registry
 from stagecad.solids.artefacts.outputs import DamagedError, write_stored
 from stagecad.solids.artefacts.store import ArtefactStore
-from workbench.machine.artefacts import built_machine, with_repair
+from workbench.cli.commands.parts import KERNEL
+from workbench.cli.options import Run
+from workbench.operations import parts
 
 
-@pytest.mark.parametrize(("cached", "terminal", "told"), [(False, True, 1), (False, False, 0), (True, True, 0)])
-def test_the_wait_is_told_on_a_terminal_before_the_kernel_begins(monkeypatch, cached, terminal, told):
-    found, made, notes = object(), object(), []
-    monkeypatch.setattr(
-        stagecad.friction_stage.assembly.machine, "find_machine", lambda design, store: found if cached else None
-    )
-    monkeypatch.setattr(stagecad.friction_stage.assembly.machine, "build_machine", lambda design, store, advance: made)
-    monkeypatch.setattr(stagecad.solids.modelling.registry, "part_names", lambda design: ("tip",))
-    run: Any = SimpleNamespace(
-        design=None,
-        note=notes.append,
-        progress=lambda: Progress(console=Console(file=io.StringIO()), disable=not terminal),
-    )
-    assert built_machine(run) is (found if cached else made)
-    assert ["Ctrl-C" in note for note in notes] == [True] * told
+@pytest.mark.parametrize(("cached", "terminal", "notes"), [(False, True, 1), (False, False, 0), (True, True, 0)])
+def test_the_wait_is_told_on_a_terminal_before_the_kernel_begins(monkeypatch, capsys, cached, terminal, notes):
+    stored, made = object(), object()
+    monkeypatch.setattr(parts, "find_machine", lambda design, store: stored if cached else None)
+    monkeypatch.setattr(parts, "build_machine", lambda design, store, advance: made)
+    monkeypatch.setattr(parts, "part_names", lambda design: ("tip",))
+    bar = Progress(console=Console(file=io.StringIO()), disable=not terminal)
+    monkeypatch.setattr(Run, "progress", lambda run: bar)
+    with Run(None, (), Path("build"), None).reporting(note=KERNEL) as report:
+        machine = parts.built_machine(cast(Any, None), None, report)
+    assert machine is (stored if cached else made)
+    assert capsys.readouterr().err.count("Ctrl-C") == notes
 
 
-def test_every_damaged_artefact_is_made_again(tmp_path: Path) -> None:
-    store, notes = ArtefactStore(tmp_path / "cache"), []
-    run: Any = SimpleNamespace(note=notes.append)
+def test_every_damaged_artefact_is_made_again(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    store = ArtefactStore(tmp_path / "cache")
 
     def write() -> list[str]:
         modules = ("stagecad.solids.modelling.frame",)
@@ -51,9 +47,9 @@ def test_every_damaged_artefact_is_made_again(tmp_path: Path) -> None:
         return write_stored(tmp_path / "out", entries)
 
     damaged = ["one.txt", "three.txt"]
-    with_repair(run, store, write)
+    parts.with_repair(store, write)
     assert [(tmp_path / "out" / f"{name}.txt").read_text() for name in ("one", "two", "three")] == ["good"] * 3
-    assert len(notes) == 2
+    assert caplog.messages == ["a stored result was damaged; it is made again"] * 2
 
 
 def test_a_cache_that_never_keeps_what_it_stores_is_one_line(tmp_path: Path) -> None:
@@ -64,7 +60,7 @@ def test_a_cache_that_never_keeps_what_it_stores_is_one_line(tmp_path: Path) -> 
         raise DamagedError(entry)
 
     with pytest.raises(OSError, match="does not keep what is written to it"):
-        with_repair(cast(Any, SimpleNamespace(note=print)), store, write)
+        parts.with_repair(store, write)
 
 
 def _text(folder: Path, name: str) -> None:

@@ -16,7 +16,7 @@ from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from workbench.cli import run as stagecad
-from workbench.machine.comparison import margin_changes, mark_changes, volume_changes
+from workbench.operations.diff import margin_changes, mark_changes, volume_changes
 
 THICKER = 'extends = "thesis"\n[stage]\nthickness = {value = "14 mm", origin = "assumed: stiffer"}\n'
 

@@ -12,7 +12,7 @@ from designcalc.friction_stage.physics.assembly_values import assembly_values
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from stagecad.solids.artefacts.store import ArtefactStore
-from workbench.machine.artefacts import stored_values
+from workbench.operations.drawings import stored_values
 
 
 def test_stored_values_are_reused_until_an_input_changes(tmp_path: Path) -> None:

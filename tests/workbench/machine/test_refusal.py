@@ -12,7 +12,7 @@ from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import CRASHED
 from workbench.cli import run
-from workbench.machine.refusal import MOST_NAMED, refusal_line
+from workbench.operations.parts import MOST_NAMED, refusal_line
 
 
 def test_the_parameters_of_the_part_come_first_with_the_packaged_values() -> None:
@@ -40,10 +40,10 @@ def test_the_packaged_design_is_a_fault_of_the_program(design: Design) -> None:
 def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     import workbench.cli.commands.parts as command
 
-    def refused(run: object, wanted: object) -> None:
+    def refused(*arguments: object) -> None:
         raise PartError("tip", load_design(None, ["tip.hub_diameter=24 mm"]), "failed")
 
-    monkeypatch.setattr(command, "write_parts", refused)
+    monkeypatch.setattr(command, "parts", refused)
     assert run(["parts"]) == 2
     assert capsys.readouterr().err.startswith("stagecad: thesis.toml: the CAD kernel makes no valid solid of 'tip'")
 

@@ -10,7 +10,7 @@ import pytest
 from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-from workbench.api.machine.live_checks import LiveChecks
+from workbench.operations.live_checks import LiveChecks
 
 CHANGES = (["stage.length=240 mm", "pads.length=24 mm"], ["pads.length=24 mm", "stage.material=invar_36"])
 

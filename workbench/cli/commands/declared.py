@@ -31,16 +31,17 @@ def run_declared(
         refused: names or options given that only the machine of the thesis has.
     """
     from designcalc.checks.analysis.report import counted
-    from workbench.console.checks import print_checks
+    from workbench.cli.console import show
     from workbench.machine.declared_machine import build, checks, draw
     from workbench.machine.own_checks import register
+    from workbench.operations.checks import check_lines
 
     if refused:
         raise InputError(f"'{refused[0]}': is for the machine of the thesis; {run.design.path} declares another one")
     if trust:
-        from workbench.cli.commands.check import trust_own_checks
+        from workbench.cli.commands.check import trust as trust_checks
 
-        trust_own_checks(run)
+        trust_checks(run)
     if "checks" in what:
         register(run.design.check_files)
     status, document = 0, {}
@@ -61,7 +62,8 @@ def run_declared(
     if "checks" in what:
         found = checks(run, built)
         if what == ("checks",):
-            print_checks(run, found)
+            show(run, check_lines(found))
+            run.echo(f"{counted(found)}; every formula with its numbers: {run.out / 'checks' / 'checks.html'}")
             status = 1 if any(check.verdict == "fails" for check in found) else status
         else:
             run.echo(f"checks: {counted(found)}")

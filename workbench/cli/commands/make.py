@@ -27,7 +27,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
     from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.cli.commands.check import trust_own_checks
+    from workbench.cli.commands.check import trust as trust_checks
     from workbench.cli.commands.declared import WHAT, run_declared
     from workbench.machine.declared_machine import declared_machine
 
@@ -35,7 +35,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     if declaration is not None:
         return run_declared(run, declaration, WHAT, trust)
     if trust:
-        trust_own_checks(run)
+        trust_checks(run)
     store = ArtefactStore()
     _fill(run, store, simulations)
     _write_results(run, store, simulations)
@@ -49,31 +49,31 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
-    from stagecad.solids.modelling.registry import chosen
-    from workbench.cli.commands.drawings import write_drawings
-    from workbench.cli.commands.parts import write_parts
-    from workbench.machine.artefacts import built_machine, stored_values, with_repair
+    from workbench.operations.drawings import drawings, stored_values
+    from workbench.operations.parts import parts, with_repair
     from workbench.report.machine import MachineResults, write_report
     from workbench.report.stored_results import stored_checks
 
     design = run.design.values
-    document = write_parts(run, chosen((), design))
-    run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
-    machine = built_machine(run, store)
-    pictures = with_repair(run, store, lambda: _pictures(run, store, machine))
+    made = parts(run.design)
+    document, changed, count = made.write_changed(run.out)
+    run.echo(f"parts: {len(changed)} of {count} files written")
+    machine = made.machine
+    pictures = with_repair(store, lambda: _pictures(run, store, machine))
     with run.busy("interference"):
         interferences = build_interferences(store, machine.parts, design)
     pairs, found = len(interferences), len(clashes(interferences))
     run.echo(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
-    drawings = write_drawings(run)
-    hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
-    run.echo(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
+    with run.reporting() as report:
+        drawn = drawings(run.design, (), run.out, report)
+    hits, sheets = len(drawn.hits), drawn.document
+    run.echo(f"drawings: {len(sheets['changed'])} of {sheets['files']} files written, {hits} lint hits")
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
     checks = stored_checks(store, run.design, design, masses)
     run.echo(f"checks: {counted(checks)}")
-    check_figures = with_repair(run, store, lambda: _check_figures(run, store, masses))
-    with_repair(run, store, lambda: _write_checks(run, store, checks, masses, check_figures))
-    figures = with_repair(run, store, lambda: _simulations(run, store)) if simulations else []
+    check_figures = with_repair(store, lambda: _check_figures(run, store, masses))
+    with_repair(store, lambda: _write_checks(run, store, checks, masses, check_figures))
+    figures = with_repair(store, lambda: _simulations(run, store)) if simulations else []
     bill = machine.bill_of_materials
     steps = procedure(design, bill, stored_values(store, design, masses))
     results = MachineResults(
@@ -85,16 +85,16 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
         bill=bill_document(bill),
         interferences=interferences,
         procedure=steps,
-        drawings=drawings,
+        drawings=sheets,
     )
-    page = write_report(run, results)
+    page = write_report(design, run.out, results)
     run.echo(f"report: {page}")
     run.emit(
         {
             "parts": document["parts"],
             "moving_body": document["moving_body"],
             "measures": document["measures"],
-            "drawings": drawings["sheets"],
+            "drawings": sheets["sheets"],
             "checks": [check.as_json() for check in checks],
             "report": str(page),
         }
@@ -163,10 +163,10 @@ def _fill(run: Run, store: ArtefactStore, simulations: bool) -> None:
 
     The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
     """
-    from workbench.cli.commands.drawings import with_sheet_overrides
+    from workbench.operations.drawings import with_sheet_overrides
     from workbench.report.make import LONG, Making
 
-    making = Making(store.folder, run.design.values, with_sheet_overrides(run), run.design, simulations)
+    making = Making(store.folder, run.design.values, with_sheet_overrides(run.design), run.design, simulations)
     tasks = making.absent
     if not any(task.kind in LONG for task in tasks):
         return

@@ -99,7 +99,7 @@ def hardware(run: Run, kind: str) -> None:
     `[hardware]` of the parameter file names it; a part chooses a row by its key `row`.
     """
     from stagecad.parameters.project_tables import HARDWARE, ROW, kinds
-    from workbench.machine.hardware_table import table_text
+    from workbench.operations.hardware_table import table_text
 
     if kind not in kinds():
         raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds())}")

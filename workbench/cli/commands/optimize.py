@@ -3,46 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.units import parse_quantity
+from workbench.cli.console import show
 from workbench.cli.options import Run, common_options, without_rules
-
-if TYPE_CHECKING:
-    from designcalc.checks.check import Check
-    from designcalc.optimisation.evaluation import Evaluator
-    from designcalc.optimisation.optimise import Outcome
-    from stagecad.parameters.mass_properties import BodyMasses
-    from workbench.machine.optimisation import Effort
-
-
-@dataclass(frozen=True)
-class Options:
-    """Options of the command, as given."""
-
-    freed: tuple[str, ...]
-    keep: tuple[str, ...]
-    target: Path | None
-    relax: bool
-    budget: int
-    evaluations: int
-    limit: str | None
-    seed: int
-    solids: bool
-    figures: bool
-    scheduler: str | None
-    levels: bool
+from workbench.figures.checks import save
+from workbench.operations.levels import reached_levels
+from workbench.operations.optimise import Search, optimised
 
 
 @click.command("optimize")
 @click.option(
     "--free",
-    "freed",
     multiple=True,
     metavar="KEY=LOW:HIGH",
     help="Let a parameter change within a range, or among choices KEY=A|B, besides those marked free in the file.",
@@ -85,98 +63,72 @@ class Options:
 @click.option("--scheduler", metavar="ADDRESS", help="Run searches from several seeds on a dask cluster.")
 @common_options
 @without_rules
-def command(run: Run, **given: Any) -> int:
+def command(
+    run: Run, target: Path | None, relax: bool, limit: str | None, figures: bool, levels: bool, **effort: Any
+) -> int:
     """Find the design nearest to the present one that violates no rule and fails no check.
 
     If there is none: irreducible sets of requirements that contradict each other, and how far each must be relaxed.
     """
-    from designcalc.optimisation.optimise import outcome_document
-    from stagecad.parameters.rules.registry import violations
-    from workbench.cli.commands.check import masses_of_solids
-    from workbench.console.optimisation import print_outcome
-    from workbench.machine.optimisation import Effort, optimised, unverified, verified_checks, written
-    from workbench.report.optimisation import optimisation_report
-
-    options = Options(**given)
-    target, relax = options.target, options.relax
     if target is not None and target.exists():
         raise InputError(f"{target}: is there already; name a new file")
-    # A design that violates a rule may have no solids.
-    masses = masses_of_solids(run) if options.solids and not violations(run.design.values) else None
-    effort = Effort(options.budget, options.evaluations, _seconds(options.limit), options.seed)
-    if options.levels:
-        return _levels(run, options, effort, masses)
-    evaluator, outcome = optimised(run, options.freed, options.keep, effort, masses, options.scheduler)
-    found = outcome.design if outcome.feasible or relax else None
-    after: list[Check] | None = None
-    if outcome.design is not None and outcome.changes:
-        after = verified_checks(evaluator, outcome, masses is not None)
-    print_outcome(run, outcome, evaluator, after)
-    wrong = unverified(outcome, after or [])
-    if wrong:
-        run.note(f"with the masses of its own solids the design fails: {', '.join(wrong)}; repeat with --params on it")
-    document = outcome_document(outcome, evaluator, after)
-    if after is not None:
-        document["verified"] = not wrong
-    report = optimisation_report(outcome, evaluator.checks, after, run.design.values.file)
-    atomic_write_text(run.out / "optimize" / "report.md", report)
-    if target is not None and found is not None and after is not None:
-        written(run, outcome, target)
-        atomic_write_text(target.with_suffix(".md"), report)
+    wanted = Search(**effort, seconds=_seconds(limit))
+    if levels:
+        if target is not None or wanted.keep:
+            raise InputError("--levels: --keep and --write are not used with it")
+        return _levels(run, wanted, figures)
+    with run.reporting() as report:
+        result = optimised(run.design, wanted, report)
+    document = result.to_json()
+    if run.json_target is None:
+        show(run, result.lines())
+    if result.unverified:
+        failing = ", ".join(result.unverified)
+        run.note(f"with the masses of its own solids the design fails: {failing}; repeat with --params on it")
+    atomic_write_text(run.out / "optimize" / "report.md", result.report())
+    if target is not None and result.after is not None and (result.feasible or relax):
+        result.write(target)
         document["written"] = str(target)
         run.note(f"written: {target} and {target.with_suffix('.md')}")
     elif target is not None:
         run.note(
             f"{target} is not written: no design meets all requirements (--relax leaves out those of the conflicts)"
         )
-    if options.figures:
-        document["figures"] = _figures(run, outcome, evaluator)
+    if figures:
+        drawn = {f"conflict_{number + 1}": result.plot(number) for number in range(len(result.fronts))}
+        document["figures"] = _saved(run, drawn)
     run.emit(document)
-    return 130 if outcome.interrupted else 0
+    return 130 if result.outcome.interrupted else 0
 
 
-def _levels(run: Run, options: Options, effort: Effort, masses: BodyMasses | None) -> int:
+def _levels(run: Run, wanted: Search, figures: bool) -> int:
     """The study of the levels of Table 1: tables, report, figure."""
-    from workbench.console.optimisation import print_levels
-    from workbench.machine.levels import levels_document
-    from workbench.machine.optimisation import studied_levels
-    from workbench.report.optimisation import levels_report
-
-    if options.target is not None or options.keep:
-        raise InputError("--levels: --keep and --write are not used with it")
-    levels = studied_levels(run, options.freed, effort, masses)
-    print_levels(run, levels)
-    atomic_write_text(run.out / "optimize" / "levels.md", levels_report(levels, run.design.values.file))
-    document = levels_document(levels)
-    if options.figures:
-        from workbench.report.design_figures import fronts_figure
-
-        path = run.out / "optimize" / "levels.png"
-        fronts_figure(levels, path)
-        document["figures"] = [str(path)]
-        run.echo(f"figure {path}")
+    with run.reporting() as report:
+        result = reached_levels(run.design, wanted, report)
+    if run.json_target is None:
+        show(run, result.lines())
+    atomic_write_text(run.out / "optimize" / "levels.md", result.report())
+    document = result.to_json()
+    if figures:
+        document["figures"] = _saved(run, {"levels": result.plot()})
     run.emit(document)
     return 0
 
 
-def _seconds(text: str | None) -> float:
-    from stagecad.parameters.units import parse_quantity
+def _saved(run: Run, figures: dict[str, Any]) -> list[str]:
+    paths = []
+    for name, figure in figures.items():
+        path = run.out / "optimize" / f"{name}.png"
+        save(figure, path)
+        paths.append(str(path))
+        run.echo(f"figure {path}")
+    return paths
 
+
+def _seconds(text: str | None) -> float:
     if text is None:
         return math.inf
     seconds = parse_quantity(text, "s", "--time")
     if not seconds > 0:
         raise InputError(f"--time '{text}': must be above 0")
     return seconds
-
-
-def _figures(run: Run, outcome: Outcome, evaluator: Evaluator) -> list[str]:
-    from workbench.report.design_figures import pareto_figure
-
-    drawn = []
-    for number, conflict in enumerate((one for one in outcome.conflicts if len(one.names) > 1), start=1):
-        path = run.out / "optimize" / f"conflict_{number}.png"
-        pareto_figure(evaluator, conflict.names, path)
-        drawn.append(str(path))
-        run.echo(f"figure {path}")
-    return drawn

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-from workbench.api.machine.sheets import cached_file, chosen_sheets, sheet_names
+from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
 from workbench.operations.result import finite
 from workbench.page.machine_session import Changes, MachineSession
 

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError
-from workbench.api.machine.optimisation import marked_free, need_free
+from workbench.operations.optimise import marked_free, need_free
 from workbench.page.routes.machine import Body, Text, session_of
 
 router = APIRouter(prefix="/api/machine/optimize")

@@ -8,8 +8,8 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError, nearest
+from workbench.operations.parameters import entry_row
 from workbench.operations.result import finite
-from workbench.page.machine_session import parameter_json
 from workbench.page.routes.machine import Body, Text
 
 router = APIRouter(prefix="/api/simulation")
@@ -79,10 +79,10 @@ def overview(request: Request) -> dict[str, Any]:
             "experiments": EXPERIMENTS,
             "models": friction_models(),
             "parameters": {
-                name: [parameter_json(design.entry(key)) for key in keys]
+                name: [entry_row(design.entry(key)) for key in keys]
                 for name, keys in (("body", BODY_KEYS), ("stage", STAGE_KEYS))
             },
-            "tip": {key: {**parameter_json(design.entry(key)), "si": design.si(key)} for key in tip},
+            "tip": {key: {**entry_row(design.entry(key)), "si": design.si(key)} for key in tip},
         }
     )
 

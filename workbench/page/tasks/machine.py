@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from workbench.api.machine.sheets import sheets as sheets_of
-from workbench.api.machine.solids import solids as solids_of
 from workbench.operations.design import Design, load_design
+from workbench.operations.drawings import sheets as sheets_of
+from workbench.operations.parts import solids as solids_of
 from workbench.page.job_process import Report
 
 

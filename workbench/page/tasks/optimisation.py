@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from workbench.api.machine.optimisation import optimize as optimize_design
+from workbench.operations.optimise import optimize as optimize_design
 from workbench.page.job_process import Report
 from workbench.page.tasks.machine import design_of
 

@@ -8,8 +8,8 @@ import pytest
 
 import stagecad
 from stagecad import InputError
-from workbench.api.machine.optimisation import marked_free, need_free, optimize
 from workbench.operations.new_experiment import propose
+from workbench.operations.optimise import marked_free, need_free, optimize
 
 SAG = "sag of the drive surface over the travel"
 THIN = {"stage.thickness": "6.1 mm"}

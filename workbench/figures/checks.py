@@ -1,4 +1,4 @@
-"""Figures of the checks: the rail curve, the map of the teeth, a sweep."""
+"""Figures of the checks: curves behind single checks, budgets, sweeps and tolerances."""
 
 from __future__ import annotations
 
@@ -7,37 +7,44 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from stagecad.parameters.atomic import atomic_path
+from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
+    from designcalc.checks.analysis.grid import GridPoint
     from designcalc.checks.analysis.sweep import Point, Range
     from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
 
 
-def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., bool]]:
-    """Decorator: draw on the axes of a new figure and save it; the drawing returns its title, None draws nothing."""
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG; the folder is made."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_path(path) as temporary:
+        figure.savefig(temporary, dpi=150, format="png")
 
-    def decorate(draw: Callable[..., str | None]) -> Callable[..., bool]:
-        def drawn(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+
+def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., Figure | None]]:
+    """Decorator: draw on the axes of a new figure; the drawing returns its title, None for no figure."""
+
+    def decorate(draw: Callable[..., str | None]) -> Callable[..., Figure | None]:
+        def drawn(design: Design, masses: BodyMasses | None) -> Figure | None:
             figure, axes = _figure(width, height)
             title = draw(axes, design, masses)
             if title is None:
-                return False
+                return None
             axes.set_title(title, fontsize=10)
-            _save(figure, path)
-            return True
+            return figure
 
         return drawn
 
     return decorate
 
 
-def _figure(width: float, height: float) -> tuple[Any, Any]:
-    from matplotlib.figure import Figure
-
+def _figure(width: float, height: float) -> tuple[Figure, Any]:
     figure = Figure(figsize=(width, height), layout="constrained")
     return figure, figure.subplots()
 
@@ -235,10 +242,8 @@ def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str 
     return f"A pad touches over {1e3 * side:.2g} mm: roughness is averaged, waves are not"
 
 
-def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+def budget_figure(design: Design, masses: BodyMasses | None) -> Figure:
     """Contributions to the error budgets at the payload."""
-    from matplotlib.figure import Figure
-
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.checks.budget import budgets
 
@@ -261,14 +266,11 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
         _left_title(axes, f"{one.name}, {one.direction}")
     panels[-1].set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: limit)", fontsize=9)
     _space(figure, panels[:, None], left=_width_of_labels(figure) + 0.15, top=0.25, between=(0.0, 0.5))
-    _save(figure, path)
-    return True
+    return figure
 
 
-def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+def dynamic_figure(design: Design, masses: BodyMasses | None) -> Figure:
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
-    from matplotlib.figure import Figure
-
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.checks.position_loop import limit_key
     from designcalc.friction_stage.physics.position_loop import dynamic_budgets
@@ -307,11 +309,10 @@ def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
         axes.set_xlabel("frequency, Hz", fontsize=9)
     _left_title(panels[0, 1], f"from {lowest:.3g} Hz upwards; dashed: limit")
     _space(figure, panels, left=0.65, top=0.25, between=(0.75, 0.35))
-    _save(figure, path)
-    return True
+    return figure
 
 
-FIGURES: dict[str, tuple[str, Callable[..., bool]]] = {
+FIGURES: dict[str, tuple[str, Callable[..., Figure | None]]] = {
     "stiffness of the bearing way over bolt spacing": ("rail", rail_figure),
     "map of the magnetic teeth": ("teeth", teeth_figure),
     "speed over drive frequency": ("speed", speed_figure),
@@ -320,10 +321,10 @@ FIGURES: dict[str, tuple[str, Callable[..., bool]]] = {
     "error budgets": ("budget", budget_figure),
     "dynamic error budgets": ("dynamic_budget", dynamic_figure),
 }
-"""Figure by title: name of its file, and what draws it (False where the design has none)."""
+"""Figure by title: name of its file, and what draws it (None where the design has none)."""
 
 
-def tolerance_figure(study: ToleranceStudy, path: Path) -> None:
+def tolerance_figure(study: ToleranceStudy) -> Figure:
     """The dimensions whose tolerance uses up most of a margin."""
     shown = [item for item in study.influences if item.share > 0][:12]
     figure, axes = _figure(7.2, 0.34 * len(shown) + 1.2)
@@ -334,18 +335,11 @@ def tolerance_figure(study: ToleranceStudy, path: Path) -> None:
     axes.set_xlim(0, 210 * shown[0].share if shown else 1)
     axes.set_xlabel("part of a margin used up by the tolerance alone, %")
     axes.tick_params(labelsize=8)
-    _save(figure, path)
+    return figure
 
 
-def _save(figure: Any, path: Path) -> None:
-    with atomic_path(path) as temporary:
-        figure.savefig(temporary, dpi=150)
-
-
-def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str], path: Path) -> None:
+def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str]) -> Figure:
     """Margins of some checks over a swept parameter; below the zero line a check fails."""
-    from stagecad.parameters.units import to_si
-
     kept = [point for point in points if point.checks]
     scale = 1 / to_si(1.0, swept.unit)
     x = [point.value * scale for point in kept]
@@ -355,7 +349,24 @@ def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str], pa
         axes.plot(x, [np.nan if m is None else 100 * m for m in margins], marker=".", label=name)
     axes.axhline(0, color="0.3", lw=0.8)
     axes.set_yscale("symlog", linthresh=10)
-    axes.set_xlabel(f"{swept.key}, {swept.unit}" if swept.unit else swept.key)
+    axes.set_xlabel(_label(swept))
     axes.set_ylabel("margin, % of the limit")
     axes.legend(frameon=False, fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    _save(figure, path)
+    return figure
+
+
+def grid_figure(ranges: Sequence[Range], points: Sequence[GridPoint]) -> Figure:
+    """The number of failed checks over two parameters; refused combinations are left empty."""
+    rows, columns = (len(swept.values) for swept in ranges)
+    counts = [np.nan if point.refused else len(point.failing) for point in points]
+    x, y = ([to_si(value, swept.unit) / to_si(1.0, swept.unit) for value in swept.values] for swept in reversed(ranges))
+    figure, axes = _figure(6.4, 4.6)
+    shown = axes.pcolormesh(x, y, np.array(counts, float).reshape(rows, columns), shading="nearest", cmap="viridis_r")
+    figure.colorbar(shown, ax=axes, label="failed checks")
+    axes.set_xlabel(_label(ranges[1]))
+    axes.set_ylabel(_label(ranges[0]))
+    return figure
+
+
+def _label(swept: Range) -> str:
+    return f"{swept.key}, {swept.unit}" if swept.unit else swept.key

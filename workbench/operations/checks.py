@@ -1,0 +1,483 @@
+"""`checks`: every design check; its margins over values, tolerances and chains of dimensions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from designcalc.checks.analysis.grid import GridPoint, combinations, grid_table, run_grid_point
+from designcalc.checks.analysis.proposals import evaluate_proposals
+from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
+from designcalc.checks.analysis.sweep import Point, Range, changing_checks, read_range, run_point, table
+from designcalc.checks.analysis.tolerance import ToleranceStudy, tolerance_study
+from designcalc.checks.check import Check
+from designcalc.checks.run import run_checks
+from designcalc.friction_stage.physics.tolerance_chains import Chain
+from designcalc.friction_stage.physics.tolerance_chains import chains as chains_of
+from stagecad.blas_threads import one_thread
+from stagecad.friction_stage.assembly.machine import body_masses
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.processes import parallel_map
+from workbench.machine.own_checks import register
+from workbench.operations.design import Design, load_design
+from workbench.operations.lines import Line, plain_table
+from workbench.operations.parts import masses_of_solids
+from workbench.operations.progress import ProgressCallback, counted, silent
+from workbench.operations.result import Result, finite
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from stagecad.parameters.design import Design as Values
+    from stagecad.parameters.mass_properties import BodyMasses
+
+FEW_POINTS = 30
+"""Without solids so few points are quicker in one process than in several, which start first."""
+MOST_COLUMNS, MOST_CURVES = 6, 8
+"""Checks in the table and in the figure of a sweep."""
+MOST_ROWS = 12
+"""Combinations in the table of a grid of more than two ranges."""
+
+
+def evaluated_checks(design: Design, masses: BodyMasses | None) -> list[Check]:
+    """Every check of a design, the changes that the failed ones propose evaluated."""
+    register(design.check_files)
+    return evaluate_proposals(run_checks(design.values, masses), design.values, masses, design.further_override())
+
+
+def trust_checks(design: Design) -> tuple[str, ...]:
+    """Consent to run the user's own checks as they are now; returns their files."""
+    register(design.check_files, trust=True)
+    return design.check_files
+
+
+def check_lines(checks: Sequence[Check]) -> list[Line]:
+    """Every check with value, limit, margin and verdict; then the proposals of those that do not pass."""
+    rows: list[tuple[str, ...]] = []
+    subject = ""
+    for check in checks:
+        if check.subject != subject:
+            subject = check.subject
+            rows.append((subject, "", "", "", ""))
+        value, limit, margin = shown(check.value, check.unit), shown_limit(check), shown_margin(check)
+        rows.append((f"  {check.name}", value, limit, margin, check.verdict))
+    lines: list[Line] = [plain_table("", "check|value|limit|margin|verdict", rows, "check|limit|verdict")]
+    failing = [check for check in checks if check.verdict != "passes"]
+    if failing:
+        lines.append("\nWhat would pass")
+    return [*lines, *(f"- {check.name}: {check.proposal or check.note or 'see the formula'}" for check in failing)]
+
+
+class Checks(Result):
+    """Every design check with its value, limit, margin, and what would pass.
+
+    Attributes:
+        design: that is checked.
+        checks: in the order of the report.
+        masses: of its solids; none where they were estimated from plain volumes.
+    """
+
+    def __init__(self, design: Design, checks: Sequence[Check], masses: BodyMasses | None = None) -> None:
+        self.design, self.checks, self.masses = design, tuple(checks), masses
+
+    def __len__(self) -> int:
+        return len(self.checks)
+
+    def __getitem__(self, name: str) -> Check:
+        """The check of this name.
+
+        Raises:
+            InputError: no such check.
+        """
+        for check in self.checks:
+            if check.name == name:
+                return check
+        raise InputError(f"no check '{name}'{nearest(name, [check.name for check in self.checks])}")
+
+    @property
+    def failed(self) -> tuple[Check, ...]:
+        """The checks that fail."""
+        return tuple(check for check in self.checks if check.verdict == "fails")
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each check, SI; the margin is a part of the limit, negative where the check fails."""
+        import pandas as pd
+
+        rows = [
+            {
+                "subject": check.subject,
+                "check": check.name,
+                "value": check.value,
+                "sense": "at most" if check.comparison.upper else "at least",
+                "limit": check.limit,
+                "unit": check.unit,
+                "margin": check.margin,
+                "verdict": check.verdict,
+                "proposal": check.proposal,
+            }
+            for check in self.checks
+        ]
+        return pd.DataFrame(rows).set_index("check")
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """The document of `stagecad check --json`."""
+        return finite([check.as_json() for check in self.checks])
+
+    def summary(self) -> list[tuple[str, str]]:
+        return [(check.name, check.proposal) for check in self.failed if check.proposal]
+
+    def lines(self) -> list[Line]:
+        """Every check, and what would pass."""
+        return check_lines(self.checks)
+
+    def plot(self, name: str | None = None) -> Figure:
+        """The margins of the failed checks or of a subject, or one of the figures of the checks by its title.
+
+        Raises:
+            InputError: no such subject and no such figure, or no check with a margin.
+        """
+        from workbench.figures.checks import FIGURES
+        from workbench.figures.design import margins_figure
+
+        if name in FIGURES:
+            figure = FIGURES[name][1](self.design.values, self.masses)
+            if figure is None:
+                raise InputError(f"plot: the design has no '{name}'")
+            return figure
+        subjects = list(dict.fromkeys(check.subject for check in self.checks))
+        if name is not None and name not in subjects:
+            raise InputError(f"no subject '{name}'{nearest(name, [*subjects, *FIGURES])}")
+        return margins_figure([c for c in self.checks if c.subject == name] if name else self.failed)
+
+    def __repr__(self) -> str:
+        counts = {name: sum(check.verdict == name for check in self.checks) for name in ("passes", "fails")}
+        open_ones = len(self.checks) - sum(counts.values())
+        rest = f", {open_ones} without a verdict" if open_ones else ""
+        return f"<Checks of '{self.design.values.file}': {counts['passes']} pass, {counts['fails']} fail{rest}>"
+
+
+def checks(design: Design | None = None, solids: bool = True, proposals: bool = True) -> Checks:
+    """Run every check on a design.
+
+    Args:
+        design: the packaged machine when left out.
+        solids: take the masses from the solids, which are made where the cache lacks them, or from plain volumes.
+        proposals: evaluate the changes that failed checks propose, which takes some seconds.
+    """
+    design = design or load_design()
+    masses = masses_of_solids(design.values) if solids else None
+    with one_thread():
+        run = evaluated_checks(design, masses) if proposals else run_checks(design.values, masses)
+    return Checks(design, run, masses)
+
+
+def ranges_of(design: Design, texts: Sequence[str]) -> list[Range]:
+    """Ranges `KEY=LOW:HIGH[:N]` of a sweep.
+
+    Raises:
+        InputError: a range that cannot be read, a key given twice, or too many combinations.
+    """
+    ranges = [read_range(text, design.values) for text in texts]
+    if len(ranges) > 1:
+        combinations(ranges)
+    return ranges
+
+
+def _si_unit(swept: Range) -> str:
+    return {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit)
+
+
+class Sweep(Result):
+    """The checks over the values of one parameter.
+
+    Attributes:
+        swept: the parameter and its values.
+        points: the checks at each value.
+    """
+
+    def __init__(self, swept: Range, points: Sequence[Point]) -> None:
+        self.swept, self.points = swept, tuple(points)
+
+    @property
+    def changing(self) -> list[str]:
+        """Checks whose margin changes, those whose verdict changes first."""
+        return changing_checks(self.points)
+
+    @property
+    def title(self) -> str:
+        return f"margins over {self.swept.key}"
+
+    @property
+    def file(self) -> str:
+        """Name of the file of the figure."""
+        return f"sweep_{self.swept.key.replace('.', '_')}.png"
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Margin of each check (columns) at each value (SI, index)."""
+        import pandas as pd
+
+        rows = [{check.name: check.margin for check in point.checks} for point in self.points]
+        return pd.DataFrame(rows, index=pd.Index([point.value for point in self.points], name=self.swept.key))
+
+    def to_json(self) -> dict[str, Any]:
+        """Under `sweep` in the document of `stagecad check --sweep --json`."""
+        return finite(table(self.swept, self.points))
+
+    def lines(self) -> list[Line]:
+        """Margins of the checks that change most, and the values that are refused."""
+        names, unit = self.changing, _si_unit(self.swept)
+        rows = []
+        for point in self.points:
+            margins = {check.name: shown_margin(check) for check in point.checks}
+            rows.append([shown(point.value, unit), *(margins.get(name, "-") for name in names[:MOST_COLUMNS])])
+        columns = "|".join([self.swept.key, *names[:MOST_COLUMNS]])
+        lines: list[Line] = [plain_table(self.title, columns, rows, "-")]
+        lines += [f"- {shown(point.value, unit)}: {point.refused}" for point in self.points if point.refused]
+        return lines if names else [*lines, f"no margin changes with {self.swept.key}"]
+
+    def plot(self) -> Figure | None:
+        """Margins of the checks that change most; None where none changes."""
+        from workbench.figures.checks import sweep_figure
+
+        names = self.changing[:MOST_CURVES]
+        return sweep_figure(self.swept, self.points, names) if names else None
+
+    def __repr__(self) -> str:
+        return f"<Sweep of {self.swept.key}: {len(self.points)} values, {len(self.changing)} margins change>"
+
+
+class Grid(Result):
+    """The checks over every combination of the values of several parameters.
+
+    Attributes:
+        ranges: the parameters and their values.
+        points: the checks at each combination.
+    """
+
+    def __init__(self, ranges: Sequence[Range], points: Sequence[GridPoint]) -> None:
+        self.ranges, self.points = tuple(ranges), tuple(points)
+
+    @property
+    def title(self) -> str:
+        return f"failed checks over {' and '.join(swept.key for swept in self.ranges)}"
+
+    @property
+    def file(self) -> str:
+        """Name of the file of the figure."""
+        return f"grid_{'_'.join(swept.key.replace('.', '_') for swept in self.ranges)}.png"
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each combination: its values, SI, the number of failed checks, and why it is refused."""
+        import pandas as pd
+
+        keys = [swept.key for swept in self.ranges]
+        rows = [
+            {
+                **dict(zip(keys, point.values, strict=True)),
+                "failed": None if point.refused else len(point.failing),
+                "refused": point.refused,
+            }
+            for point in self.points
+        ]
+        return pd.DataFrame(rows)
+
+    def to_json(self) -> dict[str, Any]:
+        """Under `grid` in the document of `stagecad check --sweep --json`."""
+        return finite(grid_table(self.ranges, self.points))
+
+    def lines(self) -> list[Line]:
+        """The number of failed checks at every point of two ranges; the points with fewest for more ranges."""
+        ranges, points, units = self.ranges, self.points, [_si_unit(swept) for swept in self.ranges]
+        if len(ranges) == 2:
+            count = len(ranges[1].values)
+            columns = ["", *(shown(point.values[1], units[1]) for point in points[:count])]
+            rows = []
+            for start in range(0, len(points), count):
+                row = points[start : start + count]
+                cells = ["refused" if point.refused else str(len(point.failing)) for point in row]
+                rows.append([shown(row[0].values[0], units[0]), *cells])
+            title = f"failed checks over {ranges[0].key} (down) and {ranges[1].key}"
+        else:
+            columns = [*(swept.key for swept in ranges), "failed checks"]
+            best = sorted((point for point in points if point.checks), key=lambda point: len(point.failing))
+            rows = [[*map(shown, point.values, units), str(len(point.failing))] for point in best[:MOST_ROWS]]
+            title = "combinations with fewest failed checks"
+        lines: list[Line] = [plain_table(title, "|".join(columns), rows, "-")]
+        refused = [point.refused for point in points if point.refused]
+        if refused:
+            lines.append(f"{len(refused)} of {len(points)} combinations are refused, the first: {refused[0]}")
+        return lines
+
+    def plot(self) -> Figure | None:
+        """The number of failed checks over two parameters; None for more."""
+        from workbench.figures.checks import grid_figure
+
+        return grid_figure(self.ranges, self.points) if len(self.ranges) == 2 else None
+
+    def __repr__(self) -> str:
+        return f"<Grid of {', '.join(swept.key for swept in self.ranges)}: {len(self.points)} combinations>"
+
+
+def sweep(
+    design: Design,
+    ranges: Sequence[Range],
+    solids: bool = True,
+    scheduler: str | None = None,
+    progress: ProgressCallback = silent,
+) -> Sweep | Grid:
+    """The checks at every value of a range, or at every combination of several, in parallel.
+
+    Args:
+        design: to be changed.
+        ranges: as of `ranges_of`.
+        solids: take the masses of each point from its own solids, or from plain volumes.
+        scheduler: address of a dask cluster; the local cores when left out.
+        progress: called with the points done.
+    """
+    # Without solids a point takes a tenth of a second: then other processes would cost more than they save.
+    job: Any
+    values: Any
+    if len(ranges) == 1:
+        values, job, workers = ranges[0].values, partial(_swept_point, design, ranges[0], solids), 1
+    else:
+        values, job = combinations(ranges), partial(_grid_point, design, tuple(ranges), solids)
+        workers = 1 if len(values) <= FEW_POINTS else None
+    advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
+    points: Any = parallel_map(job, values, progress=advance, workers=None if solids else workers, scheduler=scheduler)
+    return Sweep(ranges[0], points) if len(ranges) == 1 else Grid(ranges, points)
+
+
+def _no_solids(values: Values) -> None:
+    return None
+
+
+def _swept_point(design: Design, swept: Range, solids: bool, value: float) -> Point:
+    return run_point(swept, value, design.values_with, design.values, body_masses if solids else _no_solids)
+
+
+def _grid_point(design: Design, ranges: Sequence[Range], solids: bool, values: tuple[float, ...]) -> GridPoint:
+    return run_grid_point(ranges, values, design.values_with, design.values, body_masses if solids else _no_solids)
+
+
+class Tolerances(Result):
+    """The margins over the tolerances of the dimensions.
+
+    Attributes:
+        study: spreads of the margins, and the dimensions by their influence.
+    """
+
+    title, file = "what the tolerances use up", "tolerance.png"
+
+    def __init__(self, study: ToleranceStudy) -> None:
+        self.study = study
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each check: nominal margin, its ends, share of the machines that fail, and leading dimension."""
+        import pandas as pd
+
+        return pd.DataFrame([vars(spread) for spread in self.study.spreads]).set_index("name")
+
+    def to_json(self) -> dict[str, Any]:
+        """Under `tolerance` in the document of `stagecad check --tolerance --json`."""
+        return finite(self.study.as_json())
+
+    def lines(self) -> list[Line]:
+        """Margins over the sampled machines, and the tolerances that matter most and least."""
+        study, rows = self.study, []
+        for spread in sorted(study.spreads, key=lambda s: s.low - s.high):
+            if spread.leading and spread.high - spread.low > 1e-4:
+                numbers = [f"{100 * value:+.2f} %" for value in (spread.nominal, spread.low, spread.high)]
+                rows.append([spread.name, *numbers, f"{100 * spread.failing:.1f} %", spread.leading])
+        columns = "check|nominal|5 %|95 %|failing|depends most on"
+        lines: list[Line] = [
+            plain_table(f"margins of {study.samples} machines", columns, rows, "check|depends most on")
+        ]
+        for title, items in (("matter most", study.matter_most), ("could be loosened", study.could_be_loosened)):
+            listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
+            lines.append(f"{title}: {listed}")
+        return [*lines, "(as far as the checks cover: a fit or the assembly may need a closer tolerance)"]
+
+    def plot(self) -> Figure:
+        """The dimensions whose tolerance uses up most of a margin."""
+        from workbench.figures.checks import tolerance_figure
+
+        return tolerance_figure(self.study)
+
+    def __repr__(self) -> str:
+        return f"<Tolerances: {self.study.samples} machines, {len(self.study.influences)} dimensions>"
+
+
+def tolerances(
+    design: Design,
+    masses: BodyMasses | None,
+    samples: int = 10_000,
+    scheduler: str | None = None,
+    progress: ProgressCallback = silent,
+    seed: int = 1,
+) -> Tolerances:
+    """Monte-Carlo study of the margins over the tolerances, the dimensions side by side.
+
+    Args:
+        design: whose dimensions vary.
+        masses: of its solids; None estimates them from plain volumes.
+        samples: number of machines.
+        scheduler: address of a dask cluster; the local cores when left out.
+        progress: called with the dimensions done.
+        seed: of the random numbers.
+    """
+
+    def in_parallel(job: Any, keys: Sequence[str]) -> Any:
+        return parallel_map(job, keys, progress=counted(progress, "tolerances", len(keys)), scheduler=scheduler)
+
+    load = partial(design.values_with, rules=False)
+    return Tolerances(tolerance_study(design.values, load, masses, samples, seed, run_all=in_parallel))
+
+
+class Chains(Result):
+    """The tolerance chains of a design, by worst case and statistically."""
+
+    def __init__(self, chains: Sequence[Chain]) -> None:
+        self.chains = tuple(chains)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each chain: nominal, and both ends by worst case and statistically; m."""
+        import pandas as pd
+
+        rows = [
+            {
+                "chain": chain.name,
+                "nominal": chain.nominal,
+                "worst_low": chain.worst_case[0],
+                "worst_high": chain.worst_case[1],
+                "low": chain.statistical[0],
+                "high": chain.statistical[1],
+            }
+            for chain in self.chains
+        ]
+        return pd.DataFrame(rows).set_index("chain")
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """Under `chains` in the document of `stagecad check --chains --json`."""
+        return finite([chain.as_json() for chain in self.chains])
+
+    def lines(self) -> list[Line]:
+        """Limits of each chain, and the share of each dimension."""
+        rows: list[list[str]] = []
+        for chain in self.chains:
+            limits = [f"{shown(low, 'm')} to {shown(high, 'm')}" for low, high in (chain.worst_case, chain.statistical)]
+            rows.append([chain.name, shown(chain.nominal, "m"), *limits])
+            for link in chain.links:
+                sign = "-" if link.coefficient < 0 else "+"
+                ends = f"{shown(link.low, 'm')} / {shown(link.high, 'm')}"
+                rows.append([f"  {sign} {link.key}", shown(link.nominal, "m"), ends, ""])
+        return [plain_table("", "tolerance chain|nominal|worst case|99.73 %", rows)]
+
+    def __repr__(self) -> str:
+        return f"<Chains: {len(self.chains)} tolerance chains>"
+
+
+def chains(design: Design) -> Chains:
+    """The tolerance chains of a design."""
+    return Chains(chains_of(design.values))

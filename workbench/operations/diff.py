@@ -1,0 +1,457 @@
+"""`diff`: what differs between two designs: parameters, masses, margins, solids and drawing sheets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from designcalc.checks.analysis.report import shown, shown_margin
+from designcalc.checks.run import run_checks
+from stagecad.parameters.load import Difference
+from stagecad.parameters.load import diff as parameter_differences
+from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.units import as_json, format_quantity
+from workbench.operations.design import Design, as_design
+from workbench.operations.lines import Line, plain_table
+from workbench.operations.parameters import difference_json, difference_lines
+from workbench.operations.progress import ProgressCallback, silent
+from workbench.operations.result import Result, finite
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from designcalc.checks.check import Check
+    from stagecad.friction_stage.assembly.machine import Machine
+    from stagecad.parameters.design import Design as Values
+    from stagecad.parameters.mass_properties import MassProperties
+
+ROUNDING = 1e-9
+"""Relative difference of two numbers that is not a difference."""
+CLOSURE = 1e-6
+"""Relative error of volumes beyond which the kernel's difference of two solids is not believed."""
+
+
+@dataclass(frozen=True)
+class MassChange:
+    """Mass of a part, of the moving body or of the assembly in both designs, kg; None where a design lacks it."""
+
+    name: str
+    before: float | None
+    after: float | None
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        return {"name": self.name, "before": _quantity(self.before, "kg"), "after": _quantity(self.after, "kg")}
+
+
+@dataclass(frozen=True)
+class MarginChange:
+    """A check whose margin or verdict differs; None where a design has no such check."""
+
+    name: str
+    before: Check | None
+    after: Check | None
+
+    @property
+    def verdicts(self) -> tuple[str, str]:
+        """Verdicts in both designs, `absent` for no check."""
+        before, after = (check.verdict if check else "absent" for check in (self.before, self.after))
+        return before, after
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        found: dict[str, Any] = {"name": self.name}
+        for word, check in (("before", self.before), ("after", self.after)):
+            found[word] = check and {
+                "value": _quantity(check.value, check.unit),
+                "limit": _quantity(check.limit, check.unit),
+                "margin": check.margin,
+                "verdict": check.verdict,
+            }
+        return found
+
+
+@dataclass(frozen=True)
+class VolumeChange:
+    """Material of a part that only one of the designs has, m^3; None where the kernel's result is not consistent."""
+
+    part: str
+    before: float
+    after: float
+    removed: float | None
+    added: float | None
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        numbers = {name: getattr(self, name) for name in ("before", "after", "removed", "added")}
+        return {"part": self.part, **{name: _quantity(value, "m^3") for name, value in numbers.items()}}
+
+
+@dataclass(frozen=True)
+class SheetChange:
+    """A sheet that differs, or that only one design has; `marked`: its picture with the changes marked."""
+
+    sheet: str
+    change: str
+    marked: Path | None = None
+    regions: int = 0
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        marked = str(self.marked) if self.marked else None
+        return {"sheet": self.sheet, "change": self.change, "marked": marked, "regions": self.regions}
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What differs between two designs; None for what was not compared.
+
+    Args:
+        names: of the two files.
+    """
+
+    names: tuple[str, str]
+    parameters: tuple[Difference, ...]
+    margins: list[MarginChange] | None = None
+    masses: list[MassChange] | None = None
+    volumes: list[VolumeChange] | None = None
+    sheets: list[SheetChange] | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        document: dict[str, Any] = {
+            "files": list(self.names),
+            "parameters": [difference_json(change) for change in self.parameters],
+        }
+        for name in ("margins", "masses", "volumes", "sheets"):
+            changes = getattr(self, name)
+            if changes is not None:
+                document[name] = [change.as_json() for change in changes]
+        return document
+
+
+class Differences(Result):
+    """What differs between two designs: parameters, margins, masses, volumes of the solids, drawing sheets.
+
+    Attributes:
+        first, second: the designs.
+        changes: as data.
+    """
+
+    def __init__(self, first: Design, second: Design, changes: Changes) -> None:
+        self.first, self.second, self.changes = first, second, changes
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Parameters that differ: text and origin in both designs (none where a design lacks it); index `key`."""
+        rows = [
+            {
+                "key": change.key,
+                "before": change.before and change.before.text,
+                "after": change.after and change.after.text,
+                "origin_before": change.before and change.before.origin,
+                "origin_after": change.after and change.after.origin,
+            }
+            for change in self.changes.parameters
+        ]
+        return _frame(rows, ("key", "before", "after", "origin_before", "origin_after"))
+
+    @property
+    def margins(self) -> pd.DataFrame:
+        """Checks whose margin or verdict differs, those with another verdict first; index `check`.
+
+        A margin is a part of the limit, negative where the check fails.
+        """
+
+        def of(check: Check | None, when: str) -> dict[str, Any]:
+            return {f"margin_{when}": check and check.margin, f"verdict_{when}": check.verdict if check else "absent"}
+
+        rows = [
+            {"check": change.name, **of(change.before, "before"), **of(change.after, "after")}
+            for change in self.changes.margins or ()
+        ]
+        return _frame(rows, ("check", "margin_before", "margin_after", "verdict_before", "verdict_after"))
+
+    @property
+    def masses(self) -> pd.DataFrame:
+        """Masses that differ, kg; index `name`: of parts, `moving body`, `assembly`."""
+        return _frame([vars(change) for change in self.changes.masses or ()], ("name", "before", "after"))
+
+    @property
+    def volumes(self) -> pd.DataFrame:
+        """Parts whose solids differ: volumes, and what only one of them has, m^3; index `part`."""
+        names = ("part", "before", "after", "removed", "added")
+        return _frame([vars(change) for change in self.changes.volumes or ()], names)
+
+    @property
+    def sheets(self) -> pd.DataFrame:
+        """Sheets that differ: how, picture with the changes marked, number of changed regions; index `sheet`."""
+        names = ("sheet", "change", "marked", "regions")
+        return _frame([vars(change) for change in self.changes.sheets or ()], names)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The parameters."""
+        return self.parameters
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad diff --json`, of what was compared."""
+        return finite(self.changes.as_json())
+
+    def plot(self) -> Figure:
+        """Margins before and after, of the checks whose margin differs."""
+        from workbench.figures.design import changed_margins_figure
+
+        return changed_margins_figure(self.margins)
+
+    def summary(self) -> list[tuple[str, str]]:
+        verdicts = [change for change in self.changes.margins or () if len(set(change.verdicts)) == 2]
+        facts = [("verdict", f"{change.name}: {change.verdicts[0]} -> {change.verdicts[1]}") for change in verdicts]
+        return facts + [("sheet", f"{change.sheet}: {change.change}") for change in self.changes.sheets or ()]
+
+    def lines(self) -> list[Line]:
+        """One table for each kind of difference; nothing for a kind without any."""
+        changes, lines = self.changes, difference_lines(*self.changes.names, self.changes.parameters)
+        if changes.masses:
+            rows = [[item.name, *(_amount(value) for value in (item.before, item.after))] for item in changes.masses]
+            lines.append(plain_table("mass", "|first|second", rows))
+        if changes.volumes:
+            rows = [
+                [item.part, *map(_volume, (item.before, item.after, item.removed, item.added))]
+                for item in changes.volumes
+            ]
+            lines.append(plain_table("solids", "part|first|second|removed|added", rows))
+        if changes.margins:
+            rows = [
+                [item.name, _margin(item.before), _margin(item.after), " -> ".join(dict.fromkeys(item.verdicts))]
+                for item in changes.margins
+            ]
+            lines.append(plain_table("margins", "check|first|second|verdict", rows, "check|verdict"))
+        for item in changes.sheets or ():
+            where = f", marked in {item.marked} ({item.regions} regions)" if item.marked else ""
+            lines.append(f"sheet {item.sheet}: {item.change}{where}")
+        return lines
+
+    def __repr__(self) -> str:
+        names = ("parameters", "margins", "masses", "sheets")
+        counts = {name: getattr(self.changes, name) for name in names}
+        texts = [f"{len(changes)} {name}" for name, changes in counts.items() if changes is not None]
+        first, second = self.changes.names
+        return f"<Differences of '{first}' and '{second}': {', '.join(texts)}>"
+
+
+def diff(
+    first: Design | str | Path,
+    second: Design | str | Path,
+    solids: bool = True,
+    margins: bool = True,
+    out: str | Path = "build",
+    progress: ProgressCallback = silent,
+    names: tuple[str, str] | None = None,
+) -> Differences:
+    """What differs between two designs.
+
+    Args:
+        first, second: designs, or their parameter files.
+        solids: compare masses, volumes and drawing sheets too, for which solids and sheets are made where the cache
+            lacks them; the margins are then those with the masses of the solids.
+        margins: compare the margins of the checks.
+        out: folder; the sheets that differ are written to `diff` in it, their changes marked.
+        progress: called with the name of a step; the number of steps is not known.
+        names: of the designs in the result; those of their files when left out.
+
+    Raises:
+        InputError: one line on the fault in a file.
+
+    >>> import stagecad
+    >>> design = stagecad.load_design()
+    >>> thicker = design.with_values({"stage.thickness": "14 mm"})
+    >>> diff(design, thicker, solids=False, margins=False).parameters.loc["stage.thickness", "after"]
+    '14 mm'
+    """
+    designs = as_design(first), as_design(second)
+    values = designs[0].values, designs[1].values
+    names = names or (values[0].file, values[1].file)
+    parameters = parameter_differences(*values)
+    if not solids:
+        progress("margins", 0, 0)
+        changed = margin_changes(*(run_checks(one) for one in values)) if margins else None
+        return Differences(*designs, Changes(names, parameters, changed))
+    changes = _with_solids(values, names, parameters, margins, Path(out) / "diff", progress)
+    return Differences(*designs, changes)
+
+
+def _with_solids(
+    values: tuple[Values, Values],
+    names: tuple[str, str],
+    parameters: tuple[Difference, ...],
+    margins: bool,
+    folder: Path,
+    progress: ProgressCallback,
+) -> Changes:
+    """Masses, margins, volumes and sheets of both designs; sheets that differ are written to `folder`."""
+    from stagecad.friction_stage.assembly.machine import build_machine
+
+    def advance(name: str) -> None:
+        progress(name, 0, 0)
+
+    machines = [build_machine(one, None, advance) for one in values]
+    changed = None
+    if margins:
+        progress("margins", 0, 0)
+        bodies = [BodyMasses(machine.moving_body, machine.masses["tip"]) for machine in machines]
+        changed = margin_changes(*(run_checks(one, masses) for one, masses in zip(values, bodies, strict=True)))
+    progress("volumes", 0, 0)
+    volumes = volume_changes(*machines)
+    return Changes(
+        names, parameters, changed, mass_changes(*machines), volumes, sheet_changes(*values, folder, advance)
+    )
+
+
+def _frame(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
+    """A table whose first column is its index."""
+    import pandas as pd
+
+    return pd.DataFrame(rows, columns=list(columns)).set_index(columns[0])
+
+
+def _amount(value: float | None) -> str:
+    return "absent" if value is None else format_quantity(value, "kg", 6)
+
+
+def _volume(value: float | None) -> str:
+    return "-" if value is None else f"{value * 1e6:.4f} cm^3"
+
+
+def _margin(check: Check | None) -> str:
+    return "absent" if check is None else f"{shown(check.value, check.unit)} ({shown_margin(check)})"
+
+
+def _quantity(value: float | None, unit: str) -> dict[str, Any] | None:
+    return None if value is None else as_json(value, unit)
+
+
+def _same(one: float | None, other: float | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return abs(one - other) <= ROUNDING * max(abs(one), abs(other))
+
+
+def mass_changes(before: Machine, after: Machine) -> list[MassChange]:
+    """Parts, moving body and assembly whose mass differs."""
+
+    def masses(machine: Machine) -> dict[str, MassProperties]:
+        return {**machine.masses, "moving body": machine.moving_body, "assembly": machine.whole}
+
+    one, other = masses(before), masses(after)
+    names = list(dict.fromkeys([*one, *other]))
+    changes = [
+        MassChange(name, one[name].mass if name in one else None, other[name].mass if name in other else None)
+        for name in names
+    ]
+    return [change for change in changes if not _same(change.before, change.after)]
+
+
+def margin_changes(before: Sequence[Check], after: Sequence[Check]) -> list[MarginChange]:
+    """Checks whose margin or verdict differs; those whose verdict differs come first."""
+    one, other = ({check.name: check for check in checks} for checks in (before, after))
+    changes = [MarginChange(name, one.get(name), other.get(name)) for name in dict.fromkeys([*one, *other])]
+    differ = [
+        change
+        for change in changes
+        if len(set(change.verdicts)) == 2
+        or not _same(change.before and change.before.margin, change.after and change.after.margin)
+    ]
+    return sorted(differ, key=lambda change: len(set(change.verdicts)) == 1)
+
+
+def volume_changes(before: Machine, after: Machine) -> list[VolumeChange]:
+    """Parts whose solids differ, with the volumes of the two differences of the solids, in the part's coordinates."""
+    changes = []
+    for name, one in before.parts.items():
+        other = after.parts.get(name)
+        if other is None or one.entry.hashes["solid.bin"] == other.entry.hashes["solid.bin"]:
+            continue
+        volumes = [machine.masses[name].volume for machine in (before, after)]
+        removed, added = (
+            first.solid.cut(second.solid).Volume() * 1e-9 for first, second in ((one, other), (other, one))
+        )
+        consistent = abs(volumes[0] - removed + added - volumes[1]) <= CLOSURE * max(volumes)
+        if consistent and max(removed, added) <= ROUNDING * max(volumes):
+            continue
+        parts = (removed, added) if consistent else (None, None)
+        changes.append(VolumeChange(name, volumes[0], volumes[1], *parts))
+    return changes
+
+
+def sheet_changes(
+    before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
+) -> list[SheetChange]:
+    """Sheets that differ; the later one of each is written to `folder` with its changes marked."""
+    from drawings.artefacts.names import chosen_sheets
+    from drawings.artefacts.tasks import build_all_sheets
+    from stagecad.solids.artefacts.store import ArtefactStore
+    from workbench.operations.drawings import procedure_values
+
+    store = ArtefactStore()
+    one, other = (
+        {
+            sheet.name: sheet
+            for sheets in build_all_sheets(
+                store, chosen_sheets((), design), design, advance, calculate=procedure_values
+            ).values()
+            for sheet in sheets
+        }
+        for design in (before, after)
+    )
+    changes = []
+    for name in dict.fromkeys([*one, *other]):
+        if name not in one or name not in other:
+            changes.append(SheetChange(name, "only in the first" if name in one else "only in the second"))
+            continue
+        picture = f"{name}.png"
+        first, second = one[name].artefact, other[name].artefact
+        if first.hashes[picture] == second.hashes[picture]:
+            continue
+        target = folder / picture
+        regions = mark_changes(first.path(picture), second.path(picture), target)
+        changes.append(SheetChange(name, "changed", target, regions))
+    return changes
+
+
+def mark_changes(before: Path, after: Path, target: Path) -> int:
+    """Write the later picture with what is new in red, what is gone in blue, and a frame around each changed region.
+
+    Pictures of different size are compared from their lower left corners. Returns the number of regions.
+    """
+    import numpy as np
+    from PIL import Image, ImageDraw
+    from scipy import ndimage
+
+    from stagecad.parameters.atomic import atomic_path
+
+    arrays = [np.asarray(Image.open(path).convert("L"), float) for path in (before, after)]
+    height, width = (max(array.shape[axis] for array in arrays) for axis in (0, 1))
+    one, other = (
+        np.pad(array, ((height - array.shape[0], 0), (0, width - array.shape[1])), constant_values=255.0)
+        for array in arrays
+    )
+    changed = np.abs(one - other) > 64
+    picture = np.stack([other] * 3, axis=-1)
+    picture[changed & (other < one)] = (200, 0, 0)
+    picture[changed & (other >= one)] = (120, 160, 255)
+    reach = max(width // 120, 1)
+    labelled: Any = ndimage.label(ndimage.binary_dilation(changed, iterations=reach))
+    boxes = ndimage.find_objects(labelled[0])
+    image = Image.fromarray(picture.astype(np.uint8))
+    draw = ImageDraw.Draw(image)
+    for rows, columns in boxes:
+        draw.rectangle(
+            (columns.start, rows.start, columns.stop, rows.stop), outline=(230, 120, 0), width=max(width // 900, 1)
+        )
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_path(target) as temporary:
+        image.save(temporary, format="PNG")
+    return len(boxes)

@@ -1,0 +1,283 @@
+"""`drawings`: the drawing sheets of a design, written to files or kept in the cache."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.assembly_values import assembly_values
+from drawings.artefacts.names import chosen_sheets as chosen_by_part
+from drawings.artefacts.names import sheet_names as names_by_part
+from drawings.artefacts.tasks import build_all_sheets
+from drawings.friction_stage.procedure.figures import ProcedureValues
+from drawings.sheets.overrides import FILE, read_overrides
+from stagecad.friction_stage.assembly.machine import body_masses
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.solids.artefacts.outputs import write_manifest, write_stored
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from workbench.operations.design import STAGE, Design, load_design
+from workbench.operations.lines import Line, plain_table
+from workbench.operations.parts import with_repair
+from workbench.operations.progress import ProgressCallback, counted, remark, silent
+from workbench.operations.result import Result, finite
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from drawings.artefacts.sheets import BuiltSheet
+    from stagecad.parameters.design import Design as Values
+    from stagecad.parameters.mass_properties import BodyMasses
+
+MANIFEST = "drawings_manifest.json"
+VALUES = "procedure_values.json"
+SMALL = "small.png"
+WIDTH = 900
+"""Width of the small picture of a sheet, pixels."""
+
+
+def procedure_values(store: ArtefactStore, values: Values) -> ProcedureValues:
+    """Values of the assembly procedure from the masses of the design's own solids, for `build_all_sheets`."""
+    return stored_values(store, values, body_masses(values))
+
+
+def stored_values(store: ArtefactStore, values: Values, masses: BodyMasses) -> ProcedureValues:
+    """The values from the store, or computed if they are not there; the field between the teeth takes a second."""
+
+    def calculate(tracked: Any, folder: Path) -> None:
+        (folder / VALUES).write_text(json.dumps(assembly_values(DesignInputs(tracked, masses))), "utf-8")
+
+    entry = store.make("procedure values", values, (__name__,), calculate, (repr((masses.moving, masses.tip)),))
+    return ProcedureValues(**entry.document(VALUES))
+
+
+def with_sheet_overrides(design: Design) -> Values:
+    """The design with the manual changes of its sheets, from `sheets.toml` beside its parameter file.
+
+    Raises:
+        InputError: the file has an unknown sheet or key, or a wrong value.
+    """
+    path = (design.path or STAGE).parent / FILE
+    if not path.is_file():
+        return design.values
+    known = [sheet for sheets in names_by_part(design.values).values() for sheet in sheets]
+    return replace(design.values, sheets=read_overrides(path, known))
+
+
+def reduced_sheet(store: ArtefactStore, values: Values, path: Path, content: str) -> Artefact:
+    """The picture of a sheet as a small one, `SMALL`, for an overview, from the store or made now.
+
+    Args:
+        store: the cache.
+        values: not read.
+        path: of the picture.
+        content: sha256 of the picture.
+    """
+
+    def make(tracked: Any, folder: Path) -> None:
+        from PIL import Image
+
+        with Image.open(path) as picture:
+            height = round(picture.height * WIDTH / picture.width)
+            small = picture.resize((WIDTH, height), Image.Resampling.BOX)
+        small.quantize(16).save(folder / SMALL)
+
+    return store.make("reduced sheet", values, (__name__,), make, (content,))
+
+
+class Drawings(Result):
+    """The drawing sheets of a design, written to files.
+
+    Attributes:
+        design: that is drawn.
+        document: that of `stagecad drawings --json`.
+    """
+
+    def __init__(self, design: Design, document: dict[str, Any]) -> None:
+        self.design, self.document = design, document
+
+    @property
+    def sheets(self) -> dict[str, list[str]]:
+        """Files of each sheet, by its name."""
+        return {name: list(sheet["files"]) for name, sheet in self.document["sheets"].items()}
+
+    @property
+    def hits(self) -> list[tuple[str, str]]:
+        """Hits of the lint, each with the name of its sheet."""
+        return [(name, hit) for name, sheet in self.document["sheets"].items() for hit in sheet["hits"]]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each sheet: part, paper, scale, views, hits of the lint."""
+        import pandas as pd
+
+        rows = [
+            {"sheet": name, **{key: sheet[key] for key in ("part", "paper", "scale", "views", "hits")}}
+            for name, sheet in self.document["sheets"].items()
+        ]
+        return pd.DataFrame(rows).set_index("sheet")
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad drawings --json`."""
+        return finite(self.document)
+
+    def plot(self, sheet: str | None = None) -> Figure:
+        """A sheet as a picture; the first one when left out.
+
+        Raises:
+            InputError: no such sheet.
+        """
+        from workbench.figures.design import sheet_figure
+
+        name = next(iter(self.sheets)) if sheet is None else sheet
+        if name not in self.sheets:
+            raise InputError(f"no sheet '{name}'{nearest(name, self.sheets)}")
+        return sheet_figure(Path(next(file for file in self.sheets[name] if file.endswith(".png"))))
+
+    def lines(self) -> list[Line]:
+        """Paper, scale and views of each sheet."""
+        rows = [
+            (name, sheet["paper"], sheet["scale"], ", ".join(sheet["views"]))
+            for name, sheet in self.document["sheets"].items()
+        ]
+        return [plain_table("", "sheet|paper|scale|views", rows, "sheet|paper|views")]
+
+    def __repr__(self) -> str:
+        return f"<Drawings of '{self.design.values.file}': {', '.join(self.sheets)}>"
+
+
+def drawings(
+    design: Design | None = None,
+    names: Sequence[str] = (),
+    out: str | Path = "build",
+    progress: ProgressCallback = silent,
+) -> Drawings:
+    """Draw the sheets of a design and write each as DXF, SVG, PDF and PNG, with a list of its dimensions (CSV) and its
+    part with tolerances (STEP AP242).
+
+    Args:
+        design: the packaged machine when left out.
+        names: of parts, or of sheets (`base_2`); all of them when left out.
+        out: folder of the files.
+        progress: called with the name of a part, the parts drawn, and their number.
+
+    Raises:
+        InputError: no such part or sheet.
+    """
+    design, folder = design or load_design(), Path(out)
+    values = with_sheet_overrides(design)
+    store, wanted = ArtefactStore(), chosen_by_part(tuple(names), values)
+
+    def draw() -> tuple[list[BuiltSheet], list[str]]:
+        advance = counted(progress, "", len(wanted))
+        made = build_all_sheets(store, wanted, values, advance, calculate=procedure_values)
+        sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
+        return sheets, write_stored(folder, {file: sheet.artefact for sheet in sheets for file in _files(sheet)})
+
+    sheets, changed = with_repair(store, draw)
+    hashes = {file: sheet.artefact.hashes[file] for sheet in sheets for file in _files(sheet)}
+    write_manifest(folder / MANIFEST, hashes)
+    for sheet in sheets:
+        for hit in sheet.hits:
+            if hit.startswith(FILE):
+                remark(hit)
+    documents = {
+        sheet.name: {
+            "part": sheet.part,
+            "paper": sheet.paper,
+            "scale": sheet.scale,
+            "views": list(sheet.views),
+            "files": [str(folder / file) for file in _files(sheet)],
+            "hits": list(sheet.hits),
+        }
+        for sheet in sheets
+    }
+    parameters = _write_parameters(design, folder, sheets)
+    return Drawings(design, {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters})
+
+
+def _write_parameters(design: Design, folder: Path, sheets: Sequence[BuiltSheet]) -> list[str]:
+    """Write the parameters beside the sheets, under the names that their title blocks give: `holder_c7088e19.toml`."""
+    text = design.to_toml()
+    paths = dict.fromkeys(folder / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets)
+    for path in paths:
+        if not path.is_file() or path.read_text("utf-8") != text:
+            atomic_write_text(path, text)
+    return [str(path) for path in paths]
+
+
+def _files(sheet: BuiltSheet) -> tuple[str, ...]:
+    """The sheet in its formats, its part's model with tolerances, and the table of what defines its faces."""
+    return (*sheet.files, *(file for file in (sheet.model, sheet.definition) if file))
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A drawing sheet in the cache.
+
+    Args:
+        name: of the sheet.
+        key: of its entry in the cache, for `cached_file`.
+        files: names in the entry.
+        document: what `stagecad drawings --json` states of it, without files.
+    """
+
+    name: str
+    key: str
+    files: tuple[str, ...]
+    document: dict[str, Any]
+
+
+def sheet_names(design: Design) -> dict[str, list[str]]:
+    """Names of the sheets by part, for the assembly and the procedure too."""
+    return {part: list(names) for part, names in names_by_part(design.values).items()}
+
+
+def chosen_sheets(design: Design, names: Sequence[str]) -> dict[str, list[str]]:
+    """Sheets by part, of names of parts or sheets.
+
+    Raises:
+        InputError: no such part or sheet.
+    """
+    return {part: list(sheets) for part, sheets in chosen_by_part(tuple(names), design.values).items()}
+
+
+def sheets(design: Design | None = None, names: Sequence[str] = ()) -> list[Sheet]:
+    """The drawing sheets, from the cache or drawn now; `drawings` writes them to files.
+
+    Args:
+        design: the packaged machine when left out.
+        names: of parts or sheets; all of them when left out.
+
+    Raises:
+        InputError: no such part or sheet.
+    """
+    design = design or load_design()
+    wanted = chosen_sheets(design, names)
+    made = build_all_sheets(ArtefactStore(), wanted, design.values, calculate=procedure_values)
+
+    def stated(sheet: BuiltSheet) -> Sheet:
+        document = {"part": sheet.part, "paper": sheet.paper, "scale": sheet.scale}
+        document |= {"views": list(sheet.views), "hits": list(sheet.hits)}
+        return Sheet(sheet.name, sheet.artefact.key, tuple(sheet.files), document)
+
+    return [stated(sheet) for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
+
+
+def cached_file(key: str, name: str) -> Path:
+    """A file of the cache of solids and drawings, by the key of its entry.
+
+    Raises:
+        InputError: no such file.
+    """
+    path = ArtefactStore().folder / "entries" / key / name
+    if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3}", name):
+        raise InputError(f"{key}/{name}: no file of the cache")
+    if not path.is_file():
+        raise InputError(f"{name}: no such file in the cache; make the solids again")
+    return path

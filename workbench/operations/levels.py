@@ -1,0 +1,134 @@
+"""`optimize --levels`: how far a design can meet Table 1 of the thesis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from designcalc.checks.analysis.report import shown
+from designcalc.optimisation.reached_levels import Levels
+from designcalc.optimisation.requirement_levels import requirement_levels
+from stagecad.parameters.units import as_json, format_quantity, to_si
+from workbench.operations.design import Design
+from workbench.operations.lines import Line, Table, markdown, plain_table
+from workbench.operations.optimise import Search
+from workbench.operations.progress import ProgressCallback, silent
+from workbench.operations.result import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+class ReachedLevels(Result):
+    """Levels of the requirements of Table 1 that designs reach: alone, together, and with one kept.
+
+    Attributes:
+        design: that was studied.
+        levels: of the study.
+    """
+
+    def __init__(self, design: Design, levels: Levels) -> None:
+        self.design, self.levels = design, levels
+
+    def _text(self, name: str, value: float | None) -> str:
+        """A level with its unit; a dash for none."""
+        unit = self.levels.units[name]
+        return "-" if value is None else format_quantity(to_si(value, unit), unit, 3)
+
+    def _tables(self) -> tuple[Table, list[str], Table | None]:
+        """The levels reached, what is met at no level, and what the values of Table 1 make fail."""
+        levels = self.levels
+        kept = [f"{row.kept} kept" if row.kept else "all together" for row in levels.together]
+        rows = [
+            [
+                name,
+                *(
+                    self._text(name, value)
+                    for value in (required, levels.alone.get(name), *(row.levels.get(name) for row in levels.together))
+                ),
+            ]
+            for name, required in levels.required.items()
+        ]
+        reached = plain_table("levels that can be met", "|".join(["requirement", "Table 1", "by itself", *kept]), rows)
+        never = [f"{name}: {check}" for name, checks in levels.never.items() for check in checks]
+        prices = [
+            [
+                f"{price.requirement} {self._text(price.requirement, levels.required[price.requirement])}",
+                price.check,
+                shown(price.value, price.unit),
+                shown(price.limit, price.unit),
+            ]
+            for price in levels.prices
+        ]
+        title, columns = "what the values of Table 1 make fail", "requirement|check|value|limit"
+        return reached, never, plain_table(title, columns, prices, "requirement|check") if prices else None
+
+    def lines(self) -> list[Line]:
+        """Levels that can be met, and what the values of Table 1 make fail."""
+        reached, never, prices = self._tables()
+        lines: list[Line] = [reached, *(f"met at no level: {line}" for line in never)]
+        lines += [prices] if prices else []
+        return [*lines, f"{self.levels.evaluations} designs evaluated"]
+
+    def report(self) -> str:
+        """The study as Markdown."""
+        reached, never, prices = self._tables()
+        lines = [f"# How far {self.design.values.file} meets Table 1", ""]
+        lines += [f"{self.levels.evaluations} designs evaluated.", "", *markdown(reached)]
+        if never:
+            lines += ["", "Met at no level:", "", *(f"- {line}" for line in never)]
+        if prices:
+            lines += ["", "## What the values of Table 1 make fail", "", *markdown(prices)]
+        return "\n".join(lines) + "\n"
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each requirement: required, alone, and each design of levels together; in the unit of the key."""
+        import pandas as pd
+
+        levels = self.levels
+        columns = {"required": levels.required, "alone": levels.alone}
+        columns |= {f"{row.kept} kept" if row.kept else "together": dict(row.levels) for row in levels.together}
+        return pd.DataFrame(columns)
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad optimize --levels --json`, without files."""
+        levels = self.levels
+
+        def quantities(values: Mapping[str, float]) -> dict[str, Any]:
+            units = levels.units
+            return {name: as_json(to_si(value, units[name]), units[name]) for name, value in values.items()}
+
+        return {
+            "required": quantities(levels.required),
+            "alone": quantities(levels.alone),
+            "together": [{"kept": row.kept or None, "levels": quantities(row.levels)} for row in levels.together],
+            "never": levels.never,
+            "prices": [asdict(price) for price in levels.prices],
+            "fronts": [{"names": list(names), "points": points} for names, points in levels.fronts.items()],
+            "evaluations": levels.evaluations,
+        }
+
+    def plot(self) -> Figure:
+        """Pareto fronts of the levels of two requirements each, with the values of Table 1."""
+        from workbench.figures.design import levels_figure
+
+        return levels_figure(self.levels)
+
+    def __repr__(self) -> str:
+        return f"<ReachedLevels of '{self.design.values.file}': {self.levels.evaluations} designs evaluated>"
+
+
+def reached_levels(design: Design, wanted: Search, progress: ProgressCallback = silent) -> ReachedLevels:
+    """How far Table 1 can be met by a design: each requirement alone, all together, and the Pareto fronts."""
+    free = wanted.freed(design)
+    levels = requirement_levels(
+        lambda more: design.variations(*more),
+        free,
+        wanted.masses(design),
+        wanted.budget,
+        seed=wanted.seed,
+        tell=lambda words: progress(words, 0, 0),
+    )
+    return ReachedLevels(design, levels)

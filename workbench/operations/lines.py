@@ -1,0 +1,65 @@
+"""What is printed of a result: sentences and tables, as plain data for the terminal, for HTML and for Markdown.
+
+The command line prints a `Table`, the macro `data_table` of the report's template writes it as HTML.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+TEXT, NUMBER, STRONG, CODE, REMARK, BAR = "", "n", "n strong", "code", "warn", "bar"
+"""Kinds of a column: the classes of its cells in HTML. Cells of BAR are a width in percent, drawn in HTML only."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Formatted cells under their column titles; `note` is printed below the table in HTML.
+
+    A `plain` one has no frame.
+    """
+
+    title: str
+    columns: tuple[tuple[str, str], ...]
+    """title and kind of each column"""
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+    plain: bool = False
+
+    def as_json(self) -> dict[str, Any]:
+        """The table as it is stored with a section of the report."""
+        return {"title": self.title, "columns": self.columns, "rows": self.rows, "note": self.note}
+
+
+class Note(str):
+    """A line that is printed as a remark beside the result."""
+
+
+class Warned(str):
+    """A line that is printed as a warning."""
+
+
+Line = str | Table
+"""What a command prints of a result: a sentence, a `Note`, a warning or a table."""
+
+
+def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: str = "") -> Table:
+    """A table without a frame.
+
+    Args:
+        title: of the table.
+        columns: their titles, separated by `|`.
+        rows: of cells.
+        left: titles of the columns that hold text, separated by `|`; the first one when left out.
+    """
+    titles = columns.split("|")
+    text = left.split("|") if left else titles[:1]
+    kinds = tuple((name, TEXT if name in text else NUMBER) for name in titles)
+    return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
+
+
+def markdown(table: Table) -> list[str]:
+    """The lines of a table in Markdown."""
+    cells = [[title for title, _ in table.columns], ["---"] * len(table.columns), *table.rows]
+    return ["| " + " | ".join(text.replace("|", "\\|") for text in row) + " |" for row in cells]

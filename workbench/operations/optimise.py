@@ -1,0 +1,444 @@
+"""`optimize`: the nearest design without violated rules and failed checks, or the requirements in conflict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
+from designcalc.checks.run import run_checks
+from designcalc.optimisation.evaluation import Evaluator
+from designcalc.optimisation.optimise import (
+    Outcome,
+    margins_document,
+    optimise,
+    outcome_document,
+    required_checks,
+)
+from designcalc.optimisation.search import search
+from designcalc.optimisation.space import Free, free_parameters
+from stagecad.friction_stage.assembly.machine import body_masses
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.rules.registry import violations
+from stagecad.processes import parallel_map
+from workbench.operations.design import Design, load_design
+from workbench.operations.lines import Line, markdown, plain_table
+from workbench.operations.parts import masses_of_solids
+from workbench.operations.progress import ProgressCallback, silent
+from workbench.operations.result import Result, finite, without_options
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from designcalc.checks.check import Check
+    from stagecad.parameters.mass_properties import BodyMasses
+
+SAFETY = 0.002
+"""Part of its limit by which a check must pass in the search, for the error of the masses without solids."""
+SEEDS = 8
+"""Searches sent to a cluster."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """What may change, what is required, and the effort.
+
+    Args:
+        free: texts `KEY=LOW:HIGH` or `KEY=A|B`, besides the parameters that the file marks as free.
+        keep: required checks: names, patterns with `*`; all of them when empty.
+        only: let nothing change but the parameters of `free`.
+        solids: take the masses from the solids; of a design that violates a rule they are those of plain volumes.
+        budget: designs of each search.
+        evaluations: designs of all searches together.
+        seconds: time of all searches together.
+        seed: of the random numbers.
+        scheduler: address of a dask cluster, which begins with searches from several seeds.
+    """
+
+    free: Sequence[str] = ()
+    keep: Sequence[str] = ()
+    only: bool = False
+    solids: bool = True
+    budget: int = 600
+    evaluations: int = 6000
+    seconds: float = math.inf
+    seed: int = 1
+    scheduler: str | None = None
+
+    def masses(self, design: Design) -> BodyMasses | None:
+        """Masses of the design's solids; a design that violates a rule may have none."""
+        values = design.values_with(rules=False)
+        return masses_of_solids(values) if self.solids and not violations(values) else None
+
+    def freed(self, design: Design) -> list[Free]:
+        """The free parameters.
+
+        Raises:
+            InputError: a parameter that is not known, or a range out of its bounds.
+        """
+        parameters = free_parameters(design.values_with(rules=False), self.free)
+        named = [text.partition("=")[0].strip() for text in self.free]
+        return [one for one in parameters if not self.only or one.key in named]
+
+
+@dataclass(frozen=True)
+class Front:
+    """Margins, in parts of the limit, of the designs evaluated in two requirements that contradict each other.
+
+    Args:
+        names: of the requirements.
+        points: (n, 2), of all designs that violate no rule.
+        front: (m, 2), of the Pareto-optimal ones.
+    """
+
+    names: tuple[str, str]
+    points: np.ndarray
+    front: np.ndarray
+
+
+class Optimisation(Result):
+    """The nearest design that violates no rule and passes the required checks, or what contradicts it.
+
+    Attributes:
+        design: that was to be improved.
+        outcome: of the search.
+        before: checks of the design.
+        after: checks of the design found, with the masses of its own solids; none where nothing changes.
+        fronts: of each conflict of several requirements, the first two.
+    """
+
+    def __init__(self, design: Design, outcome: Outcome, evaluator: Evaluator, after: Sequence[Check] | None) -> None:
+        self.design, self.outcome, self.after = design, outcome, after
+        self.before = tuple(evaluator.checks)
+        self.fronts = [
+            _front(evaluator, (conflict.names[0], conflict.names[1]))
+            for conflict in outcome.conflicts
+            if len(conflict.names) > 1
+        ]
+        self._document = outcome_document(outcome, evaluator, after)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether a design meets all requirements."""
+        return self.outcome.feasible
+
+    @property
+    def changes(self) -> dict[str, str]:
+        """Text of each value that changes, by key, as for `Design.with_values`."""
+        return {change.key: change.after for change in self.outcome.changes}
+
+    @cached_property
+    def unverified(self) -> list[str]:
+        """Requirements that the search met, and that fail with the masses of the design's own solids."""
+        outcome = self.outcome
+        conflicting = {name for conflict in outcome.conflicts for name in conflict.names}
+        met = set(outcome.required) - conflicting - set(outcome.left_out)
+        failing = ("fails", "out_of_range")
+        return [check.name for check in self.after or () if check.name in met and check.verdict in failing]
+
+    @property
+    def margins(self) -> pd.DataFrame:
+        """Margin and verdict of every check before and after; index `check`."""
+        import pandas as pd
+
+        rows = []
+        for row in margins_document(self.before, self.after or ()):
+            after = row["after"] or {"margin": None, "verdict": None}
+            both = {"before": row["before"], "after": after}
+            rows.append(
+                {"check": row["check"]} | {f"{key}_{when}": of[key] for key in after for when, of in both.items()}
+            )
+        return pd.DataFrame(rows).set_index("check")
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each parameter that changes: values as text, and the reason; index `key`."""
+        import pandas as pd
+
+        columns = ("key", "before", "after", "reason")
+        rows = [[getattr(change, name) for name in columns] for change in self.outcome.changes]
+        return pd.DataFrame(rows, columns=list(columns)).set_index("key")
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad optimize --json`, without files."""
+        verified = {} if self.after is None else {"verified": not self.unverified}
+        return finite(self._document | verified)
+
+    def plot(self, conflict: int | None = None) -> Figure:
+        """The margins that differ, before and after; or the Pareto front of a conflict, by its position.
+
+        Raises:
+            InputError: no margin differs, or no such conflict of several requirements.
+        """
+        from workbench.figures.design import changed_margins_figure, pareto_figure
+
+        if conflict is not None:
+            if not 0 <= conflict < len(self.fronts):
+                raise InputError(f"plot: conflict {conflict}: there are {len(self.fronts)} of several requirements")
+            chosen = self.fronts[conflict]
+            return pareto_figure(chosen.names, chosen.points, chosen.front)
+        margins = self.margins.dropna(subset=["margin_after"])
+        return changed_margins_figure(margins.query("margin_before != margin_after"))
+
+    def summary(self) -> list[tuple[str, str]]:
+        conflicts = [("conflict", " · ".join(conflict.names)) for conflict in self.outcome.conflicts]
+        return conflicts + [("fails with its own masses", name) for name in self.unverified]
+
+    def lines(self) -> list[Line]:
+        """Changes with reasons and margins before and after; conflicts and what to relax."""
+        outcome, lines = self.outcome, []
+        if outcome.interrupted:
+            lines.append("stopped; the best design so far:")
+        if not outcome.complete:
+            count = outcome.evaluations
+            lines.append(f"the search ended after {count} designs; more --evaluations or --time may find more")
+        if not outcome.feasible:
+            lines.append(f"no design within the ranges meets all {len(outcome.required)} requirements")
+            lines += self._conflict_lines()
+        if self.after is None:
+            return [*lines, "no change is needed" if outcome.feasible else "no design was found"]
+        lines.append(self._change_table())
+        new, rows = {check.name: check for check in self.after}, []
+        for check in self.before:
+            other = new.get(check.name)
+            if other is None or (other.margin == check.margin and other.verdict == check.verdict):
+                continue
+            verdict = " -> ".join(dict.fromkeys((check.verdict, other.verdict)))
+            rows.append((check.name, shown_margin(check), shown_margin(other), verdict))
+        lines.append(plain_table("margins that change", "check|before|after|verdict", rows, "check|verdict"))
+        counts = f"before: {counted(self.before)}; after: {counted(self.after)}"
+        return [*lines, f"{counts}; {outcome.evaluations} designs evaluated"]
+
+    def _change_table(self) -> Any:
+        rows = [(change.key, change.before, change.after, change.reason) for change in self.outcome.changes]
+        return plain_table("changes", "parameter|from|to|reason", rows, "parameter|reason")
+
+    def _conflict_lines(self) -> list[Line]:
+        outcome, lines = self.outcome, []
+        certain = [conflict.names[0] for conflict in outcome.conflicts if conflict.fixed]
+        if certain:
+            lines.append(f"\nThese checks read no free parameter, so they fail in every design ({len(certain)}):")
+        lines += [f"- {name}" for name in certain]
+        if outcome.left_out:
+            lines.append(f"\nLeft out, since the best compromise fails them ({len(outcome.left_out)}):")
+        lines += [f"- {name}" for name in outcome.left_out]
+        rows = [
+            (
+                item.name,
+                shown(item.limit, item.unit),
+                shown(item.needed, item.unit),
+                f"{100 * item.margin:+.3g} %",
+                "; ".join(item.keeping) or "(by itself)",
+            )
+            for item in outcome.relax
+            if item.name not in certain
+        ]
+        columns = "requirement|limit|reached|margin|together with"
+        return (
+            [*lines, plain_table("what cannot be met", columns, rows, "requirement|together with")] if rows else lines
+        )
+
+    def report(self) -> str:
+        """Changes with reasons, what is not met and why, margins before and after, as Markdown."""
+        outcome, after = self.outcome, self.after
+        lines = [f"# Optimisation of {self.design.values.file}", ""]
+        lines.append(f"{outcome.evaluations} designs evaluated. Before: {counted(self.before)}.")
+        if after is not None:
+            lines[-1] += f" After: {counted(after)}."
+        if outcome.changes:
+            lines += ["", "## Changes", "", *markdown(self._change_table())]
+        unmet = self._unmet_rows()
+        if unmet:
+            lines += [
+                "",
+                "## Not met",
+                "",
+                *markdown(plain_table("", "requirement|limit|reached|together with", unmet)),
+            ]
+        if after is not None:
+            new = {check.name: check for check in after}
+            rows = [
+                (check.name, shown_margin(check), shown_margin(new[check.name]), _words(new[check.name]))
+                for check in self.before
+                if check.name in new
+            ]
+            table = plain_table("", "check|before|after|verdict", rows)
+            lines += ["", "## Margins before and after", "", *markdown(table)]
+        return "\n".join(lines) + "\n"
+
+    def _unmet_rows(self) -> list[tuple[str, str, str, str]]:
+        """Requirements that are not met: the best value reached with the others of their conflict satisfied, or else
+        the value in the design found, or in that of the beginning."""
+        rows: list[tuple[str, str, str, str]] = []
+        present = {check.name: check for check in (self.after if self.after is not None else self.before)}
+        reached = {(item.name, item.keeping): item for item in self.outcome.relax}
+
+        def add(name: str, why: str, others: tuple[str, ...] = ()) -> None:
+            check, relaxed = present[name], reached.get((name, others))
+            value = check.value if relaxed is None else relaxed.needed
+            rows.append((name, shown_limit(check), shown(value, check.unit), why))
+
+        for conflict in self.outcome.conflicts:
+            for member in conflict.names:
+                others = tuple(other for other in conflict.names if other != member)
+                why = "reads no free parameter" if conflict.fixed else "; ".join(others) or "none: not met by itself"
+                add(member, why, others)
+        for name in self.outcome.left_out:
+            add(name, "left out of the best compromise")
+        return rows
+
+    def write(self, target: str | Path) -> None:
+        """Write the parameter file with the changes, their reasons as origins (comments are kept), and the report."""
+        target, changes = Path(target), {}
+        for change in self.outcome.changes:
+            entry = self.design.values.entry(change.key)
+            value = _written(change.after, entry.unit, entry.value)
+            changes[change.key] = (value, f"assumed: optimised from {change.before}: {change.reason}")
+        atomic_write_text(target, self.design.to_toml(changes, str(target)))
+        atomic_write_text(target.with_suffix(".md"), self.report())
+
+    def __repr__(self) -> str:
+        count = len(self.outcome.changes)
+        result = f"{count} changes" if self.feasible else f"no design, {len(self.outcome.conflicts)} conflicts"
+        return f"<Optimisation of '{self.design.values.file}': {result}, {self.outcome.evaluations} designs evaluated>"
+
+
+def _words(check: Check) -> str:
+    return check.verdict.replace("_", " ")
+
+
+def _written(text: str, unit: str, present: object) -> str | float | bool:
+    """The value of an entry as TOML keeps it: numbers without unit and truth values as such."""
+    if isinstance(present, bool):
+        return text == "true"
+    if unit or isinstance(present, str) or text.startswith("="):
+        return text
+    number = float(text)
+    return int(number) if isinstance(present, int) else number
+
+
+def _front(evaluator: Evaluator, names: tuple[str, str]) -> Front:
+    kept = [design for design in evaluator.archive if not design.refused and not design.violated]
+    pairs = [tuple(design.margins.get(name) for name in names) for design in kept]
+    points = np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2)
+    return Front(names, points, pareto_front(points))
+
+
+def pareto_front(points: np.ndarray) -> np.ndarray:
+    """The points, shape (n, 2), of which no other one is larger in one coordinate and not smaller in the other."""
+    order = np.lexsort((-points[:, 1], -points[:, 0]))
+    front: list[Any] = []
+    for point in points[order]:
+        if not front or point[1] > front[-1][1]:
+            front.append(point)
+    return np.array(front[::-1]).reshape(-1, 2)
+
+
+def marked_free(design: Design) -> dict[str, str]:
+    """Ranges `LOW:HIGH` and choices `A|B` of the parameters that the file marks as free."""
+    return {entry.key: entry.free.replace("..", ":") for entry in design.values.entries if entry.free}
+
+
+def need_free(design: Design, free: Mapping[str, str]) -> None:
+    """Refuse ranges or choices that an optimisation of the design cannot use.
+
+    Raises:
+        InputError: a parameter that is not known, or a range out of its bounds.
+    """
+    with without_options():
+        Search([f"{key}={text}" for key, text in free.items()]).freed(design)
+
+
+def optimize(
+    design: Design | None = None,
+    free: Mapping[str, str] | None = None,
+    keep: Sequence[str] = (),
+    only: bool = False,
+    solids: bool = True,
+    budget: int = 600,
+    evaluations: int = 6000,
+    progress: ProgressCallback = silent,
+) -> Optimisation:
+    """Find the design nearest to the present one that violates no rule and fails no required check.
+
+    Args:
+        design: the packaged machine when left out; one that violates rules is read with `rules=False`.
+        free: range `LOW:HIGH` or choices `A|B` by key, besides those that the file marks as free.
+        keep: required checks: names, patterns with `*`; all of them when left out.
+        only: let nothing change but the parameters of `free`.
+        solids: take the masses from the solids; of a design that violates a rule they are those of plain volumes.
+        budget: designs of each search.
+        evaluations: designs of all searches together.
+        progress: called with the name of a step, the designs evaluated, and the most.
+
+    Raises:
+        InputError: a parameter, a range or a check that is not known.
+    """
+    texts = [f"{key}={text}" for key, text in (free or {}).items()]
+    with without_options():
+        return optimised(design or load_design(), Search(texts, keep, only, solids, budget, evaluations), progress)
+
+
+def optimised(design: Design, wanted: Search, progress: ProgressCallback = silent) -> Optimisation:
+    """The design nearest to `design` that violates no rule and fails no required check.
+
+    Raises:
+        InputError: a parameter, a range or a check that is not known.
+    """
+    free = wanted.freed(design)
+    progress("masses of the solids", 0, 0)
+    masses = wanted.masses(design)
+    evaluator = _evaluator(design, free, masses)
+    required = required_checks(evaluator.checks, wanted.keep)
+    if wanted.scheduler is not None:
+        job = partial(_seeded_search, design, free, masses, required, wanted.budget)
+        for values in parallel_map(job, range(wanted.seed, wanted.seed + SEEDS), scheduler=wanted.scheduler):
+            if values is not None:
+                evaluator.of(values)
+    step = "search"
+
+    def tell(words: str) -> None:
+        nonlocal step
+        step = words
+        progress(step, evaluator.count, wanted.evaluations)
+
+    outcome = optimise(
+        evaluator,
+        required,
+        wanted.budget,
+        seed=wanted.seed,
+        evaluations=wanted.evaluations,
+        seconds=wanted.seconds,
+        tell=tell,
+        progress=lambda count: progress(step, count, wanted.evaluations),
+    )
+    after = None
+    if outcome.design is not None and outcome.changes:
+        progress("masses of its own solids", 0, 0)
+        changed = evaluator.design(outcome.design.values)
+        after = run_checks(changed, body_masses(changed) if masses is not None else None)
+    return Optimisation(design, outcome, evaluator, after)
+
+
+def _evaluator(design: Design, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
+    return Evaluator(design.variations(), free, masses, SAFETY if masses is not None else 0.0)
+
+
+def _seeded_search(
+    design: Design,
+    free: Sequence[Free],
+    masses: BodyMasses | None,
+    required: Sequence[str],
+    budget: int,
+    seed: int,
+) -> dict[str, object] | None:
+    """Values of the free parameters of the nearest satisfying design found from one seed; None for none."""
+    best = search(_evaluator(design, free, masses), required, budget, seed=seed)
+    return dict(best.evaluation.values) if best.satisfied and best.evaluation is not None else None
