@@ -201,6 +201,11 @@ def _level(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
     levels = sorted(planes, key=lambda s: dot(s.origin, along))
     if levels and abs((dot(levels[0].origin, along) + dot(levels[-1].origin, along)) / 2 - at) < NEAR:
         return _End((levels[0].face, levels[-1].face), True, middle=True)
+    for edge in verifier.solid.Edges():
+        corners = [vertex.toTuple() for vertex in edge.Vertices()]
+        level = all(abs(dot(corner, along) - at) < NEAR for corner in corners)
+        if level and any(math.dist(corner, point) < NEAR for corner in corners):
+            return _End((edge,), True)
     raise LookupError(f"no face of the solid at {point} along {along}")
 
 

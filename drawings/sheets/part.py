@@ -168,6 +168,7 @@ class PartDescription:
         mesh: of the solid, if there is one already.
         plan: of its sheets; None for the packaged one of its name. With a plan, a dimension in another view than
             declared is reported.
+        proposed: whether the program has proposed the dimensions, which the title block then says.
     """
 
     name: str
@@ -183,6 +184,7 @@ class PartDescription:
     brittle: bool = False
     mesh: Mesh | None = None
     plan: tuple[SheetPlan, ...] | None = None
+    proposed: bool = False
 
 
 def part_sheets(
@@ -349,7 +351,7 @@ def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, cou
     edges = "no sharp edges; chamfers as drawn" if part.brittle else drawing.edges
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,
-        supplement=supplement_of(design, part.reads),
+        supplement="-" if part.proposed else supplement_of(design, part.reads),
         number=getattr(drawing, f"file_{part.name}", part.name),
         material=part.material,
         mass=part.mass,
@@ -358,7 +360,7 @@ def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, cou
         sheets=count,
         revision=drawing.revision,
         parameters=part.digest,
-        kind="Part drawing",
+        kind="Proposal, to be checked" if part.proposed else "Part drawing",
         finish=f"Ra {1e6 * drawing.roughness:g}",
         tolerances=tolerances_of(design),
         edges=edges,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
+_FIT = re.compile(r"(\d+(?:\.\d+)?)(?: mm)? ([A-Za-z]{1,2}\d{1,2})")
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,15 @@ def load_part(path: Path, design: Design, trust: bool) -> OwnPart:
     Raises:
         InputError: no consent, an error of the file, or something missing in it.
     """
-    module = run_file(path, trust, "this part")
+    return stated_part(run_file(path, trust, "this part"), path, design)
+
+
+def stated_part(module: Any, path: Path, design: Design) -> OwnPart:
+    """The part that a module states.
+
+    Raises:
+        InputError: something is missing in it.
+    """
     for word in REQUIRED:
         if not hasattr(module, word):
             raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
@@ -83,6 +92,10 @@ def run_file(path: Path, trust: bool, what: str) -> ModuleType:
         raise InputError(str(error).replace("this experiment", what)) from None
     module = ModuleType(path.stem)
     module.__file__ = str(path)
+    module.SHOWN = []  # type: ignore[attr-defined]
+    # A script of cadquery's editor shows its result by a function of the editor.
+    module.show_object = lambda shown, *more, **options: module.SHOWN.append((shown, more, options))  # type: ignore[attr-defined]
+    module.debug = lambda *shown, **options: None  # type: ignore[attr-defined]
     try:
         exec(compile(data, str(path), "exec"), vars(module))
     except InputError:
@@ -104,6 +117,44 @@ def _where(error: Exception, path: Path) -> str:
     return f"line {line}: " if line else ""
 
 
+def _entry(key: str, given: Any, place: str, before: Sequence[Entry]) -> Entry:
+    """One parameter of a part: a length, with a fit (`25 k6`) or as a table with a tolerance class, an angle, a count,
+    or a formula of the ones before it, in millimetres (`= 2 * width + 5`)."""
+    table = dict(given) if isinstance(given, Mapping) else {"value": given}
+    value, tolerance = table.pop("value", None), table.pop("tolerance", None)
+    if table or value is None or isinstance(value, bool):
+        raise InputError(f"{place}: write a length like '40.0 mm', or a table with value and tolerance")
+    if isinstance(value, int):
+        return read_entry(key, FileEntry(value, place), Declaration("count", f"of {key}", low=0.0), ())
+    if not isinstance(value, str):
+        raise InputError(f"{place}: write the value with its unit, like '{value} mm'")
+    if value.startswith("="):
+        value, tolerance = f"{_evaluated(value, key.partition('.')[0], place, before)} mm", tolerance or "X.X"
+    fit = _FIT.fullmatch(value)
+    if fit:
+        value, tolerance = f"{fit[1]} mm", fit[2]
+    unit = "deg" if value.strip().endswith(("deg", "rad")) else "mm"
+    declaration = Declaration("number", f"of {key}", unit, low=0.0, closed=False)
+    return read_entry(key, FileEntry(value, place, tolerance), declaration, ())
+
+
+def _evaluated(formula: str, table: str, place: str, before: Sequence[Entry]) -> float:
+    """Value of a formula of the parameters before it, mm."""
+    from stagecad.parameters.formula import Value, parse_formula
+    from stagecad.parameters.units import to_si, unit_dimension
+
+    known = {entry.key.partition(".")[2]: entry for entry in before}
+    named = re.sub(r"(?<![\w.])([a-z]\w*)(?![\w.(])", lambda m: f"{table}.{m[1]}" if m[1] in known else m[1], formula)
+
+    def value_of(key: str) -> Value:
+        entry = known.get(key.partition(".")[2])
+        if entry is None:
+            raise InputError(f"{place}: '{key}' is no parameter before this one")
+        return Value(to_si(float(entry.value), entry.unit), unit_dimension(entry.unit))
+
+    return round(1e3 * parse_formula(named).value(value_of, "m", place), 9)
+
+
 def own_design(design: Design, name: str, parameters: Mapping[str, str], path: Path) -> Design:
     """The design with one more table, in millimetres: the parameters of the part.
 
@@ -111,12 +162,11 @@ def own_design(design: Design, name: str, parameters: Mapping[str, str], path: P
         InputError: a parameter that is not a length.
     """
     entries: list[Entry] = []
-    for key, text in parameters.items():
+    for key, given in parameters.items():
         place = f"{path}: PARAMETERS[{key!r}]"
-        if not isinstance(text, str) or not _NAME.fullmatch(str(key)):
-            raise InputError(f"{place}: write a name and a length, like 'width': '40.0 mm'")
-        declaration = Declaration("number", f"of {name}", "mm", low=0.0, closed=False)
-        entries.append(read_entry(f"{name}.{key}", FileEntry(text, place), declaration, ()))
+        if not _NAME.fullmatch(str(key)):
+            raise InputError(f"{place}: write a name of small letters, digits and _, like 'width'")
+        entries.append(_entry(f"{name}.{key}", given, place, entries))
     extended = replace(design, entries=(*design.entries, *entries))
     table = SimpleNamespace(**{entry.key.split(".")[1]: entry.value for entry in entries})
     object.__setattr__(extended, name, table)
@@ -182,6 +232,7 @@ def _drawn(part: OwnPart, folder: Path) -> dict[str, Any]:
         digest=design.digest[:8],
         treatment=treatment_of(module, design, material),
         brittle=design.materials[material].strength_kind == "fracture",
+        proposed=bool(getattr(module, "PROPOSED", False)),
         plan=(chosen_plan(part.name, dimensions, requirements, verifier, getattr(module, "VIEWS", ())),),
     )
     folder.mkdir(parents=True, exist_ok=True)

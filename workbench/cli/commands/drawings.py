@@ -11,7 +11,7 @@ from workbench.cli.commands.declared import run_declared
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
 from workbench.machine.declared_machine import declared_machine
-from workbench.machine.own_part import draw_part, load_part
+from workbench.machine.proposed_part import draw_file
 from workbench.operations.design import Design
 from workbench.operations.drawings import drawings
 
@@ -22,8 +22,9 @@ from workbench.operations.drawings import drawings
     "--part",
     "part",
     type=click.Path(path_type=Path),
-    metavar="FILE.py",
-    help="Draw a part of your own instead, from a Python file (see `stagecad new part`).",
+    metavar="FILE.py|FILE.step",
+    help="Draw a part of your own instead, from a Python file (see `stagecad new part`), a CadQuery script or a STEP "
+    "file; dimensions are proposed where none are declared.",
 )
 @click.option("--trust", is_flag=True, help="Consent to run the file of --part as it is now.")
 @click.option("--lint", is_flag=True, help="Check the sheets for overlapping texts and lines; exit status 1 on a hit.")
@@ -73,13 +74,18 @@ def command(
 
 
 def _draw_part(run: Run, design: Design, path: Path, trust: bool, lint: bool) -> int:
-    """Sheet, STEP AP242 and mass of a part from the user's file."""
-    document = draw_part(load_part(path, design.values, trust), run.out)
-    hits = [hit for sheet in document["sheets"] for hit in sheet["hits"]]
-    for file in document["files"]:
-        run.echo(file)
-    for hit in hits if lint else ():
-        run.note(f"{document['part']}: {hit}")
-    run.echo(f"mass {document['mass']['value']:.4g} kg; lint: {len(hits)} hits")
-    run.emit(document)
+    """Sheets, STEP AP242 and mass of the parts of the user's file."""
+    documents = draw_file(path, design.values, trust, run.out)
+    hits = 0
+    for document in documents:
+        found = [hit for sheet in document["sheets"] for hit in sheet["hits"]]
+        hits += len(found)
+        for file in document["files"]:
+            run.echo(file)
+        for question in document.get("questions", ()):
+            run.echo(f"question: {question}")
+        for hit in found if lint else ():
+            run.note(f"{document['part']}: {hit}")
+        run.echo(f"mass {document['mass']['value']:.4g} kg; lint: {len(found)} hits")
+    run.emit(documents[0] if len(documents) == 1 else {"parts": documents})
     return 1 if lint and hits else 0

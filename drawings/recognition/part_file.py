@@ -1,0 +1,146 @@
+"""Solids without declarations: in the position in which they are drawn, and their proposal as a part in Python."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from drawings.recognition.features import along_of
+from drawings.recognition.proposal import Proposal, Proposed
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NEAR = 2e-3
+TURNS = {"x": None, "y": ((0, 0, 1), -90.0), "z": ((0, 1, 0), 90.0)}
+"""Rotation that brings an axis of the part to x."""
+UPRIGHT = {"x": ((0, 1, 0), -90.0), "y": ((1, 0, 0), 90.0), "z": None}
+"""Rotation that brings an axis of the part to z."""
+
+PART = '''"""{name}: dimensions proposed for {source}; check them, then `stagecad drawings --part {name}_proposed.py`.
+
+Delete PROPOSED when the dimensions, tolerance classes and datums are those that the part needs.
+{questions}"""
+
+from pathlib import Path
+
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations
+
+NAME = "{name}"
+PROPOSED = True
+PARAMETERS = {{
+{parameters}}}
+VIEWS = {views!r}
+NOTES = {notes!r}
+
+
+def build(design):
+    """The solid, mm: read from the file beside this one; replace it by your own model, in the same position."""
+    import cadquery as cq
+
+    return cq.importers.importStep(str(Path(__file__).with_name("{name}_solid.step")))
+
+
+def material(design):
+    """Name of its material in the parameter file: a question to the designer."""
+    return "{material}"
+
+
+def dimensions(design):
+    """Each dimension: its parameter, and where on the solid it is measured; verified before it is printed."""
+    d = DimensionDeclarations(design, NAME)
+{dimensions}    return tuple(d)
+'''
+
+
+def part_text(name: str, source: str, proposal: Proposal, material: str = "steel") -> str:
+    """The proposal as the file of a part."""
+    asked = [*proposal.questions, f"material: is it {material}?", *(f"open: {line}" for line in proposal.open)]
+    notes = ["PROPOSED by stagecad from the solid: a designer has to check dimensions and tolerances."]
+    if proposal.open:
+        notes.append(f"Faces without dimensions: by the model {name}_ap242.step.")
+    parameters = {one.key: one.value for one in proposal.dimensions}
+    return PART.format(
+        name=name,
+        source=source,
+        questions="".join(f"\n- {line}" for line in asked) + "\n",
+        parameters="".join(f"    {key!r}: {_value_text(value)},\n" for key, value in parameters.items()),
+        views=proposal.views,
+        notes=tuple(notes),
+        material=material,
+        dimensions="".join(f"    {_call(one)}\n" for one in proposal.dimensions),
+    )
+
+
+def _value_text(value: float) -> str:
+    """A length as a parameter: in the general class of one decimal, whatever decimals it needs."""
+    if abs(value - round(value, 1)) < 1e-6:
+        return repr(f"{value:.1f} mm")
+    return repr({"value": f"{value:.9f}".rstrip("0") + " mm", "tolerance": "X.X"})
+
+
+def _call(one: Proposed) -> str:
+    arguments: list[Any] = [one.name, one.key, *one.arguments]
+    words = [*map(repr, arguments), *(f"{key}={value!r}" for key, value in one.fields.items())]
+    return f"d.{one.method}({', '.join(words)})"
+
+
+def in_position(solid: cq.Solid) -> cq.Solid:
+    """A solid as it is drawn: a long turned part along x, a disc along z, on its lowest face, symmetric parts about the
+    origin, others from their lower left corner."""
+    surfaces = DimensionVerifier(solid).surfaces
+    axis = _turning_axis(surfaces)
+    if axis is not None:
+        name, length, diameter, _ = axis
+        turn = (TURNS if length > diameter else UPRIGHT)[name]
+        if turn:
+            solid = solid.rotate((0, 0, 0), *turn)
+        surfaces = DimensionVerifier(solid).surfaces
+        axis = _turning_axis(surfaces)
+    low, high = _box(surfaces)
+    shift = [-value for value in low]
+    for number, name in enumerate("xyz"):
+        middle = (low[number] + high[number]) / 2
+        if axis is not None and name != axis[0]:
+            shift[number] = -axis[3][number]
+        elif name != "z" and axis is None and _is_mirrored(surfaces, number, middle):
+            shift[number] = -middle
+    return solid.translate(tuple(shift))
+
+
+def _box(surfaces: list[Surface]) -> tuple[list[float], list[float]]:
+    return [min(s.low[n] for s in surfaces) for n in range(3)], [max(s.high[n] for s in surfaces) for n in range(3)]
+
+
+def _turning_axis(surfaces: list[Surface]) -> tuple[str, float, float, tuple[float, float, float]] | None:
+    """Name of the axis of a part whose largest outer face is a whole cylinder about it, length, diameter, a point."""
+    outside = [s for s in surfaces if s.kind == "CYLINDER" and s.outward]
+    largest = max(outside, key=lambda s: s.radius, default=None)
+    name = along_of(largest.axis) if largest else None
+    if largest is None or name is None:
+        return None
+    low, high = _box(surfaces)
+    number = "xyz".index(name)
+    sizes = [high[n] - low[n] for n in range(3) if n != number]
+    middles = [(high[n] + low[n]) / 2 - largest.origin[n] for n in range(3) if n != number]
+    if max(abs(size - 2 * largest.radius) for size in sizes) > 0.01 or math.hypot(*middles) > 0.01:
+        return None
+    return name, high[number] - low[number], 2 * largest.radius, largest.origin
+
+
+def _is_mirrored(surfaces: list[Surface], number: int, middle: float) -> bool:
+    """Whether the boxes of all faces are mirror images of each other about a middle plane."""
+    boxes = [(s.kind, s.low, s.high) for s in surfaces]
+
+    def mirrored(low: tuple[float, ...], high: tuple[float, ...]) -> list[tuple[float, ...]]:
+        return [
+            tuple(2 * middle - other[n] if n == number else own[n] for n in range(3))
+            for own, other in ((low, high), (high, low))
+        ]
+
+    for kind, low, high in boxes:
+        one, other = mirrored(low, high)
+        if not any(k == kind and math.dist(a, one) < 0.02 and math.dist(b, other) < 0.02 for k, a, b in boxes):
+            return False
+    return True

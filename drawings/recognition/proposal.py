@@ -1,0 +1,529 @@
+"""Dimensions proposed for a solid without declarations, until the check of definition is satisfied and none is spare.
+
+Each feature gives its size (`drawings.recognition.features`); the levels of faces and axes along each axis of the part
+are tied to a datum face, or in pairs to the middle where the part reaches equally far to both sides. Each dimension is
+in a view in which lines of the part are drawn at its points. A dimension without which the check is still satisfied is
+left out. The result is data: it is written as Python (`drawings.recognition.part_file`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+from drawings.dimensions.definition import AXES, Notes, centred_axes, definition
+from drawings.recognition.features import (
+    Features,
+    Hole,
+    along_of,
+    features_of,
+    middle_of_face,
+)
+from drawings.views.projection import project
+from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
+from drawings.views.view import PROJECTIONS, dot
+from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
+
+NEAR = 2e-3
+LINE_NEAR = 0.02
+"""Half side of the box about a point of a dimension in which a line of a view must be drawn, mm at 1:1."""
+VIEW_OF = {
+    (0.0, 0.0, 1.0): "top",
+    (0.0, 0.0, -1.0): "bottom",
+    (0.0, -1.0, 0.0): "front",
+    (0.0, 1.0, 0.0): "back",
+    (1.0, 0.0, 0.0): "right",
+    (-1.0, 0.0, 0.0): "left",
+}
+"""View from the side of an outward normal."""
+PREFERRED = {
+    "x": ("front", "top", "bottom", "back"),
+    "y": ("right", "top", "left", "bottom"),
+    "z": ("front", "right", "left", "back"),
+}
+"""Views that show lengths along an axis, the usual ones first."""
+FACE, AXIS = "face", "axis"
+
+
+@dataclass(frozen=True)
+class Proposed:
+    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key."""
+
+    method: str
+    name: str
+    key: str
+    value: float
+    arguments: tuple[Any, ...]
+    fields: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Proposed dimensions of a solid.
+
+    Args:
+        dimensions: in the order of the sheet.
+        questions: what only the designer knows, a line each.
+        open: what the dimensions leave open, a line each.
+        views: in which they are.
+    """
+
+    dimensions: tuple[Proposed, ...]
+    questions: tuple[str, ...]
+    open: tuple[str, ...]
+    views: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Level:
+    """A coordinate that must be given: points of the part at which it can be measured."""
+
+    at: float
+    points: tuple[Point, ...]
+    view: str = ""
+    kind: str = FACE
+
+
+def as_dimension(one: Proposed) -> Dimension:
+    """A proposal as a dimension without a design, in the general class."""
+    design = SimpleNamespace(part=SimpleNamespace(**{one.key: one.value}), tolerance=lambda key: "X.X")
+    declarations = DimensionDeclarations(design, "part")
+    getattr(declarations, one.method)(one.name, one.key, *one.arguments, **one.fields)
+    return next(iter(declarations))
+
+
+def propose(verifier: DimensionVerifier) -> Proposal:
+    """Dimensions of a solid."""
+    builder = _Builder(verifier)
+    builder.holes()
+    builder.slots()
+    builder.round_features()
+    builder.chamfers()
+    builder.levels()
+    found = builder.proposed
+    symmetric = centred_axes(verifier)
+
+    def problems(proposed: Sequence[Proposed]) -> tuple[str, ...]:
+        dimensions = [as_dimension(one) for one in proposed]
+        notes = Notes(symmetric, packaged=False)
+        return definition(verifier, dimensions, (), notes).problems
+
+    found = _without_superfluous(found, problems)
+    questions = tuple(builder.questions)
+    views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
+    return Proposal(tuple(found), questions, problems(found), views)
+
+
+def _without_superfluous(
+    proposed: list[Proposed], problems: Callable[[Sequence[Proposed]], tuple[str, ...]]
+) -> list[Proposed]:
+    """The proposals without those that the definition does not need, the last ones first."""
+    left = {line for line in problems(proposed) if "follows from" not in line}
+    for one in reversed(proposed):
+        rest = [other for other in proposed if other is not one]
+        if all(line in left for line in problems(rest) if "follows from" not in line):
+            proposed = rest
+    return proposed
+
+
+class _Builder:
+    """Collects proposals.
+
+    Attributes:
+        proposed: dimensions so far.
+        questions: of threads.
+    """
+
+    def __init__(self, verifier: DimensionVerifier) -> None:
+        self.verifier = verifier
+        self.features: Features = features_of(verifier)
+        self.centred = centred_axes(verifier)
+        self.proposed: list[Proposed] = []
+        self.questions: list[str] = []
+        self._levels: dict[str, list[_Level]] = defaultdict(list)
+        self._lines = {name: _visible(verifier, name) for name in VIEW_OF.values()}
+        surfaces = verifier.surfaces
+        self._low = [min(s.low[n] for s in surfaces) for n in range(3)]
+        self._high = [max(s.high[n] for s in surfaces) for n in range(3)]
+
+    def add(self, method: str, name: str, value: float, *arguments: Any, **fields: Any) -> None:
+        """Add a proposal under a name and key of its own."""
+        used = {one.name for one in self.proposed}
+        number = 2
+        unique = name
+        while unique in used:
+            unique, number = f"{name} {number}", number + 1
+        key = unique.replace(" ", "_").replace("-", "_")
+        self.proposed.append(Proposed(method, unique, key, round(value, 9), arguments, fields))
+
+    def seen(self, point: Point, view: str) -> bool:
+        """Whether a line of the part is drawn at a point in a view."""
+        u, v = PROJECTIONS[view].to_view(point)
+        return bool(self._lines[view].count_in((u - LINE_NEAR, v - LINE_NEAR, u + LINE_NEAR, v + LINE_NEAR)))
+
+    # Holes
+
+    def holes(self) -> None:
+        """Callouts of equal holes, circles on which they are, and the levels of their axes."""
+        groups: dict[tuple[object, ...], list[Hole]] = defaultdict(list)
+        for hole in self.features.holes:
+            groups[hole.kind].append(hole)
+        for number, group in enumerate(groups.values(), start=1):
+            head = max(group, key=lambda hole: (round(hole.mouth[1], 6), round(hole.mouth[0], 6)))
+            self._callout(f"hole {number}", head, len(group))
+            centre = self._circle(group)
+            if centre:
+                self._pitch_circle(f"pitch circle {number}", centre, group)
+                for name, at in self._across(head.into, centre):
+                    self._levels[name].append(_Level(at, (centre,), self._view_of(head), AXIS))
+            else:
+                for hole in group:
+                    for name, at in self._across(hole.into, hole.mouth):
+                        self._levels[name].append(_Level(at, (hole.mouth,), self._view_of(hole), AXIS))
+
+    def _view_of(self, hole: Hole) -> str:
+        """View from the side of the mouth of a hole; the section for a slanting one."""
+        return VIEW_OF.get(_negative(hole.into), "front")
+
+    def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
+        return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
+
+    def _callout(self, name: str, hole: Hole, count: int) -> None:
+        view = self._view_of(hole)
+        common: dict[str, Any] = {"view": view, "count": count, "feature": name}
+        along = tuple(abs(a) for a in hole.into)
+        last = len(hole.steps) - 1
+        start = 0.0
+        for number, (radius, end) in reversed(list(enumerate(hole.steps))):
+            start = hole.steps[number - 1][1] if number else 0.0
+            at = moved(hole.mouth, hole.into, (start + end) / 2)
+            on = self._touch(hole.mouth, hole.into, radius, (start, end))
+            step = name if number == last else f"{name} counterbore" + (f" {number + 1}" if number else "")
+            note = {"note": "through"} if number == last and hole.through and last >= 0 else {}
+            at, direction = (on[0], on[1]) if on else (at, None)
+            self.add("diameter", step, 2 * radius, _tidy(at), along, direction, **common, **note)
+            if number < last or not hole.through:
+                end_point = moved(hole.mouth, hole.into, end)
+                self.add("depth", f"{step} depth", end, _tidy(hole.mouth), _tidy(end_point), hole.into, **common)
+        if hole.sink[0]:
+            text = {"note": f"x {hole.sink[1]:.0f}°"}
+            self.add("diameter", f"{name} countersink", hole.sink[0], _tidy(hole.mouth), along, **common, **text)
+        thread = _tapped(2 * hole.steps[-1][0]) if len(hole.steps) == 1 and not hole.sink[0] else ""
+        if thread:
+            self.questions.append(
+                f"{name}: is {2 * hole.steps[-1][0]:g} mm the tap drill of {thread}? Then declare it with d.tapped(...)"
+            )
+
+    def _touch(self, mouth: Point, into: Point, radius: float, span: tuple[float, float]) -> tuple[Point, Point] | None:
+        """A point of the axis, and a direction from it to a point that is on the face of a step."""
+        for part in (0.5, 0.2, 0.8, 0.05, 0.95):
+            at = moved(mouth, into, span[0] + part * (span[1] - span[0]))
+            for unit in (*AXES.values(), *map(_negative, AXES.values())):
+                if abs(dot(unit, into)) < 1e-6:
+                    point = moved(at, unit, radius)
+                    if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
+                        return at, unit
+        return None
+
+    def _circle(self, group: Sequence[Hole]) -> Point | None:
+        """Centre of the circle on which equal holes are equally spaced, about the axis of another round feature."""
+        if len(group) < 3:
+            return None
+        count = len(group)
+        centre: Point = tuple(sum(hole.mouth[n] for hole in group) / count for n in range(3))  # type: ignore[assignment]
+        radii = [math.dist(hole.mouth, centre) for hole in group]
+        if max(radii) - min(radii) > NEAR:
+            return None
+        gaps = sorted(math.dist(group[0].mouth, hole.mouth) for hole in group)
+        expected = sorted(2 * radii[0] * math.sin(math.pi * number / count) for number in range(count))
+        if max(abs(a - b) for a, b in zip(gaps, expected, strict=True)) > NEAR:
+            return None
+        about = any(
+            s.kind == "CYLINDER" and abs(abs(dot(s.axis, group[0].into)) - 1) < 1e-6 and s.off_axis(centre) < NEAR
+            for s in self.verifier.surfaces
+        )
+        return _tidy(centre) if about or (count not in (4,) and count >= 3) else None
+
+    def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole]) -> None:
+        hole = group[0]
+        radius = math.dist(hole.mouth, centre)
+        at = moved(hole.mouth, hole.into, hole.steps[-1][1] * 0.5)
+        middle = moved(centre, hole.into, hole.steps[-1][1] * 0.5)
+        along = tuple(abs(a) for a in hole.into)
+        view = self._view_of(hole)
+        self.add("pitch_circle", name, 2 * radius, _tidy(middle), _tidy(at), len(group), along, view=view)
+
+    # Slots, shafts, fillets, chamfers
+
+    def slots(self) -> None:
+        """Widths of slots, and the levels of the axes of their ends."""
+        for number, slot in enumerate(self.features.slots, start=1):
+            (first, second), axis = slot.centres, slot.axis
+            run = tuple(b - a for a, b in zip(first, second, strict=True))
+            size = math.hypot(*run)
+            across = _cross(axis, tuple(r / size for r in run))  # type: ignore[arg-type]
+            middle: Point = tuple((a + b) / 2 for a, b in zip(first, second, strict=True))  # type: ignore[assignment]
+            view = self._open_view(axis, middle)
+            ends = [_tidy(moved(middle, across, side * slot.radius)) for side in (-1.0, 1.0)]
+            self.add("linear", f"slot {number} width", 2 * slot.radius, *ends, _positive(across), view=view)
+            for centre in slot.centres:
+                for name, at in self._across(axis, centre):
+                    self._levels[name].append(_Level(at, (_tidy(centre),), view, AXIS))
+
+    def _open_view(self, axis: Point, point: Point) -> str:
+        """View along an axis from the side on which a point is not covered."""
+        for sign in (1.0, -1.0):
+            eye = tuple(sign * a + 0.0 for a in axis)
+            view = VIEW_OF.get(_tidy(eye))  # type: ignore[arg-type]
+            reach = max(self._high[n] - self._low[n] for n in range(3))
+            steps = [moved(point, eye, reach * part / 40) for part in range(40)]  # type: ignore[arg-type]
+            if view and not any(map(self.verifier.is_inside, steps)):
+                return view
+        return VIEW_OF.get(_tidy(_positive(axis)), "front")
+
+    def round_features(self) -> None:
+        """Diameters of shafts and bosses, radii of fillets and balls."""
+        shafts: dict[tuple[object, ...], list[Any]] = defaultdict(list)
+        for shaft in self.features.shafts:
+            shafts[(round(shaft.radius, 3), round(abs(dot(shaft.face.axis, (1, 2, 4))), 3))].append(shaft)
+        for number, group in enumerate(shafts.values(), start=1):
+            shaft = group[0]
+            axis = shaft.face.axis
+            at = moved(shaft.face.origin, axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, axis))
+            on = self._touch(moved(at, axis, -1e-3), axis, shaft.radius, (0.0, 2e-3))
+            view = self._side_view(axis, shaft.radius, at)
+            count = {"count": len(group)} if len(group) > 1 else {}
+            direction = on[1] if on else None
+            self.add(
+                "diameter",
+                f"diameter {number}",
+                2 * shaft.radius,
+                _tidy(at),
+                _positive(axis),
+                direction,
+                view=view,
+                **count,
+            )
+            for one in group:
+                foot = moved(one.face.origin, axis, (one.low + one.high) / 2 - dot(one.face.origin, axis))
+                for name, level in self._across(axis, foot):
+                    self._levels[name].append(
+                        _Level(level, (_tidy(foot),), VIEW_OF.get(_tidy(_positive(axis)), "top"), AXIS)
+                    )
+        rounds: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
+        for face in (*self.features.fillets, *self.features.spheres):
+            key = (face.kind == "SPHERE", round(face.radius, 4))
+            rounds[key].append(face)
+        for number, faces in enumerate(rounds.values(), start=1):
+            circular = [face for face in faces if face.kind == "CYLINDER"] or faces
+            face = circular[0]
+            axis = face.axis
+            kinds = len({s.axis_key if s.kind == "CYLINDER" else (id(s),) for s in faces})
+            view = self._open_view(axis, middle_of_face(face)) if face.kind == "CYLINDER" else "front"
+            note = {"note": "spherical"} if face.kind == "SPHERE" else {}
+            count = {"count": kinds} if kinds > 1 else {}
+            self.add(
+                "radius",
+                f"radius {number}",
+                face.radius,
+                _tidy(middle_of_face(face)),
+                _positive(axis) if face.kind != "SPHERE" else (0.0, 0.0, 1.0),
+                view=view,
+                **count,
+                **note,
+            )
+
+    def _side_view(self, axis: Point, radius: float, at: Point) -> str:
+        """View that shows both outlines of a round feature from the side, else the one along its axis."""
+        for view in ("front", "right", "top", "back", "left", "bottom"):
+            eye = PROJECTIONS[view].towards_eye
+            if abs(dot(eye, axis)) < 1e-6:
+                across = _cross(eye, axis)
+                if all(self.seen(moved(at, across, side * radius), view) for side in (-1.0, 1.0)):
+                    return view
+        return VIEW_OF.get(_tidy(_positive(axis)), "top")
+
+    def chamfers(self) -> None:
+        """Legs of chamfers, equal ones together."""
+        groups: dict[float, list[tuple[Surface, Point]]] = defaultdict(list)
+        for face in self.features.chamfers:
+            along = face.axis if face.kind == "CONE" else next(u for u in AXES.values() if abs(dot(face.axis, u)) > 0.1)
+            number = list(AXES).index(along_of(along) or "x")
+            groups[round(face.high[number] - face.low[number], 3)].append((face, _positive(along)))
+        for number, (leg, faces) in enumerate(groups.items(), start=1):
+            face, along = faces[0]
+            point = middle_of_face(face)
+            view = self._chamfer_view(face, along)
+            count = {"count": len(faces)} if len(faces) > 1 else {}
+            self.add("chamfer", f"chamfer {number}", leg, _tidy(point), along, view=view, **count)
+
+    def _chamfer_view(self, face: Surface, along: Point) -> str:
+        if face.kind == "PLANE":
+            free = next(u for u in AXES.values() if abs(dot(face.axis, u)) < 0.1)
+            return self._open_view(free, middle_of_face(face))
+        return next(v for v in ("front", "right", "top") if abs(dot(PROJECTIONS[v].towards_eye, along)) < 1e-6)
+
+    # Levels
+
+    def levels(self) -> None:
+        """Distances that give the levels of planes, axes and corners along each axis of the part."""
+        for surface in self.verifier.surfaces:
+            name = along_of(surface.axis) if surface.kind == "PLANE" else None
+            if name is not None:
+                at = dot(surface.origin, AXES[name])
+                self._levels[name].append(_Level(at, surface.vertices or (_tidy(middle_of_face(surface)),)))
+        for surface in self.features.slanted:
+            for name, unit in AXES.items():
+                if abs(dot(surface.axis, unit)) > 1e-6:
+                    for vertex in surface.vertices:
+                        self._levels[name].append(_Level(dot(vertex, unit), (vertex,)))
+        self._cone_ends()
+        for number, name in enumerate(AXES):
+            self._axis_levels(name, self._low[number], self._high[number])
+
+    def _cone_ends(self) -> None:
+        for cone in self.features.cones:
+            name = along_of(cone.axis)
+            if name is None:
+                continue
+            for vertex in cone.vertices:
+                if cone.off_axis(vertex) > NEAR:
+                    self._levels[name].append(_Level(dot(vertex, AXES[name]), (vertex,)))
+
+    def _axis_levels(self, name: str, low: float, high: float) -> None:
+        rows: list[_Level] = []
+        for level in sorted(self._levels[name], key=lambda one: one.at):
+            if rows and abs(level.at - rows[-1].at) < NEAR:
+                last = rows[-1]
+                view = last.view or level.view
+                kind = FACE if FACE in (last.kind, level.kind) else AXIS
+                rows[-1] = replace(last, points=(*last.points, *level.points), view=view, kind=kind)
+            else:
+                rows.append(level)
+        by_level = {round(row.at, 3): row for row in rows}
+        ends = [row for row in (by_level.get(round(low, 3)), by_level.get(round(high, 3))) if row is not None]
+        size = {"x": "length", "y": "width", "z": "height"}[name]
+        if len(ends) == 2 and ends[0] is not ends[1]:
+            self._between(size, name, *ends)
+        if name in self.centred:
+            self._pairs(name, rows, ends)
+        else:
+            self._from_datum(name, rows, ends)
+
+    def _pairs(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
+        """Distances of levels at both sides of the middle; a level at one side only is given from an end."""
+        for row in rows:
+            if row in ends or abs(row.at) < NEAR:
+                continue
+            mirror = next((other for other in rows if abs(other.at + row.at) < NEAR), None)
+            if mirror is None:
+                start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
+                if start is None:
+                    continue
+                self._between(f"{name} place", name, start, row)
+            elif row.at < 0:
+                what = "spacing" if row.kind == AXIS else "distance"
+                self._between(f"{name} {what}", name, row, mirror)
+
+    def _from_datum(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
+        """Distances from a datum: the lower end, else the middle axis of the part."""
+        datum = ends[0] if ends else next((row for row in rows if abs(row.at) < NEAR), None)
+        if datum is None:
+            return
+        spaced = _row_of_equal_steps([row for row in rows if row.kind == AXIS])
+        if len(spaced) > 3:
+            first, last = spaced[0], spaced[-1]
+            points = self._points(name, first, last)
+            steps = len(spaced) - 1
+            if points:
+                self.add("pitch", f"{name} pitch", (last.at - first.at) / steps, *points[0], steps, view=points[1])
+        for row in rows:
+            if row is not datum and row not in ends[1:] and row not in spaced[1:]:
+                self._between(f"{name} place", name, datum, row)
+
+    def _between(self, what: str, name: str, first: _Level, second: _Level) -> None:
+        found = self._points(name, first, second)
+        if found is None:
+            return
+        (one, other), view = found
+        self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], view=view)
+
+    def _points(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str] | None:
+        """Points of two levels in the view that shows both best: nearest to each other across the dimension."""
+        wanted = [view for view in (second.view, first.view) if view in PREFERRED[name]]
+        best = None
+        for rank, view in enumerate(dict.fromkeys((*wanted, *PREFERRED[name], *_others(name)))):
+            pairs = [
+                (self._offset(one, other, view, name), _tidy(one), _tidy(other))
+                for one in self._shown(first, view)
+                for other in self._shown(second, view)
+            ]
+            if pairs:
+                away, one, other = min(pairs)
+                cost = away + 30.0 * rank
+                best = min(best, (cost, one, other, view)) if best else (cost, one, other, view)
+        if best is None:
+            return (_tidy(first.points[0]), _tidy(second.points[0])), (wanted or list(PREFERRED[name]))[0]
+        return (best[1], best[2]), best[3]
+
+    def _shown(self, level: _Level, view: str) -> list[Point]:
+        """Points of a level at which a view shows a line; the axes of holes in the view along them."""
+        if level.kind == AXIS and level.view == view:
+            return list(level.points[:8])
+        return [point for point in level.points[:40] if self.seen(point, view)][:8]
+
+    def _offset(self, one: Point, other: Point, view: str, name: str) -> float:
+        step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
+        u, v = PROJECTIONS[view].to_view(AXES[name])
+        return round(abs(step[0] * v - step[1] * u), 3)
+
+
+def _others(name: str) -> tuple[str, ...]:
+    return tuple(view for view in VIEW_OF.values() if abs(dot(PROJECTIONS[view].towards_eye, AXES[name])) < 1e-6)
+
+
+def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
+    """The levels of axes if they are equally spaced."""
+    if len(rows) < 4:
+        return []
+    steps = [b.at - a.at for a, b in pairwise(rows)]
+    return rows if max(steps) - min(steps) < NEAR else []
+
+
+def _visible(verifier: DimensionVerifier, name: str) -> SegmentIndex:
+    """Visible lines of a view, view coordinates."""
+    curves = project(verifier.solid.wrapped, PROJECTIONS[name], hidden=False)["VISIBLE"]
+    return SegmentIndex([line for curve in curves for line in polyline_lines(list(curve_points(curve)))])
+
+
+def _tapped(drill: float) -> str:
+    """Designation of the metric coarse thread with a tap drill, ISO 2306; empty for none."""
+    drills = {2.5: "M3", 3.3: "M4", 4.2: "M5", 5.0: "M6", 6.8: "M8", 8.5: "M10", 10.2: "M12", 14.0: "M16", 17.5: "M20"}
+    return next((name for size, name in drills.items() if abs(size - drill) < 0.01), "")
+
+
+def _tidy(point: Point) -> Point:
+    """A point without rounding errors of the kernel."""
+    x, y, z = (round(value, 9) + 0.0 for value in point)
+    return (x, y, z)
+
+
+def _negative(vector: Point) -> Point:
+    return (-vector[0] + 0.0, -vector[1] + 0.0, -vector[2] + 0.0)
+
+
+def _positive(vector: Point) -> Point:
+    """A direction or its opposite, whichever is along an axis of the part."""
+    vector = _tidy(vector)
+    return vector if vector > (0.0, 0.0, 0.0) else _negative(vector)
+
+
+def _cross(a: Point, b: Point) -> Point:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

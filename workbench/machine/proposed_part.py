@@ -1,0 +1,128 @@
+"""Sheets of solids without declarations: a STEP file, or a CadQuery script; one sheet for each solid.
+
+The proposal is written beside the sheet as `NAME_proposed.py`, which draws the same sheet again and is edited from
+there, with the solid in the position in which it is drawn, `NAME_solid.step`.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.errors import InputError
+from workbench.machine.own_part import REQUIRED, draw_part, run_file, stated_part
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+STEP = (".step", ".stp")
+MOST_SOLIDS = 200
+"""Most solids of one file that are drawn, one sheet each."""
+
+
+def draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dict[str, Any]]:
+    """Sheets of a part file, a script or a STEP file; their documents.
+
+    Raises:
+        InputError: the file cannot be read, has no solid, or its functions fail.
+    """
+    if path.suffix.lower() in STEP:
+        return [propose_sheet(name, solid, path.name, design, folder) for name, solid in _step_solids(path)]
+    module: Any = run_file(path, trust, "this part")
+    if hasattr(module, "build") or hasattr(module, "dimensions") or hasattr(module, "NAME"):
+        return [draw_part(stated_part(module, path, design), folder)]
+    solids = _shown_solids(module, path)
+    if not solids:
+        raise InputError(
+            f"{path}: shows no solid; write show_object(result), or the words of a part: {', '.join(REQUIRED)}"
+        )
+    return [propose_sheet(name, solid, path.name, design, folder) for name, solid in solids]
+
+
+def _step_solids(path: Path) -> list[tuple[str, Any]]:
+    import cadquery as cq
+
+    if not path.is_file():
+        raise InputError(f"{path}: cannot be read: No such file or directory")
+    try:
+        shape = cq.importers.importStep(str(path))
+    except Exception as error:
+        raise InputError(f"{path}: is no STEP file that can be read: {error}") from None
+    solids = shape.solids().vals()
+    if not solids:
+        raise InputError(f"{path}: has no solid")
+    return _named(_word(path.stem), solids, path)
+
+
+def _shown_solids(module: ModuleType, path: Path) -> list[tuple[str, Any]]:
+    """Solids that a script shows, else those of its last workplane, shape or assembly."""
+    shown: list[tuple[str, Any]] = []
+    for number, (value, _, options) in enumerate(getattr(module, "SHOWN", ())):
+        name = options.get("name") or (path.stem if number == 0 else f"{path.stem}_{number + 1}")
+        shown += _named(_word(str(name)), _solids(value), path)
+    if not shown:
+        values = [value for key, value in vars(module).items() if not key.startswith("_") and _solids(value)]
+        shown = _named(_word(path.stem), _solids(values[-1]), path) if values else []
+    names = [name for name, _ in shown]
+    return [
+        (name if names.count(name) == 1 else f"{name}_{number}", one) for number, (name, one) in enumerate(shown, 1)
+    ]
+
+
+def _solids(value: Any) -> list[Any]:
+    """Solids of a workplane, a shape, or an assembly."""
+    if hasattr(value, "toCompound"):
+        return list(value.toCompound().Solids())
+    if hasattr(value, "vals") and hasattr(value, "solids"):
+        return [solid for one in value.vals() if hasattr(one, "Solids") for solid in one.Solids()]
+    return list(value.Solids()) if hasattr(value, "Solids") and hasattr(value, "ShapeType") else []
+
+
+def _named(name: str, solids: list[Any], path: Path) -> list[tuple[str, Any]]:
+    if len(solids) > MOST_SOLIDS:
+        raise InputError(f"{path}: has {len(solids)} solids; at most {MOST_SOLIDS} are drawn")
+    return [(name if len(solids) == 1 else f"{name}_{number}", one) for number, one in enumerate(solids, start=1)]
+
+
+def _word(text: str) -> str:
+    word = re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")
+    return word if word[:1].isalpha() else f"part_{word}".rstrip("_")
+
+
+def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Path) -> dict[str, Any]:
+    """Propose dimensions of a solid, write them as Python, and draw them; the document of the sheet.
+
+    Args:
+        source: file that the solid is from, for texts.
+
+    Raises:
+        InputError: the solid is not valid.
+    """
+    from drawings.recognition.part_file import in_position, part_text
+    from drawings.recognition.proposal import propose
+    from stagecad.parameters.atomic import atomic_write_text
+    from stagecad.solids.modelling.verification import DimensionVerifier
+
+    if not solid.isValid() or solid.Volume() <= 0:
+        raise InputError(f"{source}: the solid {name} is not valid and closed")
+    name = f"{name}_part" if hasattr(design, name) else name
+    solid = in_position(solid)
+    proposal = propose(DimensionVerifier(solid))
+    text = part_text(name, source, proposal)
+    folder.mkdir(parents=True, exist_ok=True)
+    file, model = folder / f"{name}_proposed.py", folder / f"{name}_solid.step"
+    solid.exportStep(str(model))
+    atomic_write_text(file, text)
+    module: Any = ModuleType(name)
+    module.__file__ = str(file)
+    exec(compile(text, str(file), "exec"), vars(module))
+    module.build = lambda design: solid
+    document = draw_part(stated_part(module, file, design), folder)
+    return {
+        **document,
+        "files": [*document["files"], str(file), str(model)],
+        "proposed": True,
+        "questions": list(proposal.questions),
+    }
