@@ -12,7 +12,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, predict
 from sysid.prediction.prepared_record import PreparedRecord
-from sysid.prediction.sensors import residual_noise
+from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.trimmed_rms import trimmed_rms
 
 LEAST_AT_REST = 200
@@ -57,35 +57,72 @@ PRESLIDING_TIMING = 0.1
 """Part of the timing uncertainty that remains with presliding under imposed motion, where the force is continuous."""
 
 
-def channel_noise(model: Model, record: PreparedRecord, channel: str) -> float:
-    """Standard deviation that sensor noise leaves in the residual of one channel of a model.
+UNEVEN = 2.0
+"""Ratio of the local to the usual variance of a change of the residual that is no error of the estimate."""
 
-    Where the velocity of an imposed motion comes from a noisy position, the friction that changes with it is uncertain.
-    """
-    if not isinstance(record, ForceBalanceRecord) or channel != record.force_channel:
-        return record.scored[channel].noise
-    noise = residual_noise(record, model.effects, model.values)
-    if record.velocity_sign is None or record.prefiltered_noise == 0.0:
-        return noise
-    velocity = record.axis.velocity
-    # In the direction of motion, so that a mirrored record has the same noise.
-    axis = record.axis._replace(velocity=velocity + np.sign(velocity) * record.velocity_noise)
-    change = predict(replace(record, axis=axis), model.effects, model.values)[channel]
-    change = change - predict(record, model.effects, model.values)[channel]
-    return float(np.hypot(noise, np.sqrt(np.mean(change[record.valid[channel]] ** 2))))
+LOCAL = 6.0
+"""Width, in samples or in widths of the record's filter, over which the local variance is averaged."""
+
+NORMAL_MEDIAN = 0.67449
+"""Median size of a standard normal variable."""
+
+FROM_HALF_WIDTH = (8.0 / 7.0) ** 2
+"""Squared error by a filter over the squared change at half its width: the error grows with the cube of the width."""
 
 
-def sample_std(
-    record: PreparedRecord, predicted: Mapping[str, np.ndarray], channel: str, noise: float, timing: float = 1.0
+def residual_std(
+    model: Model, record: PreparedRecord, channel: str, predicted: Mapping[str, np.ndarray], timing: float = 1.0
 ) -> np.ndarray:
-    """Standard deviation (n,) of a residual, hypot(sensor noise, timing uncertainty x slope of the prediction).
+    """Standard deviation (n,) of the residual of a channel, where the model is true.
 
-    `timing` is the part of the record's timing uncertainty that applies to the model.
+    Where a prediction uses the measured motion, sensor noise enters through the model too. Its effect is the change of
+    the residual by noise of the same size, added to the log. The error by the filter of the motion is estimated from
+    the change at half the width, less that by noise. Events are uncertain by the record's timing uncertainty, of which
+    the part `timing` applies to the model, times the slope of the prediction.
     """
-    if record.timing_uncertainty == 0.0 or channel == STICK_DISPLACEMENT:
-        return np.full(record.size, noise)
-    steep = np.gradient(predicted[channel], record.step)
-    return np.hypot(noise, timing * record.timing_uncertainty * np.abs(steep))
+    noise = np.full(record.size, record.scored[channel].noise)
+    if channel == STICK_DISPLACEMENT:
+        return noise
+    redrawn = record.redrawn
+    if redrawn is not None:
+        there = predict(redrawn, model.effects, model.values)
+        change = redrawn.measured[channel] - there[channel] - record.measured[channel] + predicted[channel]
+        usual = (np.median(np.abs(change[record.valid[channel]])) / NORMAL_MEDIAN) ** 2
+        local = _local_mean(change**2, record, channel)
+        variance = np.where(local > UNEVEN * usual, local, usual)
+        if isinstance(record, ForceBalanceRecord) and isinstance(redrawn, ForceBalanceRecord):
+            halves = [_at_half_width(model, one, channel) for one in (record, redrawn)]
+            if halves[0] is not None and halves[1] is not None:
+                blur = halves[0] - predicted[channel]
+                by_noise = halves[1] - there[channel] - blur
+                error = _local_mean(blur**2 - by_noise**2, record, channel)
+                variance = variance + FROM_HALF_WIDTH * error
+        noise = np.sqrt(np.maximum(variance, (1e-3 * record.scored[channel].noise) ** 2))
+    if record.timing_uncertainty > 0.0:
+        noise = np.hypot(noise, timing * record.timing_uncertainty * np.gradient(predicted[channel], record.step))
+    return noise
+
+
+def _at_half_width(model: Model, record: ForceBalanceRecord, channel: str) -> np.ndarray | None:
+    """Prediction (n,) along the motion filtered by half the width; none without a filter."""
+    if record.half_width_variant is None:
+        return None
+    axis, rest = record.half_width_variant()
+    return predict(replace(record, axis=axis, complementary_filter=rest), model.effects, model.values)[channel]
+
+
+def _local_mean(square: np.ndarray, record: PreparedRecord, channel: str) -> np.ndarray:
+    """Mean (n,) of the squares of a change over some samples on each side."""
+    valid = record.valid[channel]
+    width = min(LOCAL * max(record.step, record.filter_width), 0.01 * record.step * record.size)
+    smooth = GaussianFilter(width, record.step, record.size)
+    return np.maximum(smooth(np.where(valid, square, 0.0)) / np.maximum(smooth(valid.astype(float)), 0.1), 0.0)
+
+
+def _timing(model: Model, record: PreparedRecord) -> float:
+    """Part of the timing uncertainty of a record that applies to a model."""
+    presliding = record.stick_fraction is None and any(e.has_presliding for e in model.effects)
+    return PRESLIDING_TIMING if presliding else 1.0
 
 
 def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, ChannelMisfit]:
@@ -104,8 +141,9 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
                 r = r - np.median(r[ok])
             residuals.setdefault(channel, []).append(r[ok])
             compared = ok & ~held_by_measured_force(record, channel, r, model.values)
-            kept = r[compared if compared.any() else ok]
-            scaled.setdefault(channel, []).append(kept / channel_noise(model, record, channel))
+            kept = compared if compared.any() else ok
+            std = residual_std(model, record, channel, predicted, timing=0.0)
+            scaled.setdefault(channel, []).append(r[kept] / std[kept])
             y = record.measured[channel][ok]
             reference = y - y.mean()
             if isinstance(record, ForceBalanceRecord) and record.is_free:
@@ -188,9 +226,8 @@ def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool
     for record in records:
         predicted = predict(record, model.effects, model.values)
         scored = record.scored
-        presliding = record.stick_fraction is None and any(e.has_presliding for e in model.effects)
-        timing = PRESLIDING_TIMING if presliding else 1.0
-        std.append({c: sample_std(record, predicted, c, channel_noise(model, record, c), timing) for c in scored})
+        timing = _timing(model, record)
+        std.append({c: residual_std(model, record, c, predicted, timing) for c in scored})
         every = max(1, int(record.filter_width / record.step)) if thin else 1
         samples.append({channel: np.flatnonzero(valid)[::every] for channel, (_, valid, _) in scored.items()})
     return ResidualWeights(tuple(std), tuple(samples))

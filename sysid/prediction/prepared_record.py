@@ -48,6 +48,8 @@ class PreparedRecord(ABC):
         stick_fraction: part of each step in which a driven mass rests.
         full_filter: that the channels of a driven mass have passed through.
         stick_phases: displacements of a driven mass while friction holds it, scored in addition to the channels.
+        redrawn: the record prepared from the same log with noise of its sensors added, where a prediction uses a
+            measured motion.
     """
 
     name: str
@@ -63,6 +65,7 @@ class PreparedRecord(ABC):
     stick_fraction: np.ndarray | None = None
     full_filter: GaussianFilter | None = None
     stick_phases: StickPhases | None = None
+    redrawn: Self | None = None
 
     @property
     def filter_width(self) -> float:

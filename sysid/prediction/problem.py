@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from sim.effects.catalogue import find, rounding_effects
 from sim.effects.custom import load_all_custom
@@ -103,7 +106,11 @@ def build_problem(
     setup = replace(experiment.rig, input_hold=hold)
     noise = noise_of_means(noise, k) if k > 1 else noise
     own = rig.parameters(setup, records, noise)
-    prepared = [p.without_start() for p in rig.prepare(setup, records, noise, own.values)]
+    prepared = rig.prepare(setup, records, noise, own.values)
+    if rig.form == "force_balance":
+        again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, own.values)
+        prepared = [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
+    prepared = [p.without_start() for p in prepared]
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
             raise InputError(
@@ -131,6 +138,16 @@ def build_problem(
             f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
     return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes))
+
+
+def _with_noise(record: Record, noise: Mapping[str, Noise]) -> Record:
+    """The log with noise of each sensor added; a mirrored channel has mirrored noise."""
+    channels, random = dict(record.channels), np.random.default_rng(zlib.crc32(record.name.encode()))
+    for name in sorted(noise.keys() & channels.keys()):
+        values = channels[name]
+        side = np.sign(values[np.nanargmax(np.abs(values))]) if np.isfinite(values).any() else 1.0
+        channels[name] = values + side * noise[name].value * noise[name].spectrum.drawn(values.size, random)
+    return replace(record, channels=channels)
 
 
 def averaged(experiment: Experiment, records: Sequence[Record]) -> tuple[Literal["zero", "linear"], list[Record]]:

@@ -36,6 +36,18 @@ class NoiseSpectrum(NamedTuple):
         c = self.correlation
         return self.white + (1.0 - self.white) * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(angle) + c**2)
 
+    def drawn(self, size: int, random: np.random.Generator) -> np.ndarray:
+        """Noise (size,) of unit variance with this spectrum."""
+        white = random.standard_normal(size)
+        if self.correlation == 0.0:
+            return white
+        from scipy.signal import lfilter
+
+        c, first = self.correlation, random.standard_normal()
+        driven = np.sqrt(1.0 - c**2) * random.standard_normal(size)
+        coloured = lfilter([1.0], [1.0, -c], driven, zi=np.array([c * first]))[0]
+        return np.sqrt(self.white) * white + np.sqrt(1.0 - self.white) * np.asarray(coloured)
+
 
 WHITE = NoiseSpectrum()
 

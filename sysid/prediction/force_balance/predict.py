@@ -112,7 +112,7 @@ def _friction(
     if core.has_presliding or balance.stick_fraction is None:
         p = values_of(core, values)
         usual = _usual(core, level)
-        unseen = unobservable_part(balance, core, usual, p)
+        unseen = unobservable_part(balance, core, usual, p, values.get("rig.mass", 0.0))
         if core.friction_state.rigid:
             p = p._replace(stretch=balance.stretch)
         gap = lost_motion(effects, values) if balance.acceleration is None else 0.0
@@ -155,20 +155,29 @@ def _stretch_of(usual: float, p: Any) -> float:
     return float(p.stretch) if hasattr(p, "stretch") else usual / max(float(p.stiffness), 1e-300)
 
 
-def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p: Any) -> float:
-    """Part of a bristle's force, 0 to 1, that is not observable in a noisy position, and is taken from the force
-    balance.
+EVENT_ERROR = 0.01
+"""Error of event-resolved friction over the friction level, of a LuGre axis against its exact motion."""
 
-    With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
-    from the balance to s_F: the part s_F / hypot(s_F, k s_x) of the difference remains.
+BLUR = 0.027
+"""Error of the friction along a filtered motion, of the same axis, over the level and the cube of the phase by which
+the mass oscillates on its bristles in the width of the filter."""
+
+
+def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p: Any, mass: float) -> float:
+    """Part of a bristle's force, 0 to 1, that is taken from the force balance since the motion does not show it.
+
+    Bristles of stiffness k are known along the motion to the noise k s_x and the blur by the filter; from the balance
+    to the noise s_F and the error of its events. The two are weighted by their variances.
     """
     if balance.stick_fraction is None or not core.has_presliding:
         return 0.0
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
         own *= balance.pull_stiffness
-    along = usual / max(_stretch_of(usual, p), 1e-300) * balance.prefiltered_noise
-    return 1.0 - own / float(np.hypot(own, along))
+    stiffness = usual / max(_stretch_of(usual, p), 1e-300)
+    phase = balance.prefilter_samples * balance.step * float(np.sqrt(stiffness / max(mass, 1e-300)))
+    along = stiffness**2 * balance.prefiltered_noise**2 + (BLUR * usual * phase**3) ** 2
+    return along / (along + own**2 + (EVENT_ERROR * usual) ** 2)
 
 
 def _event_resolved(
