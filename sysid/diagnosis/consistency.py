@@ -47,7 +47,9 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
     measured = [c for c in problem.experiment.rig.declaration.measured_channels if c not in zero]
     errors = {channel: error for channel, error in errors.items() if channel not in zero}
     found = motion_warnings([*problem.fit_records, *problem.validate_records])
-    found += noise_warnings(problem.noise, {c: (m.over_noise, m.size) for c, m in errors.items()})
+    found += noise_warnings(
+        problem.noise, {c: (m.over_sensor_noise or m.over_noise, m.size) for c, m in errors.items()}
+    )
     found += _identical_records(problem.records)
     found += scale_warnings([(record.name, record.channels, record.units) for record in problem.records])
     found += dict.fromkeys(f"{record.name}: {fault.text}" for record in problem.records for fault in record.faults)

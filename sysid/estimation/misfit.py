@@ -39,12 +39,14 @@ class ChannelMisfit:
             ratio for the presliding displacements in stick phases, if it is larger.
         fit_percent: 100 (1 - |residual| / |measured - mean|); in a free motion over the force of the inertia.
         size: scored samples.
+        over_sensor_noise: the trimmed rms over the noise of the channel's own sensor after the filter.
     """
 
     rms: float
     over_noise: float
     fit_percent: float
     size: int
+    over_sensor_noise: float | None = None
 
 
 def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> bool:
@@ -129,6 +131,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
     """Misfit of a model on records, by channel."""
     residuals: dict[str, list[np.ndarray]] = {}
     scaled: dict[str, list[np.ndarray]] = {}
+    sensor: dict[str, list[np.ndarray]] = {}
     measured: dict[str, list[np.ndarray]] = {}
     presliding: dict[str, list[np.ndarray]] = {}
     for record in records:
@@ -144,6 +147,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             kept = compared if compared.any() else ok
             std = residual_std(model, record, channel, predicted, timing=0.0)
             scaled.setdefault(channel, []).append(r[kept] / std[kept])
+            sensor.setdefault(channel, []).append(r[kept] / record.noise[channel])
             y = record.measured[channel][ok]
             reference = y - y.mean()
             if isinstance(record, ForceBalanceRecord) and record.is_free:
@@ -169,6 +173,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             over_noise=over,
             fit_percent=100.0 * (1.0 - float(np.linalg.norm(r)) / norm) if norm > 0 else float("nan"),
             size=r.size,
+            over_sensor_noise=trimmed_rms(np.concatenate(sensor[channel])),
         )
     return out
 
@@ -215,6 +220,13 @@ class ResidualWeights:
             {channel: std[channel][index] for channel, index in samples.items()}
             for std, samples in zip(self.std, self.samples, strict=True)
         )
+
+
+def shared_weights(one: ResidualWeights, other: ResidualWeights) -> ResidualWeights:
+    """Weights by which two models are compared: at each sample the larger of their standard deviations, so that neither
+    gains by a prediction that depends more on the noise."""
+    pairs = zip(one.std, other.std, strict=True)
+    return ResidualWeights(tuple({c: np.maximum(a[c], b[c]) for c in a} for a, b in pairs), one.samples)
 
 
 def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool = True) -> ResidualWeights:

@@ -1,8 +1,9 @@
 """Fit of the model of an experiment file: initial values, variants of its effects, and the reference for candidates.
 
 The cost has no useful gradient in a Stribeck velocity or a tooth pitch if the effect is absent or the value is wrong by
-more than a fraction of itself. Shape parameters without a start in the experiment file are therefore searched on a grid
-by the score test; those of a driven stage by a coarse search and a search for lower local minima.
+more than a fraction of itself. Unless the fit from the stated start is at the noise, shape parameters are searched on a
+grid by the score test, bristles by a scan of their stretch, and those of a driven stage by a coarse search and a search
+for lower local minima; the stated start is one of the starts.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from sim.effects.effect import Effect
 from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
+from sysid.estimation.friction_state_search import AT_THE_NOISE, lower_of, lowest_bristle_fit
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
@@ -59,33 +61,23 @@ def fit_stated_model(problem: Problem) -> ReferenceFit:
 
 def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]) -> FittedModel:
     """The fit with the lowest error, from the stated start and from searched starting points."""
-    direct = fit_model(model, records)
+    best = fit_model(model, records)
     for start in rough_starts(model, records, given):
-        other = fit_model(start, records)
-        if _has_lower_error(other, direct, records):
-            model, direct = start, other
-    lower = lowest_minimum(direct, records)
-    if lower is not direct:
-        direct = fit_model(lower.model, records)
-    start = _start_from_screening(model, records, scales, given)
-    if start is None:
-        return direct
-    other = fit_model(start, records)
-    return other if _has_lower_error(other, direct, records) else direct
+        best = lower_of(best, fit_model(start, records), records)
+    lower = lowest_minimum(best, records)
+    if lower is not best:
+        best = fit_model(lower.model, records)
+    best = lowest_bristle_fit(best, records, scales)
+    if root_mean_huber(best.fit.residual) > AT_THE_NOISE:
+        start = _start_from_screening(best.model, records, scales)
+        best = best if start is None else lower_of(best, fit_model(start, records), records)
+    return best
 
 
-def _has_lower_error(other: FittedModel, fitted: FittedModel, records: Sequence[PreparedRecord]) -> bool:
-    """Whether the root mean Huber loss of another fit is lower, both with the weights of the present fit."""
-    after = root_mean_huber(weighted_residual(other.model, records, fitted.weights))
-    return after < root_mean_huber(fitted.fit.residual)
-
-
-def _start_from_screening(
-    model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]
-) -> Model | None:
+def _start_from_screening(model: Model, records: Sequence[PreparedRecord], scales: Scales) -> Model | None:
     """The model with shape parameters from the screening of its effects, one after the other; None without effects to
     search."""
-    searched = [e for e in model.effects if has_shape(e) and not any(key.startswith(f"{e.name}.") for key in given)]
+    searched = [e for e in model.effects if has_shape(e)]
     if not searched:
         return None
     prefixes = tuple(f"{e.name}." for e in searched)
@@ -94,7 +86,7 @@ def _start_from_screening(
         effects=tuple(e for e in model.effects if e not in searched),
         unknowns=tuple(u for u in model.unknowns if not u.key.startswith(prefixes)),
     )
-    fitted = fit_model(rest, records)
+    fitted = lowest_bristle_fit(fit_model(rest, records), records, scales)
     for effect in searched:
         found = screen_and_refit(fitted, effect, records, scales, profiled_residual(fitted))
         if found is not None:

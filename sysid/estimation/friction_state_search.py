@@ -1,0 +1,99 @@
+"""Search for the minimum of a model with bristles: their stretch and damping together, from the records.
+
+Bristles that are stiffer than the motion shows act as rigid friction, softer ones as a spring: on either side the cost
+has minima of its own, and no gradient leads from them to the right one. The stretch is therefore scanned from the
+noise of the position to the travel, the damping from nearly none to nearly critical damping of the mass on the
+bristles; the other values stay at those of the fit, whose level is that of steady sliding. A fit from each of the
+lowest points follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim.effects.effect import Effect
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
+from sysid.estimation.misfit import shared_weights, weighted_residual
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.model import Model, Scales, in_contact
+from sysid.prediction.prepared_record import PreparedRecord
+
+AT_THE_NOISE = 1.1
+"""Root mean Huber loss at which a fit is not searched around: no other minimum is clearly lower."""
+
+STRETCHES = 14
+"""Stretches of the bristles that are tried."""
+
+SHORTEST, LONGEST = 3.0, 0.5
+"""Shortest stretch, in standard deviations of the position's noise, and longest, in ranges of the position."""
+
+FEWEST_DECADES = 1e-5
+"""Shortest stretch over the range of the position, where the noise of the position is smaller."""
+
+DAMPING_RATIOS = (0.05, 0.5)
+"""Damping of the bristles over the critical one that is tried."""
+
+FITS = 3
+"""Lowest points of the scan that are fitted."""
+
+
+def lowest_bristle_fit(fitted: FittedModel, records: Sequence[PreparedRecord], scales: Scales) -> FittedModel:
+    """The fit, or one of lower error from other stretches and damping of its bristles; unchanged without bristles."""
+    core = next((e for e in fitted.model.effects if e.has_presliding and not in_contact(e)), None)
+    if core is None or not all(isinstance(record, ForceBalanceRecord) for record in records):
+        return fitted
+    best = fitted
+    for start in _starts(fitted, core, records, scales):
+        if root_mean_huber(best.fit.residual) <= AT_THE_NOISE:
+            break
+        best = lower_of(best, fit_model(start, records), records)
+    return best
+
+
+def lower_of(fitted: FittedModel, other: FittedModel, records: Sequence[PreparedRecord]) -> FittedModel:
+    """The fit whose root mean Huber loss is lower by the weights that both share."""
+    weights = shared_weights(fitted.weights, other.weights)
+    errors = [root_mean_huber(weighted_residual(one.model, records, weights)) for one in (fitted, other)]
+    return other if errors[1] < errors[0] else fitted
+
+
+def _starts(fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales) -> list[Model]:
+    """The model at the lowest points of the scan, lowest first, each at a stretch of its own."""
+    model, unknowns = fitted.model, {u.key: u for u in fitted.model.unknowns}
+    noise = max((r.prefiltered_noise for r in records if isinstance(r, ForceBalanceRecord)), default=0.0)
+    shortest = max(SHORTEST * noise, FEWEST_DECADES * scales.position)
+    found: list[tuple[float, Model]] = []
+    for stretch in np.geomspace(shortest, max(LONGEST * scales.position, 2.0 * shortest), STRETCHES):
+        trials = [model.at(_bounded(point, model)) for point in _points(core, model, float(stretch), scales)]
+        costs = [root_mean_huber(weighted_residual(trial, records, fitted.weights)) for trial in trials]
+        if trials:
+            found.append(min(zip(costs, trials, strict=True), key=lambda one: one[0]))
+    costs = np.array([np.inf, *(cost for cost, _ in found), np.inf])
+    lowest = [k for k in range(len(found)) if costs[k + 1] <= min(costs[k], costs[k + 2])]
+    others = [k for k in range(len(found)) if k not in lowest]
+    order = sorted(lowest, key=lambda k: costs[k + 1]) + sorted(others, key=lambda k: costs[k + 1])
+    return [found[k][1] for k in order[:FITS]] if unknowns else []
+
+
+def _points(core: Effect, model: Model, stretch: float, scales: Scales) -> list[dict[str, float]]:
+    """Values of a core at a stretch (m) and each damping; empty where the stretch is no value of the fit."""
+    free = {u.key for u in model.unknowns}
+    key = next((f"{core.name}.{n}" for n in ("stretch", "stiffness") if f"{core.name}.{n}" in free), None)
+    if key is None:
+        return []
+    level = f"{core.name}.force"
+    stiffness = scales.force / stretch
+    point = {key: stretch if key.endswith(".stretch") else stiffness}
+    point |= {level: scales.force} if level in free else {}
+    damping = f"{core.name}.damping"
+    if damping not in free:
+        return [point]
+    critical = 2.0 * float(np.sqrt(stiffness * model.values.get("rig.mass", scales.force * scales.sample**2)))
+    return [{**point, damping: ratio * critical} for ratio in DAMPING_RATIOS]
+
+
+def _bounded(point: dict[str, float], model: Model) -> dict[str, float]:
+    bounds = {u.key: (u.low, u.high) for u in model.unknowns}
+    return {key: min(max(value, bounds[key][0]), bounds[key][1]) for key, value in point.items()}
