@@ -34,6 +34,9 @@ IDENTIFIABLE = 1e-9
 identifiable."""
 
 
+WIDEST = 1e3
+"""Half-width of an interval over the value, or its typical size, beyond which the value is not identifiable."""
+
 LEAST_CORRELATION, MOST_CORRELATION = 0.05, 0.995
 """Least autocorrelation of a residual at a lag of one sample that is not white, and largest coefficient."""
 
@@ -145,6 +148,11 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
         unidentified.append(" against ".join(strong[:3]))
         for key in strong:
             std[fit.keys.index(key)] = reach[fit.keys.index(key)] = np.inf
+    typical = np.array([max(abs(fit.values[u.key]), u.size) for u in fitted.model.unknowns])
+    wide = np.isfinite(std) & (reach > WIDEST * typical)
+    std[wide] = reach[wide] = np.inf
+    if wide.any():
+        unidentified.append(" against ".join(key for key, one in zip(fit.keys, wide, strict=True) if one))
     result = {}
     for k, key in enumerate(fit.keys):
         value = fit.values[key]

@@ -37,6 +37,12 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
         + " against ".join(public_key(k) for k in text.split(" against "))
         + "."
         for text in known.unidentified
+        if " against " in text
+    ]
+    words += [
+        f"{public_key(key)} is not identifiable from these records: its interval is wider than a factor of 1000."
+        for key in known.unidentified
+        if " against " not in key and key not in hidden
     ]
     groups = ([k for k in group if known.keys[k] not in hidden] for group in _groups(known))
     words += [_correlated(group, known) for group in groups if len(group) > 1]

@@ -63,9 +63,19 @@ def huber_weights(residual: np.ndarray, scale: float) -> np.ndarray:
     return np.divide(corner, size, out=np.ones_like(size), where=size > corner)
 
 
+HELD = 1e-3
+"""Part of the noise within which a residual is determined by nothing: friction holds the body against the measured
+force, or a channel rests. Of noise, one sample in 1250 is so small."""
+
+LEAST_SHARE = 0.1
+"""Share of the samples that must exceed it; otherwise the noise is stated far too large, and all count."""
+
+
 def robust_scale(residual: np.ndarray) -> float:
-    """1.4826 times the median absolute residual, without those that are exactly zero, as of a channel at rest."""
+    """1.4826 times the median absolute residual (n,), without the samples that are determined by nothing."""
     size = np.abs(residual[residual != 0.0])
+    free = size[size > HELD]
+    size = free if free.size > LEAST_SHARE * residual.size else size
     return 1.4826 * float(np.median(size)) if size.size else 1.0
 
 

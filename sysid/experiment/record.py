@@ -17,6 +17,7 @@ from sysid.experiment.readers.base import MOST_ROWS, shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
+from sysid.experiment.sampling import sampled_times, stamp_rounding
 
 MINIMUM_ROWS = 10
 """Least number of rows of a record."""
@@ -44,7 +45,7 @@ class Record:
         rotary: whether the axis is rotary.
         notes: for the user: unused columns, gaps, omitted rows, a held-out part.
         sha256: of the file's bytes.
-        step: median of the time steps, s.
+        step: sampling step, s.
         uniform: whether every step equals the median within 1 %.
         continues: name of the record that this one continues; None if there is none.
         noise: standard deviation by channel as given for this record or the experiment, SI.
@@ -156,7 +157,9 @@ def _cleaned(
     notes: list[str],
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time and channels (n,) of a run in its window; the time is counted from `origin`, s."""
+    rounding = stamp_rounding(time)
     time, values = _check_time(time, values, opened, spec, opened.name, notes)
+    time = sampled_times(time, rounding, notes)
     if spec.balance is not None:
         values = spec.balance.channels(time, values)
     time, values = _window(time, values, spec, origin, opened.name, notes)
@@ -177,7 +180,6 @@ def _record(
     units = {channel: _si_unit(channel, spec, rig, rotary) for channel in values}
     faults = faults_of(time, values, units, [channel for channel in rig.measured_channels if channel in values])
     steps = np.diff(time)
-    step = float(np.median(steps))
     uniform = bool(np.all(np.abs(steps - step) <= 0.01 * step))
     notes += [] if uniform else _jitter(steps, step)
     return Record(

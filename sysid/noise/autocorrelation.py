@@ -107,11 +107,13 @@ class Autoregression:
 
 
 class _Fit(NamedTuple):
-    """Correlation and variance of the autoregressive part, and variance of the white part."""
+    """Correlation and variance of the autoregressive part, variance of the white part, and largest error of V over the
+    allowed one."""
 
     correlation: float
     white: float
     coloured: float
+    error: float
 
 
 def without_outliers(values: np.ndarray) -> np.ndarray:
@@ -277,12 +279,12 @@ def _fit(measured: Sequence[_Spread], order: int, shares: np.ndarray) -> Autoreg
 
 
 def _middle(fits: Sequence[_Fit], reach: int) -> Autoregression:
-    """The fit nearest to the geometric mean of the smallest and the largest standard deviation, with that mean."""
+    """The fit nearest to the mean of their logarithmic standard deviations, weighted by agreement, with that mean."""
     values = np.sqrt([fit.white + fit.coloured for fit in fits])
-    mean = float(np.sqrt(values.min() * values.max()))
+    mean = float(np.exp(np.average(np.log(values), weights=[(1.0 - fit.error) ** 2 for fit in fits])))
     best = fits[int(np.argmin(np.abs(np.log(values / mean))))]
     spectrum = NoiseSpectrum(best.correlation, best.white / (best.white + best.coloured))
-    return Autoregression(mean, spectrum, False, reach, float(values.max()) / mean)
+    return Autoregression(mean, spectrum, False, reach, float(np.sqrt(values.max() / values.min())))
 
 
 def _candidates(lag: np.ndarray, target: np.ndarray, columns: np.ndarray, parts: int) -> Iterator[_Fit]:
@@ -297,7 +299,7 @@ def _candidates(lag: np.ndarray, target: np.ndarray, columns: np.ndarray, parts:
         error = float(np.max(np.abs(columns[:, used] @ variances - target)))
         if lag.size > len(used) and error < 1.0 and variances[:-1].sum() > 0.0:
             white = float(variances[0]) if parts != 2 else 0.0
-            yield _Fit(correlation, white, float(variances[:-1].sum()) - white)
+            yield _Fit(correlation, white, float(variances[:-1].sum()) - white, error)
 
 
 def _nonnegative(matrix: np.ndarray, target: np.ndarray) -> np.ndarray:

@@ -101,7 +101,8 @@ class ForceDrive(_DrivenMass):
         if not super().shows(effect, records, channels):
             return False
         if effect.acts_on in ("drive", "sensor"):
-            return effect.inverse is not None
+            # What is constant is the same after any lag or gain.
+            return effect.inverse is not None and not all(record.is_free for record in records)
         return effect.acts_on != "structure" or effect.memory is None
 
     def sensor_places(self, channels: Sequence[str]) -> tuple[str | None, ...]:

@@ -16,6 +16,7 @@ from sysid.noise.quantisation import find_quantisation_step
 from sysid.prediction.effect_terms import Values
 from sysid.prediction.force_balance.measured_motion import (
     direction_from_velocity,
+    known_direction,
     motion_filter_width,
     position_noise,
     velocity_agreement,
@@ -110,15 +111,36 @@ def _on_grid(
         stretch=1e-8 * float(np.ptp(position)),
     )
     if "velocity" not in channels:
-        return _with_filtered_motion(prepared, sensor)
+        return _without_unknown_directions(_with_filtered_motion(prepared, sensor), position, sensor)
     velocity = filled(channels["velocity"])[0]
     rest = 1e-9 * float(np.max(np.abs(velocity)))
-    return replace(
+    given = replace(
         prepared,
         axis=make_axis(time, position, velocity, np.gradient(velocity, step), load, temperature, rest),
         velocity_sign=_certain_sign(velocity),
         velocity_agreement=velocity_agreement(channels, sensor, step),
     )
+    return _without_unknown_directions(given, position, sensor) if "position" in channels else given
+
+
+LEAST_KNOWN = 0.2
+"""Share of the rows whose direction must be known for the others to be left out."""
+
+
+def _without_unknown_directions(
+    record: ForceBalanceRecord, position: np.ndarray, sensor: Noise | None
+) -> ForceBalanceRecord:
+    """The record without the rows in which a noisy position (n,) shows no direction of motion: friction may there be
+    anything up to its level, under any model."""
+    std = record.prefiltered_noise or position_noise(sensor)
+    assert record.velocity_sign is not None
+    path = record.axis.position if record.prefiltered_noise else position
+    shown = known_direction(path, std, record.prefilter_samples) if std > 0.0 else record.velocity_sign
+    valid = {name: rows & (shown != 0.0) for name, rows in record.valid.items()}
+    if std == 0.0 or not all(rows.mean() > LEAST_KNOWN for rows in valid.values()):
+        return record
+    clear = record.velocity_sign != 0.0
+    return replace(record, valid=valid, velocity_sign=np.where(clear, record.velocity_sign, shown))
 
 
 def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:
@@ -142,6 +164,7 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
         axis=axis,
         velocity_noise=velocity_noise,
         prefiltered_noise=remaining,
+        prefilter_samples=width / step,
         stretch=max(record.stretch, 12.0 * remaining),
     )
     if width == 0.0:

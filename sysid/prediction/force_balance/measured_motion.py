@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.numerics.compilation import compiled
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
 from sysid.prediction.force_balance.stick_event_times import KINK_WIDTHS
@@ -129,6 +130,55 @@ def direction_from_velocity(position: np.ndarray, velocity: np.ndarray, noise: f
         # The time is uncertain by the velocity's noise over its slope, at most by the filter's width.
         timing.append(min(noise * (after - before) / abs(velocity[after] - velocity[before]), width))
     return Direction(sign, float(np.median(timing)) if timing else 0.0)
+
+
+LEFT_BY = 6.0
+"""Standard deviations of the position by which a body has left a turning point when its new direction is certain."""
+
+RESTS_FOR = 10
+"""Rows, or widths of the filter, after or before which a body that has moved by less than that distance is at rest."""
+
+
+def known_direction(position: np.ndarray, std: float, width: float) -> np.ndarray:
+    """Direction (n,) of a motion from a noisy position (n,), filtered by `width` rows: 1, -1, or 0 where not known.
+
+    A direction holds from where the body has left the last turning point by `LEFT_BY` standard deviations `std` up to
+    half of that distance before the next one. A body that rests on its way has none: at rest friction may be anything
+    up to its level.
+    """
+    band = LEFT_BY * std
+    turns = _turning_rows(np.ascontiguousarray(position, dtype=float), band)
+    stroke = np.clip(np.searchsorted(turns, np.arange(position.size), side="right"), 1, turns.size - 1)
+    left, ahead = position[turns[stroke - 1]], position[turns[stroke]]
+    sign = np.sign(ahead - left)
+    known = (np.abs(position - left) >= band) & (np.abs(position - ahead) >= 0.5 * band)
+    reach = int(RESTS_FOR * max(1.0, width))
+    padded = np.pad(position, reach, mode="edge")
+    after, before = np.abs(padded[2 * reach :] - position), np.abs(position - padded[: -2 * reach])
+    beside = (padded[2:] - padded[:-2])[reach - 1 : reach - 1 + position.size]
+    rests = (np.abs(beside) < band) & ((after < band) | (before < band))
+    return np.where(known & ~rests, sign, 0.0)
+
+
+@compiled
+def _turning_rows(position: np.ndarray, band: float) -> np.ndarray:
+    """Rows at which a motion turns by more than a band, (k,), the first and the last row included."""
+    turns = np.zeros(position.size + 2, dtype=np.int64)
+    count, way, low, high = 1, 0, 0, 0
+    for k in range(position.size):
+        low = k if position[k] < position[low] else low
+        high = k if position[k] > position[high] else high
+        turned = -1
+        if way >= 0 and position[k] < position[high] - band:
+            turned, way = high, -1
+        elif way <= 0 and position[k] > position[low] + band:
+            turned, way = low, 1
+        if turned >= 0:
+            turns[count] = turned
+            count += 1
+            low, high = k, k
+    turns[count] = position.size - 1
+    return turns[: count + 1]
 
 
 def unknown_direction(record: ForceBalanceRecord) -> float:

@@ -13,8 +13,8 @@ from sysid.estimation.misfit import (
     blocks,
     huber_square,
     misfit,
+    residual_std,
     residual_weights,
-    sample_std,
     weighted_residual,
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -73,14 +73,14 @@ def test_the_first_sample_and_gaps_are_not_scored(problem: Problem) -> None:
 def test_deviation_of_a_sample_grows_where_the_prediction_is_steep(problem: Problem) -> None:
     record = problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
-    predicted = predict(record, problem.start.effects, right(problem))
-    deviation = sample_std(record, predicted, "friction_force", record.noise["friction_force"])
+    model = problem.start.at(right(problem))
+    predicted = predict(record, model.effects, model.values)
+    deviation = residual_std(model, record, "friction_force", predicted)
     turns = np.abs(np.diff(predicted["friction_force"], prepend=predicted["friction_force"][0])) > 1.0
     assert deviation[turns].min() > 20.0 * NOISE
     assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
-    assert sample_std(replace(record, timing_uncertainty=0.0), predicted, "friction_force", NOISE) == pytest.approx(
-        NOISE
-    )
+    without = residual_std(model, replace(record, timing_uncertainty=0.0), "friction_force", predicted)
+    assert without == pytest.approx(NOISE, rel=0.1)
 
 
 def test_weighted_residuals_are_in_deviations_at_the_given_values(problem: Problem) -> None:
