@@ -97,8 +97,8 @@ def residual_std(
             if halves[0] is not None and halves[1] is not None:
                 blur = halves[0] - predicted[channel]
                 by_noise = halves[1] - there[channel] - blur
-                error = _local_mean(blur**2 - by_noise**2, record, channel)
-                variance = variance + FROM_HALF_WIDTH * error
+                whole, noisy = (_local_mean(part**2, record, channel) for part in (blur, by_noise))
+                variance = variance + FROM_HALF_WIDTH * np.where(whole > UNEVEN * noisy, whole - noisy, 0.0)
         noise = np.sqrt(np.maximum(variance, (1e-3 * record.scored[channel].noise) ** 2))
     if record.timing_uncertainty > 0.0:
         noise = np.hypot(noise, timing * record.timing_uncertainty * np.gradient(predicted[channel], record.step))

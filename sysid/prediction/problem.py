@@ -107,7 +107,7 @@ def build_problem(
     noise = noise_of_means(noise, k) if k > 1 else noise
     own = rig.parameters(setup, records, noise)
     prepared = rig.prepare(setup, records, noise, own.values)
-    if rig.form == "force_balance":
+    if rig.along_motion:
         again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, own.values)
         prepared = [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
     prepared = [p.without_start() for p in prepared]
@@ -145,7 +145,9 @@ def _with_noise(record: Record, noise: Mapping[str, Noise]) -> Record:
     channels, random = dict(record.channels), np.random.default_rng(zlib.crc32(record.name.encode()))
     for name in sorted(noise.keys() & channels.keys()):
         values = channels[name]
-        side = np.sign(values[np.nanargmax(np.abs(values))]) if np.isfinite(values).any() else 1.0
+        if not np.nanmax(values, initial=-np.inf) > np.nanmin(values, initial=np.inf):
+            continue
+        side = np.sign(values[np.nanargmax(np.abs(values))])
         channels[name] = values + side * noise[name].value * noise[name].spectrum.drawn(values.size, random)
     return replace(record, channels=channels)
 

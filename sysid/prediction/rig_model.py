@@ -77,6 +77,7 @@ class RigModel(ABC):
         form: of the residual: of a measured channel, or of a force balance.
         required: known quantities that it needs, each with an example.
         restarts: whether its prediction can begin at a measured position.
+        along_motion: whether its prediction uses the measured motion, with its noise.
         predict: `predict(record, effects, values, at)`: predicted channels of a prepared record, (n,), or at the
             samples `at` of each channel, (k,).
     """
@@ -85,6 +86,7 @@ class RigModel(ABC):
     form: ClassVar[Literal["output", "force_balance"]] = "output"
     required: ClassVar[Mapping[str, str]] = {}
     restarts: ClassVar[bool] = False
+    along_motion: ClassVar[bool] = False
     predict: ClassVar[Callable[..., Channels]]
 
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:

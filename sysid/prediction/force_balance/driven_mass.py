@@ -31,6 +31,7 @@ LEAST_ROWS = 200
 
 class _DrivenMass(RigModel):
     form = "force_balance"
+    along_motion = True
     predict = staticmethod(predict_balance)
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:

@@ -229,6 +229,7 @@ class VelocityDrive(RigModel):
     """Imposed motion in, friction force out."""
 
     name = "velocity-drive"
+    along_motion = True
     predict = staticmethod(predict_balance)
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:

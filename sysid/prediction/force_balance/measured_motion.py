@@ -182,13 +182,12 @@ def _turning_rows(position: np.ndarray, band: float) -> np.ndarray:
 
 
 def unknown_direction(record: ForceBalanceRecord) -> float:
-    """Share of the scored rows that move with a velocity within `UNKNOWN_SIGMAS` of its noise.
+    """Share of the rows that move with a velocity within `UNKNOWN_SIGMAS` of its noise.
 
     A stretch within `REST_SIGMAS` of the noise is a rest, where friction has no direction of motion, unless its mean
     velocity is at least half of the noise of one row.
     """
-    scored = record.valid[record.force_channel]
-    if record.velocity_noise == 0.0 or not scored.any():
+    if record.velocity_noise == 0.0:
         return 0.0
     speed, position = np.abs(record.axis.velocity), record.axis.position
     unknown = speed <= UNKNOWN_SIGMAS * record.velocity_noise
@@ -196,7 +195,7 @@ def unknown_direction(record: ForceBalanceRecord) -> float:
         way = abs(position[min(stop, position.size - 1)] - position[start])
         if way < 0.5 * record.velocity_noise * record.step * (stop - start):
             unknown[start:stop] = False
-    return float(np.mean(unknown[scored]))
+    return float(np.mean(unknown))
 
 
 def velocity_agreement(
