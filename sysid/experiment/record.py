@@ -180,6 +180,7 @@ def _record(
     units = {channel: _si_unit(channel, spec, rig, rotary) for channel in values}
     faults = faults_of(time, values, units, [channel for channel in rig.measured_channels if channel in values])
     steps = np.diff(time)
+    step = float(np.median(steps))
     uniform = bool(np.all(np.abs(steps - step) <= 0.01 * step))
     notes += [] if uniform else _jitter(steps, step)
     return Record(
