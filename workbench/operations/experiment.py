@@ -323,6 +323,10 @@ class Experiment(Result):
         """Folder below `out` for report and files of results."""
         return Path(out) / (re.sub(r"[^\w.-]", "_", self.name) or "experiment")
 
+    def has_report(self, out: str | Path) -> bool:
+        """Whether there is a report of earlier results below `out`."""
+        return (self.results_in(out) / "report.html").is_file()
+
     @property
     def in_files(self) -> bool:
         """Whether the experiment is a folder; otherwise it is in memory."""

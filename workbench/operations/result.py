@@ -70,7 +70,9 @@ def finite(value: Any) -> Any:
 
 
 class Reported(Result):
-    """A result of an experiment that has a section in its report."""
+    """A result of an experiment that has a section in its report, or changes one."""
+
+    experiment: Any
 
     def write_report(self, out: str | Path) -> Path:
         """Write the figures of the result and the report of the experiment below the folder `out`; returns the file

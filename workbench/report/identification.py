@@ -22,10 +22,10 @@ from sysid.report import worst_channel
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.identification import loops_figure, maps_figure, overlay_figure
 from workbench.figures.plot import save_figures
-from workbench.operations.add import Addition, Ladder, ladder
+from workbench.operations.add import Addition, Ladder, Restoration, ladder
 from workbench.operations.compare import Comparison
 from workbench.operations.diagnose import Diagnosis
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Reported, finite
 from workbench.operations.statements import (
     NEAR_NOISE,
     SEPARATED,
@@ -53,6 +53,8 @@ from workbench.operations.tables import (
 from workbench.report.html import render
 
 SCHEMA = 5
+REPORT = "report.html"
+"""Name of the report in its folder."""
 WIDTH = 9.6
 """Inches of a figure of the report."""
 MOST_CORRELATED = 14
@@ -65,32 +67,46 @@ STATES = {"missing-effect": "found", "adequate": "good"}
 Section = dict[str, Any]
 
 
-def write_report(result: Result, out: Path) -> Path:
+def write_report(result: Reported, out: Path) -> Path:
     """Write the section of a result, and its figures, below the folder `out`; then the report, which is returned."""
-    if isinstance(result, Addition):
-        result = ladder(result.experiment)
+    folder = result.experiment.results_in(out)
+    if isinstance(result, Addition | Restoration):
+        return refresh_ladder(folder, ladder(result.experiment))
     if isinstance(result, Ladder):
-        return write_ladder(result, out)
+        return write_ladder(folder, result)
     if isinstance(result, Suggestion):
-        return keep_section(result.experiment.results_in(out), suggestion_section(result))
+        return keep_section(folder, suggestion_section(result))
     assert isinstance(result, Comparison | Diagnosis)
     section = comparison_section(result) if isinstance(result, Comparison) else diagnosis_section(result)
-    folder = result.experiment.results_in(out)
     for k, overlay in enumerate(section["overlays"]):
         file = "overlay" if k == 0 else f"overlay_{overlay['channel'].replace(' ', '_')}"
         atomic_write_text(folder / f"{section['kind']}_{file}.svg", overlay["figure"])
     if section["maps"]:
         atomic_write_text(folder / f"{section['kind']}_where.svg", section["maps"])
+    if isinstance(result, Diagnosis):
+        refresh_ladder(folder, ladder(result.experiment))
     return keep_section(folder, section)
 
 
-def write_ladder(rungs: Ladder, out: Path) -> Path:
-    """Figure (`ladder.png`, `ladder.svg`) and section of a ladder below the folder `out`; returns the report."""
-    folder, figure = rungs.experiment.results_in(out), rungs.plot()
+def write_ladder(folder: Path, rungs: Ladder) -> Path:
+    """Figure (`ladder.png`, `ladder.svg`) and section of a ladder; returns the report."""
+    figure = rungs.plot()
     save_figures(folder, {"ladder": figure})
     section = ladder_section(rungs, figure.svg("ladder"))
     atomic_write_text(folder / "ladder.svg", section["figure"])
     return keep_section(folder, section)
+
+
+def refresh_ladder(folder: Path, rungs: Ladder) -> Path:
+    """Bring the ladder of the report to its present rungs; without one above the first it is left out."""
+    stored = next((section for section in _read(folder) if section["kind"] == "ladder"), None)
+    if len(rungs.rungs) > 1:
+        table = json.loads(json.dumps(ladder_table(rungs.rungs).as_json()))
+        return folder / REPORT if stored and stored["rungs"] == table else write_ladder(folder, rungs)
+    if stored is not None:
+        (folder / "sections" / "ladder.json").unlink()
+        _compose(folder, _read(folder))
+    return folder / REPORT
 
 
 def comparison_section(comparison: Comparison) -> Section:
@@ -240,10 +256,13 @@ def keep_section(folder: Path, section: Section) -> Path:
     section["schema"] = SCHEMA
     text = json.dumps(finite(section), indent=1, ensure_ascii=False, allow_nan=False)
     atomic_write_text(folder / "sections" / f"{key}.json", text + "\n")
-    report = folder / "report.html"
-    others = [s for s in sections if section_key(s) != key]
-    atomic_write_text(report, report_html(folder.name, ordered_sections([*others, section])))
-    return report
+    return _compose(folder, [*(s for s in sections if section_key(s) != key), section])
+
+
+def _compose(folder: Path, sections: Sequence[Section]) -> Path:
+    """Write the report of sections, the newest last."""
+    atomic_write_text(folder / REPORT, report_html(folder.name, ordered_sections(sections)))
+    return folder / REPORT
 
 
 def section_key(section: Section) -> str:

@@ -65,4 +65,14 @@ def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.Ca
     assert "without viscous" in said.err
     assert "by hand" not in said.err
     assert [rung["removed"] for rung in json.loads(said.out)] == [[], ["viscous"]]
-    assert "without viscous" in (tmp_path / "out" / "rig" / "report.html").read_text(encoding="utf-8")
+    report = tmp_path / "out" / "rig" / "report.html"
+    assert "without viscous" in report.read_text(encoding="utf-8")
+    # The report follows each change of the model.
+    assert cli.run(["add", str(folder), "stribeck", "--out", str(tmp_path / "out")]) == 0
+    assert "in 2 steps" in report.read_text(encoding="utf-8")
+    for left in ("in one step", "model and measurement"):
+        assert cli.run(["add", str(folder), "--undo", "--out", str(tmp_path / "out")]) == 0
+        assert left in report.read_text(encoding="utf-8")
+    assert "The ladder" not in report.read_text(encoding="utf-8")
+    assert cli.run(["add", str(folder), "--drop", "viscous", "--out", str(tmp_path / "other")]) == 0
+    assert not (tmp_path / "other").exists()

@@ -159,6 +159,20 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     page.wait_for_timeout(200)
     assert _changed(straight, _picture(browser)) > 0.005
 
+    # Two points are marked above the solids, in the colour of the label between them.
+    page.get_by_role("button", name="Measure").click()
+    marked = [_pixels(page.locator(".canvas canvas"))]
+    for across in (-40, 40):
+        page.mouse.click(middle[0] + across, middle[1])
+        page.wait_for_timeout(200)
+        marked.append(_picture(browser))
+    assert "mm" in page.locator(".measured b").inner_text()
+    ink = page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--bad').trim()")
+    red = np.array([int(ink[k : k + 2], 16) for k in (1, 3, 5)], float)
+    none, point, line = (int(np.sum(np.abs(picture - red).max(axis=2) < 40.0)) for picture in marked)
+    assert none < 5 and point > 20 and line > point + 60
+    page.get_by_role("button", name="Measure").click()
+
     page.locator("select[aria-label=section]").select_option("y")
     page.wait_for_timeout(200)
     assert _changed(straight, _picture(browser)) > 0.05
@@ -224,6 +238,34 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     page.get_by_role("button", name="Undo").click()
     page.get_by_role("button", name="Difference", exact=True).wait_for()
     _expected(browser)
+
+
+def test_an_axis_keeps_its_unit_when_the_letters_change_their_size(browser: Browser) -> None:
+    """What is written on the canvases, since a plot has no text of its own: ticks beside the label of their unit."""
+    page = browser.page
+    page.add_init_script("""window.written = []; const fillText = CanvasRenderingContext2D.prototype.fillText;
+        CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
+            window.written.push(String(text)); return fillText.call(this, text, ...at); };""")
+    browser.open("simulation")
+    page.reload()
+    page.get_by_label("experiment", exact=True).select_option("presliding")
+    page.locator("#simulation .plot canvas").first.wait_for()
+    until(page, lambda: any("(mm/s)" in text or "(µm)" in text for text in page.evaluate("window.written")))
+    page.wait_for_timeout(500)
+
+    def redrawn(width: int, height: int) -> set[str]:
+        page.evaluate("window.written = []")
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_timeout(1500)
+        return {text for text in page.evaluate("window.written") if "(" in text or text.replace("−", "").isdigit()}
+
+    small = redrawn(1270, 800)
+    large = redrawn(1920, 1080)
+    units = {text for text in small if "(" in text}
+    assert any("µm" in text for text in units) and units == {text for text in large if "(" in text}
+    largest = [max(abs(int(t.replace("−", "-"))) for t in texts if "(" not in t) for texts in (small, large)]
+    assert largest[1] <= 10 * largest[0] and largest[0] <= 10 * largest[1]
+    page.set_viewport_size({"width": 1280, "height": 800})
 
 
 def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(browser: Browser) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from html.parser import HTMLParser
 from pathlib import Path
@@ -10,9 +11,13 @@ from typing import cast
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
+from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.experiment.experiment import Experiment as StatedExperiment
+from sysid.prediction.problem import Problem
 from workbench.figures.curves import axis_scale, decimate, worst_stretch
+from workbench.figures.identification import maps_figure
 from workbench.operations.add import Ladder
 from workbench.operations.experiment import Experiment
 from workbench.report.identification import ordered_sections, report_html, section_key
@@ -143,3 +148,16 @@ def test_warnings_stand_above_the_headline() -> None:
     page = report_html("rig", [section | {"warnings": ["one <column> is wrong"]}])
     assert page.index("Warning: one &lt;column&gt; is wrong") < page.index("The headline.")
     assert "Warning:" not in report_html("rig", [section])
+
+
+def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
+    names = ("distance_since_reversal", "time", "normal_load", "distance_travelled", "acceleration", "temperature")
+    centres = np.linspace(0.1, 1.0, 12)
+    maps = [ResidualMap(name, 0.28, 0.0005, centres, centres, -centres) for name in names]
+    problem = SimpleNamespace(kind="velocity-drive", experiment=SimpleNamespace(rig=SimpleNamespace(rotary=False)))
+    figure = maps_figure(maps, cast(Problem, problem))
+    figure.canvas.draw()
+    titles = [text for panel in figure.axes for text in panel.findobj(Text) if text.get_text().endswith("p < 0.001")]
+    boxes = [text.get_window_extent() for text in titles]
+    assert len(boxes) == 6
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))

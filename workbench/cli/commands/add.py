@@ -39,10 +39,10 @@ def command(
     from workbench.cli.console import show
     from workbench.operations.add import add, undo, write_fitted
     from workbench.operations.experiment import Experiment
-    from workbench.operations.write_back import WriteBack
+    from workbench.operations.write_back import WriteBack, WrittenBack
 
     if undo_last:
-        result = undo(experiment)
+        result = undo(experiment, run.design)
         document = result.to_json()
     else:
         write_back = WriteBack(keys, run.design) if keys else None
@@ -55,4 +55,6 @@ def command(
                 assert write_back is not None
                 result, document = write_fitted(Experiment.load(experiment, run.design), write_back)
     show(run, result.lines())
+    if not isinstance(result, WrittenBack) and result.experiment.has_report(run.out):
+        result.write_report(run.out)
     run.emit(document)

@@ -165,6 +165,11 @@ export class LinePlot {
     this.plot.setScale('x', { min: range?.[0] ?? data[0][0], max: range?.[1] ?? data[0].at(-1) });
   }
 
+  /** The label of the ordinate, which stays when the plot is made anew for another size of letters. */
+  label(text) { this.options.y = text; this.plot.axes[1].label = text; }
+
+  dash(index, dash) { this.options.series[index].dash = dash; this.plot.series[index + 1].dash = dash; }
+
   show(index, on) { this.options.series[index].show = on; this.plot.setSeries(index + 1, { show: on }); }
 
   destroy() { this.observer.disconnect(); removeEventListener('themechange', this.repaint); this.plot.destroy(); }

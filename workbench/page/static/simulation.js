@@ -254,9 +254,8 @@ class Simulation {
           const joined = found.every(([x]) => same(x, found[0][0])) ? [found[0][0], ...found.map(([, y]) => y)] : join(found);
           const peak = joined.slice(1).reduce((m, y) => y.reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), m), 0);
           const { factor, unit } = scaleOf(peak, unitOf(names[k]));
-          plot.plot.axes[1].label = `${words(names[k].split(' [')[0])} (${unit})`;
-          plot.options.yFactor = factor;
-          joined.slice(1).forEach((y, i) => { plot.plot.series[i + 1].dash = isDense(y) ? undefined : DASHES[i % 4]; });
+          plot.label(`${words(names[k].split(' [')[0])} (${unit})`);
+          joined.slice(1).forEach((y, i) => plot.dash(i, isDense(y) ? undefined : DASHES[i % 4]));
           plot.set([joined[0], ...joined.slice(1).map((y) => scaled(y, factor))], asked);
         }));
       } catch (error) { say(error.message, 'bad'); }

@@ -6,6 +6,12 @@ const UP = new THREE.Vector3(0, 0, 1);
 const VIEWS = { front: [0, -1, 0], right: [1, 0, 0], top: [0, -0.001, 1], oblique: [1, -1.25, 0.8] };
 const AXES = { x: new THREE.Vector3(-1, 0, 0), y: new THREE.Vector3(0, 1, 0), z: new THREE.Vector3(0, 0, -1) };
 
+/** Order of painting: the sections below the solids, the marks above them. */
+const [SOLIDS, MARKS] = [1000, 1001];
+
+/** A length in mm, to the micrometre. */
+const length = (mm) => number(Math.round(mm * 1000) / 1000 || 0, 6);
+
 export class View3d {
   /** @param {HTMLElement} place  @param {(name: string|null) => void} onselect  called with the part selected */
   constructor(place, onselect) {
@@ -74,7 +80,7 @@ export class View3d {
       const caps = this.caps(shape, order);
       const edges = new THREE.LineSegments(shape.edges, this.edgeMaterial());
       mesh.userData = one;
-      mesh.renderOrder = edges.renderOrder = 1000;
+      mesh.renderOrder = edges.renderOrder = SOLIDS;
       group.add(mesh, edges, ...caps.counters);
       group.matrixAutoUpdate = false;
       this.machine.add(group, caps.cap);
@@ -228,15 +234,17 @@ export class View3d {
     this.marks.clear();
     const ink = new THREE.Color(colour('bad'));
     const points = new THREE.BufferGeometry().setFromPoints(this.picked);
-    this.marks.add(new THREE.Points(points, new THREE.PointsMaterial({ color: ink, size: 8, sizeAttenuation: false, depthTest: false })));
+    this.marks.add(new THREE.Points(points, new THREE.PointsMaterial({ color: ink, size: 8 * this.renderer.getPixelRatio(), sizeAttenuation: false, depthTest: false, transparent: true })));
     const [a, b] = this.picked;
     if (b) {
-      this.marks.add(new THREE.Line(points, new THREE.LineBasicMaterial({ color: ink, depthTest: false })));
-      const d = ['x', 'y', 'z'].map((axis) => `Δ${axis} ${number(b[axis] - a[axis], 5)}`);
-      fill(this.label, h('b', {}, `${number(a.distanceTo(b), 5)} mm`), `  ${d.join('  ')} mm`);
+      this.marks.add(new THREE.Line(points, new THREE.LineBasicMaterial({ color: ink, depthTest: false, transparent: true })));
+      const d = ['x', 'y', 'z'].map((axis) => `Δ${axis} ${length(b[axis] - a[axis])}`);
+      fill(this.label, h('b', {}, `${length(a.distanceTo(b))} mm`), `  ${d.join('  ')} mm`);
     } else {
-      fill(this.label, `(${['x', 'y', 'z'].map((axis) => number(a[axis], 5)).join(', ')}) mm; click the second point`);
+      fill(this.label, `(${['x', 'y', 'z'].map((axis) => length(a[axis])).join(', ')}) mm; click the second point`);
     }
+    // After the solids, which are painted last of the machine.
+    for (const mark of this.marks.children) mark.renderOrder = MARKS;
     this.draw();
   }
 

@@ -96,15 +96,16 @@ def add(
     return {
         "document": step.to_json(),
         "comparison": _comparison(_compared(experiment, params), Path(folder)),
-        "report": str(additions.ladder(step.experiment).write_report(out)),
+        "report": str(step.write_report(out)),
     }
 
 
 def undo(experiment: str, params: str | None, out: str, folder: str, report: Report) -> dict[str, Any]:
     """Go back one rung, and fit the model that then stands."""
-    undone = additions.undo(experiment)
+    restored = additions.undo(experiment, _design(params))
+    restored.write_report(out)
     report("fitting the model", 0, 0)
-    return {"document": undone.to_json(), "comparison": _comparison(_compared(experiment, params), Path(folder))}
+    return {"document": restored.to_json(), "comparison": _comparison(_compared(experiment, params), Path(folder))}
 
 
 def suggest(experiment: str, params: str | None, out: str, folder: str, report: Report) -> dict[str, Any]:
@@ -114,7 +115,11 @@ def suggest(experiment: str, params: str | None, out: str, folder: str, report: 
 
 
 def _experiment(path: str, params: str | None) -> Experiment:
-    return Experiment.load(path, None if params is None else Design(Path(params), rules=False))
+    return Experiment.load(path, _design(params))
+
+
+def _design(params: str | None) -> Design | None:
+    return None if params is None else Design(Path(params), rules=False)
 
 
 def _compared(experiment: str, params: str | None) -> Comparison:
