@@ -17,6 +17,7 @@ from sysid.report import parameters_json
 from workbench.operations.design_values import as_design_values
 from workbench.operations.experiment import Experiment, as_experiment
 from workbench.operations.fitted import FittedResult, error_frame, error_frames, parameter_frame
+from workbench.operations.lines import Line, Note
 from workbench.operations.result import Reported, finite
 from workbench.operations.statements import held_out_over_noise, in_command
 from workbench.operations.tables import (
