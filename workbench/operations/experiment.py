@@ -22,6 +22,7 @@ from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
+from sysid.experiment.toml_table import read_toml
 from workbench.operations.design_values import as_design_values
 from workbench.operations.result import Result
 from workbench.operations.simulation_tables import write_table
@@ -487,6 +488,21 @@ def as_experiment(source: Experiment | str | Path, design: Design | None = None)
     if isinstance(source, str | Path):
         return Experiment.load(source, design)
     raise InputError(f"an Experiment or its folder is required, not {type(source).__name__}")
+
+
+def named_files(folder: str | Path) -> tuple[tuple[str, ...], bool]:
+    """The record files that `experiment.toml` names, and whether it names Python code; nothing of it is run.
+
+    Raises:
+        InputError: `experiment.toml` cannot be read.
+    """
+    path = Path(folder) / "experiment.toml"
+    data = read_toml(path, path.parent.name + "/" + path.name)[2].data
+    records, model = data.get("record", ()), data.get("model", {})
+    named = (
+        tuple(record.get("file") for record in records if isinstance(record, dict)) if isinstance(records, list) else ()
+    )
+    return tuple(file for file in named if isinstance(file, str)), isinstance(model, dict) and bool(model.get("custom"))
 
 
 def python_files(folder: str | Path) -> list[dict[str, Any]]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -226,11 +227,15 @@ def write_experiment(folder: str | Path, document: Mapping[str, Any], design: De
     path = Path(folder) / "experiment.toml"
     if path.exists():
         raise InputError(f"{path.parent.name}/{path.name}: is there already; choose another name")
-    atomic_write_text(path, _text(document))
+    made = not path.parent.exists()
     try:
+        atomic_write_text(path, _text(document))
         return Experiment.load(path.parent, design)
-    except InputError:
+    except BaseException:
         path.unlink(missing_ok=True)
+        if made:
+            with suppress(OSError):
+                path.parent.rmdir()
         raise
 
 

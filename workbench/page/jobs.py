@@ -190,6 +190,7 @@ class JobRunner:
                         continue
                     if job.state == "waiting":
                         job.state, job.began = "running", time.time()
+                        self._note(job)
                     job.step, job.done, job.total = step, done, total
                 self.changed(job)
 
@@ -225,12 +226,16 @@ class JobRunner:
         job.state, job.error, job.ended = state, error, time.time()
         if state == "cancelled" and job.number in self._futures:
             self._futures[job.number].cancel()
+        self._note(job)
+        self._forget(job)
+        self.changed(job)
+
+    def _note(self, job: Job) -> None:
+        """Write the state of a job, for a new server."""
         if not job.passing:
             kept = {"schema": SCHEMA, **job.as_json(), "arguments": job.arguments}
             with suppress(OSError):
                 atomic_write_text(self.job_folder(job) / "job.json", json.dumps(finite(kept)))
-        self._forget(job)
-        self.changed(job)
 
     def _forget(self, ended: Job) -> None:
         import shutil
@@ -249,4 +254,6 @@ class JobRunner:
                 kept = json.loads(path.read_text("utf-8"))
                 if kept.pop("schema") == SCHEMA:
                     job = Job(**kept)
+                    if job.state in ("waiting", "running"):
+                        job.state, job.error = "cancelled", "the server ended"
                     self.jobs[job.number] = job

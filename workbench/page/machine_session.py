@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import threading
-from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
 from workbench.operations.live_checks import LiveChecks, LiveResult, check_row
 from workbench.operations.parameters import entry_row, parameter_rows
+from workbench.operations.progress import remark
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"
@@ -24,6 +24,14 @@ CHANGED = "assumed: changed in the workbench"
 
 Changes = dict[str, str]
 """Text of a value by key, as for `--set`."""
+
+
+class ChangedElsewhereError(InputError):
+    """A change of a design that has changed since the page read it, as in another window."""
+
+
+MOST_SHOWN = 6
+"""Largest number of changes that a message names."""
 
 
 class MachineSession:
@@ -73,13 +81,24 @@ class MachineSession:
             self.file, self._text, self._history, self._place = file, text, [{}], 0
             self._keep()
 
-    def commit(self, changes: Changes) -> None:
+    def commit(self, changes: Changes, seen: str | None = None) -> None:
         """Make `changes` the present ones, as a step that can be undone.
+
+        Args:
+            changes: by key.
+            seen: digest of the design that they were made to; None: the present one.
 
         Raises:
             InputError: a key or a value that is not allowed.
+            ChangedElsewhereError: the present design is another than `seen`.
         """
         with self._lock:
+            if seen is not None and seen != self.design().values.digest:
+                shown = [f"{key} = {text}" for key, text in list(self.changes.items())[:MOST_SHOWN]]
+                raise ChangedElsewhereError(
+                    f"the design was changed elsewhere: {self.file or 'the packaged design'} now with "
+                    f"{', '.join(shown) or 'no change'}; your change was not made, repeat it"
+                )
             self.design(changes)
             saved = {entry.key: entry.text for entry in self.saved.values.entries}
             changes = {key: text for key, text in changes.items() if text != saved.get(key)}
@@ -89,9 +108,15 @@ class MachineSession:
                 self._keep()
 
     def step(self, by: int) -> None:
-        """Undo (-1) or redo (+1) one step; nothing happens at the ends of the history."""
+        """Undo (-1) or redo (+1) one step; nothing happens at the ends of the history.
+
+        Raises:
+            InputError: the step was made with another version of the program, in which its values were valid.
+        """
         with self._lock:
-            self._place = min(max(self._place + by, 0), len(self._history) - 1)
+            place = min(max(self._place + by, 0), len(self._history) - 1)
+            self.design(self._history[place])
+            self._place = place
             self._keep()
 
     @property
@@ -179,13 +204,23 @@ class MachineSession:
         atomic_write_text(self._state, json.dumps(document))
 
     def _restore(self) -> None:
-        with suppress(OSError, ValueError, KeyError, TypeError):
+        """Take up the state of an earlier server where its steps are still valid; else begin anew."""
+        first = self.file, self._text
+        try:
             kept = json.loads(self._state.read_text("utf-8"))
             # Changes belong to the text of a file: after an edit elsewhere they may mean something else.
             if kept["text"] == self._read(kept["file"]) and (self.file is None or kept["file"] == self.file):
+                history = [{str(key): str(text) for key, text in step.items()} for step in kept["history"]]
                 self.file, self._text = kept["file"], kept["text"]
-                self._history, self._place = kept["history"], int(kept["place"])
-                self.design()
+                place = range(len(history))[kept["place"]]
+                self.design(history[place])
+                self._history, self._place = history, place
+        except FileNotFoundError:
+            pass
+        except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+            self.file, self._text = first
+            reason = " ".join(str(error).split())[:200]
+            remark(f"{self._state}: the changes of an earlier server are left out ({reason})")
 
 
 def live_json(result: LiveResult) -> dict[str, Any]:

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
 from workbench.operations.design import Design
+from workbench.operations.experiment import named_files
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3
 """Folders below the project in which experiments are looked for."""
+LONGEST_PATH, LONGEST_NAME = 1000, 255
+"""Largest number of characters of a path, and of bytes of a name in it."""
 SKIPPED = ("ladder", "node_modules", "sections")
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
@@ -40,6 +44,10 @@ class Project:
         """Folder of results: `--out`."""
         return self.folder / self.out
 
+    def results_of(self, experiment: Path) -> Path:
+        """Folder in which the results of an experiment have a folder of its name: those of `a/rig` are in `a`."""
+        return self.results / experiment.relative_to(self.folder.resolve()).parent
+
     @property
     def state(self) -> Path:
         """Folder of jobs and of the state of the page."""
@@ -57,7 +65,9 @@ class Project:
         """
         parts = Path(path).parts
         if os.path.isabs(path) or "\\" in path or "\0" in path or any(part.startswith(".") for part in parts):
-            raise InputError(f"{path!r}: a path inside the project is required, like rig/fit.csv")
+            raise InputError(f"{path[:200]!r}: a path inside the project is required, like rig/fit.csv")
+        if len(path) > LONGEST_PATH or any(len(part.encode()) > LONGEST_NAME for part in parts):
+            raise InputError(f"{path[:60]!r}...: is too long for a path")
         target, folder = (self.folder / path).resolve(), self.folder.resolve()
         if target != folder and folder not in target.parents:
             raise InputError(f"{path!r}: lies outside the project's folder")
@@ -70,18 +80,24 @@ class Project:
             InputError: there is none.
         """
         folder = self.inside(name)
-        if not (folder / EXPERIMENT).is_file():
+        if not self.inside(f"{name}/{EXPERIMENT}").is_file():
             raise InputError(f"{name}: no experiment{nearest(name, [one['name'] for one in self.experiments()])}")
         return folder
 
     def experiment(self, name: str) -> Path:
-        """Folder of an experiment whose code, if it has any, may be run.
+        """Folder of an experiment all of whose files are in the project, and whose code, if it has any, may be run.
 
         Raises:
-            InputError: there is none, or its code may not be run.
+            InputError: there is none, `experiment.toml` cannot be read, one of its records or its ladder is outside the
+                project, or its code may not be run.
         """
         folder = self.experiment_folder(name)
-        if _has_code(folder / EXPERIMENT) and not self.trust:
+        records, code = named_files(folder)
+        for file in (*records, "ladder"):
+            self.inside(f"{name}/{file}" if not os.path.isabs(file) else file)
+        for rung in (folder / "ladder").glob("*"):
+            self.inside(f"{name}/ladder/{rung.name}")
+        if code and not self.trust:
             raise InputError(
                 f"{name}/{EXPERIMENT}: [model] custom names Python code; only 'stagecad workbench --trust' runs it"
             )
@@ -103,7 +119,10 @@ class Project:
         for path in sorted(self.folder.glob("*.toml")):
             if path.name in ("pyproject.toml", EXPERIMENT):
                 continue
-            text = path.read_text("utf-8", errors="replace")
+            try:
+                text = read_input(self.inside(path.name)).decode("utf-8", errors="replace")
+            except (OSError, InputError):  # a pipe, or a link that leads out of the folder
+                continue
             if re.search(r"^\s*(extends\s*=|\[(stage|actuator|friction|bearing_way|teeth|pads|preload)\b)", text, re.M):
                 found.append(path.name)
         return found
@@ -148,15 +167,3 @@ def plain_name(name: str) -> str:
     if not _NAME.fullmatch(name) or ".." in name:
         raise InputError(f"{name!r}: a name of letters, digits, '_', '-' and '.' is required, at most 64 long")
     return name
-
-
-def _has_code(path: Path) -> bool:
-    """Whether an experiment names Python files, read without running any."""
-    import tomllib
-
-    try:
-        model = tomllib.loads(path.read_text("utf-8")).get("model", {})
-    except (OSError, ValueError):
-        # The command that reads it says what is wrong.
-        return False
-    return bool(model.get("custom")) if isinstance(model, dict) else False

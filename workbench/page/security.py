@@ -12,15 +12,19 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
-from urllib.parse import parse_qs, urlencode
+from urllib.parse import parse_qs, quote, urlencode
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+EVERY_ADDRESS = ("0.0.0.0", "::")
+"""Addresses to listen on that stand for all addresses of this computer."""
 COOKIE = "stagecad"
 JSON_LIMIT = 1_000_000
 """Largest body of a request, bytes."""
 UPLOAD_LIMIT = 500_000_000
 """Largest record file, bytes."""
+WITHOUT_HOST = "/\\"
+"""Signs at the beginning of a path that would make the next word a host."""
 UPLOAD_PATH = "/api/upload/"
 
 POLICY = "; ".join(
@@ -64,12 +68,14 @@ class Guard:
         hosts: permitted values of `Host`, `name:port`.
         token: secret that a browser presents once in the address and then as a cookie; None: not required.
         upload_limit: largest record file, bytes.
+        every_address: whether each address of this computer that a request reached is permitted as its `Host`.
     """
 
     app: ASGIApp
     hosts: frozenset[str]
     token: str | None = None
     upload_limit: int = UPLOAD_LIMIT
+    every_address: bool = False
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
@@ -98,7 +104,7 @@ class Guard:
 
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
         host = headers.get("host", "").lower()
-        if host not in self.hosts:
+        if host not in self.hosts and not (self.every_address and host == _own_address(scope)):
             return 421, "the Host of the request is not this server"
         origin = headers.get("origin")
         if origin is not None and origin.lower() not in (f"http://{host}", f"https://{host}"):
@@ -155,21 +161,18 @@ def allowed_hosts(host: str, port: int, more: Iterable[str] = ()) -> frozenset[s
     names = {host, *more}
     if host in ("127.0.0.1", "localhost", "::1"):
         names |= {"127.0.0.1", "localhost", "[::1]"}
-    if host in ("0.0.0.0", "::"):
+    if host in EVERY_ADDRESS:
         import socket
 
-        names |= {"127.0.0.1", "localhost", socket.gethostname().lower(), socket.getfqdn().lower(), *_addresses()}
+        names |= {"127.0.0.1", "localhost", "[::1]", socket.gethostname(), socket.getfqdn()}
     return frozenset(f"{name}:{port}".lower() for name in names)
 
 
-def _addresses() -> set[str]:
-    """IPv4 addresses of this computer."""
-    import socket
-
-    try:
-        return {str(item[4][0]) for item in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
-    except OSError:
-        return set()
+def _own_address(scope: Scope) -> str:
+    """Address of this computer that a request reached, as its `Host` gives it."""
+    host, port = scope.get("server") or ("", 0)
+    host = host.removeprefix("::ffff:")
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 
 async def _answer(send: Send, status: int, message: str) -> None:
@@ -187,7 +190,7 @@ async def _set_cookie(send: Send, scope: Scope, token: str) -> None:
     rest = f"?{urlencode(query, doseq=True)}" if query else ""
     headers = {
         **HEADERS,
-        "location": f"/{scope['path'].lstrip('/')}{rest}",
+        "location": f"/{quote(scope['path'].lstrip(WITHOUT_HOST))}{rest}",
         "set-cookie": f"{COOKIE}={token}; HttpOnly; SameSite=Strict; Path=/",
         "content-length": "0",
     }

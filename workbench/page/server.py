@@ -15,6 +15,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response, StreamingResponse
+from starlette.exceptions import HTTPException
 from starlette.staticfiles import StaticFiles
 
 from stagecad import __version__
@@ -22,10 +23,10 @@ from stagecad.parameters.errors import InputError
 from workbench.operations.result import finite
 from workbench.page.curves import extremes, read_blocks, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
-from workbench.page.machine_session import MachineSession
+from workbench.page.machine_session import ChangedElsewhereError, MachineSession
 from workbench.page.project import Project
 from workbench.page.routes import experiments, machine, measurement, optimisation, simulation
-from workbench.page.security import Guard, allowed_hosts
+from workbench.page.security import EVERY_ADDRESS, Guard, allowed_hosts
 
 HEARTBEAT = 15.0
 """Interval of the events that keep a connection open, s."""
@@ -90,6 +91,7 @@ def create_app(project: Project) -> FastAPI:
     app = FastAPI(title="stagecad workbench", version=__version__, lifespan=lifespan, docs_url=None, redoc_url=None)
     app.state.project, app.state.events, app.state.jobs = project, events, jobs
     app.state.machine = MachineSession(project)
+    app.state.previews = asyncio.Semaphore(1)
     for module in (machine, optimisation, experiments, measurement, simulation):
         app.include_router(module.router)
     _add_common_routes(app)
@@ -162,15 +164,24 @@ def _add_errors(app: FastAPI) -> None:
         text = " ".join(str(error).split())
         return JSONResponse({"error": text.replace(f"{app.state.project.folder}{os.sep}", "")}, status_code=422)
 
+    @app.exception_handler(ChangedElsewhereError)
+    async def changed(request: Request, error: ChangedElsewhereError) -> JSONResponse:
+        return JSONResponse({"error": str(error), "state": app.state.machine.as_json()}, status_code=409)
+
     @app.exception_handler(RequestValidationError)
     async def invalid(request: Request, error: RequestValidationError) -> JSONResponse:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"] if part != "body")
+        place = ".".join(str(part) for part in first["loc"] if part != "body") or "body of the request"
         return JSONResponse({"error": f"{place}: {first['msg']}"}, status_code=422)
+
+    @app.exception_handler(HTTPException)
+    async def none(request: Request, error: HTTPException) -> JSONResponse:
+        return JSONResponse({"error": str(error.detail)}, status_code=error.status_code, headers=error.headers)
 
     @app.exception_handler(OSError)
     async def no_file(request: Request, error: OSError) -> JSONResponse:
-        return JSONResponse({"error": f"{error.filename or 'file'}: {error.strerror or error}"}, status_code=500)
+        name = str(error.filename or "file").replace(f"{app.state.project.folder}{os.sep}", "")
+        return JSONResponse({"error": f"{name}: {error.strerror or error}"}, status_code=500)
 
 
 def _warm_up(app: FastAPI) -> None:
@@ -207,7 +218,7 @@ def serve(
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{port}/" + (f"?token={token}" if token is not None else "")
     app = create_app(project)
-    guarded = Guard(app, allowed_hosts(host, port), token)
+    guarded = Guard(app, allowed_hosts(host, port), token, every_address=host in EVERY_ADDRESS)
     config = uvicorn.Config(guarded, log_level="warning", access_log=False, timeout_graceful_shutdown=1)
     note(f"workbench: {address}  (Ctrl-C ends it)")
     if browser:

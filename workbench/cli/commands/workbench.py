@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import secrets
+from contextlib import suppress
 from pathlib import Path
 
 import click
 
+from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.private import make_private, user_folder
 from workbench.cli.options import Run, common_options
 
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
+LEAST_TOKEN = 16
+"""Smallest number of characters of a token."""
 
 
 @click.command("workbench")
@@ -25,7 +31,7 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
     "--token",
     default=None,
     metavar="TEXT",
-    help="Secret that the browser must present; chosen at random unless the address is that of this computer.",
+    help="Secret that the browser must present; chosen at random once for this user.",
 )
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.")
 @click.option(
@@ -34,16 +40,28 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 @common_options
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:
     """Serve a page for the machine, simulations and measurements of the present folder; Ctrl-C ends it."""
-    import secrets
-
     from workbench.page.project import Project
     from workbench.page.server import serve
 
     if run.overrides:
         raise InputError("--set: values are changed on the page; name the parameter file with --params")
-    if token is not None and len(token) < 16:
-        raise InputError("--token: at least 16 characters are required")
-    if token is None and host not in LOOPBACK:
-        token = secrets.token_urlsafe(24)
-    project = Project(Path.cwd(), run.out, run.design.path, trust)
-    serve(project, host, port, token, run.note, browser)
+    if token is not None and len(token) < LEAST_TOKEN:
+        raise InputError(f"--token: at least {LEAST_TOKEN} characters are required")
+    params = run.design.path
+    if run.params is None and params is not None and Path.cwd().resolve() not in params.resolve().parents:
+        raise InputError(f"{params}: is a link that leads out of the folder; name the file with --params")
+    project = Project(Path.cwd(), run.out, params, trust)
+    serve(project, host, port, token or kept_token(), run.note, browser)
+
+
+def kept_token() -> str:
+    """The secret of this user's pages; it is kept, so that an open page finds a server that is started again."""
+    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+    with suppress(OSError, UnicodeDecodeError):
+        if folder is not None:
+            file = make_private(folder / "workbench") / "token"
+            if not file.exists():
+                atomic_write_text(file, secrets.token_urlsafe(24))
+            if len(token := file.read_text("utf-8")) >= LEAST_TOKEN:
+                return token
+    return secrets.token_urlsafe(24)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse
 from pydantic import BaseModel, ConfigDict, Field
+from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
@@ -35,6 +36,13 @@ class ChangesBody(Body):
     changes: dict[Text, Text] = Field(max_length=600)
     limit: float = Field(default=0.05, ge=0.0, le=60.0)
     since: int = Field(default=0, ge=0)
+
+
+class CommitBody(Body):
+    """Values that differ from the saved file, and the digest of the design that the page showed when they were made."""
+
+    changes: dict[Text, Text] = Field(max_length=600)
+    seen: Text | None = None
 
 
 class NameBody(Body):
@@ -70,15 +78,18 @@ def parameters(request: Request) -> list[dict[str, Any]]:
 
 
 @router.post("/preview")
-def preview(request: Request, body: ChangesBody) -> dict[str, Any]:
+async def preview(request: Request, body: ChangesBody) -> dict[str, Any]:
     """Checks that a change concerns, as many as the limit of time allows, and all violated rules."""
-    return finite(session_of(request).preview(_changes(body), body.limit, body.since))
+    session, changes = session_of(request), _changes(body)
+    # Previews wait for one another; the threads of all other requests stay free.
+    async with request.app.state.previews:
+        return finite(await run_in_threadpool(session.preview, changes, body.limit, body.since))
 
 
 @router.post("/commit")
-def commit(request: Request, body: ChangesBody) -> dict[str, Any]:
-    """Make changes the present ones, as a step that can be undone."""
-    session_of(request).commit(_changes(body))
+def commit(request: Request, body: CommitBody) -> dict[str, Any]:
+    """Make changes the present ones, as a step that can be undone; 409 where the design has changed since."""
+    session_of(request).commit(_changes(body), body.seen)
     return session_of(request).as_json()
 
 
@@ -179,7 +190,7 @@ def artefact(key: str, name: str) -> FileResponse:
     return FileResponse(path, media_type=ARTEFACTS[suffix], headers=IMMUTABLE)
 
 
-def _changes(body: ChangesBody) -> Changes:
+def _changes(body: ChangesBody | CommitBody) -> Changes:
     for key, text in body.changes.items():
         if "=" in key or not key or not text.strip():
             raise InputError(f"{key!r}: a value is required")

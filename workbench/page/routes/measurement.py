@@ -94,8 +94,8 @@ def suggest(request: Request, name: str) -> dict[str, Any]:
 def report(request: Request, name: str) -> FileResponse:
     """The report of an experiment: one page with its pictures inside, without scripts."""
     project = project_of(request)
-    folder = project.experiment(name).resolve()
-    path = project.results / folder.name / "report.html"
+    folder = project.experiment(name)
+    path = project.results_of(folder) / folder.name / "report.html"
     if not path.is_file():
         raise InputError(f"{name}: no report yet; compare or diagnose first")
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
@@ -109,7 +109,7 @@ def _submit(
     given = {
         "experiment": str(folder),
         "params": None if project.params is None else str(project.params.resolve()),
-        "out": str(project.results),
+        "out": str(project.results_of(folder)),
         **arguments,
     }
     jobs = request.app.state.jobs

@@ -53,10 +53,10 @@ STAGE_KEYS = (
 class TipBody(Body):
     """Dimensions of the tip, and the drive of its piezos; SI."""
 
-    piezo_spacing: float
-    tip_height: float
+    piezo_spacing: float = Field(gt=0.0, le=10.0)
+    tip_height: float = Field(gt=0.0, le=10.0)
     stroke: float = Field(gt=0.0, le=1e-3)
-    phase: float
+    phase: float = Field(ge=-100.0, le=100.0)
 
 
 class SimulateBody(Body):

@@ -3,9 +3,9 @@ import { h, fill, say } from './dom.js';
 
 async function answered(response) {
   if (response.ok) return response;
-  let text = `${response.status} ${response.statusText}`;
-  try { text = (await response.json()).error ?? text; } catch { /* no JSON: the status says it */ }
-  throw new Error(text);
+  let answer = {};
+  try { answer = await response.json(); } catch { /* no JSON: the status says it */ }
+  throw Object.assign(new Error(answer.error ?? `${response.status} ${response.statusText}`), { answer });
 }
 
 async function send(path, options) {

@@ -113,13 +113,23 @@ class Machine {
     return this.inTurn(() => this.commitNow(key, text, dragged));
   }
 
+  /** Changes are refused where another window changed the design since; the page then shows what is there now. */
+  async post(changes) {
+    try {
+      return await post('/api/machine/commit', { changes, seen: this.state.digest });
+    } catch (error) {
+      if (error.answer?.state) { this.take(error.answer.state); this.changed(); }
+      throw error;
+    }
+  }
+
   /** @param {object|null} dragged  the values that were dragged when the slider was released */
   async commitNow(key, text, dragged) {
     if (!dragged) this.checks.rebase();
     const changes = { ...this.changes };
     if (text === null) delete changes[key]; else changes[key] = text;
     let state = null;
-    try { state = await post('/api/machine/commit', { changes }); } catch (error) { say(error.message, 'bad'); }
+    try { state = await this.post(changes); } catch (error) { say(error.message, 'bad'); }
     // A slider that is dragged again by now keeps its value.
     if (this.dragged === dragged) this.dragged = null;
     if (state) { this.take(state); say(''); }
@@ -266,7 +276,7 @@ class Machine {
     return this.inTurn(async () => {
       this.checks.rebase();
       try {
-        const state = await post('/api/machine/commit', { changes: { ...this.changes, ...changes } });
+        const state = await this.post({ ...this.changes, ...changes });
         this.dragged = null;
         this.take(state);
         say(`changed: ${Object.keys(changes).join(', ')}; Undo takes them back`, 'good');

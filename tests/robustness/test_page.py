@@ -1,0 +1,219 @@
+"""The page: nothing outside the project is read or written, no change is lost, no request breaks it."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from workbench.page.jobs import Job, JobRunner
+from workbench.page.project import Project
+from workbench.page.security import Guard, allowed_hosts
+from workbench.page.server import create_app
+
+links = pytest.mark.skipif(sys.platform == "win32", reason="needs links")
+RIG = '[rig]\nkind = "tip-on-disc"\n[rig.known]\nload = "5 N"\n'
+RECORD = '[[record]]\nfile = "{}"\nrole = "fit"\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "project").mkdir()
+    return tmp_path / "project"
+
+
+@pytest.fixture
+def client(folder: Path):
+    guarded: Any = Guard(create_app(Project(folder, Path("build"))), frozenset({"127.0.0.1:8321"}))
+    with TestClient(guarded, base_url="http://127.0.0.1:8321", raise_server_exceptions=False) as made:
+        yield made
+
+
+def refused(answer: Any, words: str) -> None:
+    assert answer.status_code == 422 and words in answer.json()["error"], answer.text
+
+
+def every_route(client: TestClient, name: str, words: str) -> None:
+    """All routes of an experiment refuse it."""
+    for route in ("ladder", "report"):
+        refused(client.get(f"/api/experiment/{name}/{route}"), words)
+    for route, body in (("compare", {}), ("diagnose", {}), ("add", {"effects": ["coulomb"]}), ("undo", {})):
+        refused(client.post(f"/api/experiment/{name}/{route}", json=body), words)
+
+
+@links
+def test_a_linked_experiment_is_neither_read_nor_written(client: TestClient, folder: Path) -> None:
+    outside = folder.parent / "secret.toml"
+    outside.write_text(RIG)
+    (folder / "rig").mkdir()
+    (folder / "rig" / "experiment.toml").symlink_to(outside)
+    every_route(client, "rig", "outside the project")
+    refused(client.get("/api/experiment/rig/code"), "outside the project")
+    assert outside.read_text() == RIG
+
+
+@links
+@pytest.mark.parametrize("file", ["/etc/hostname", "../../secret.csv", "linked.csv", "a/../../../secret.csv"])
+def test_records_outside_of_the_project_are_refused(client: TestClient, folder: Path, file: str) -> None:
+    (folder.parent / "secret.csv").write_text("time [s],force [N]\n0,0\n1,1\n")
+    (folder / "rig").mkdir()
+    (folder / "rig" / "linked.csv").symlink_to(folder.parent / "secret.csv")
+    (folder / "rig" / "experiment.toml").write_text(RIG + RECORD.format(file))
+    every_route(client, "rig", "project")
+
+
+@links
+def test_a_linked_ladder_is_refused(client: TestClient, folder: Path) -> None:
+    (folder.parent / "elsewhere").mkdir()
+    (folder / "rig").mkdir()
+    (folder / "rig" / "ladder").symlink_to(folder.parent / "elsewhere")
+    (folder / "rig" / "experiment.toml").write_text(RIG + RECORD.format("fit.csv"))
+    every_route(client, "rig", "outside the project")
+
+
+def test_code_behind_a_byte_order_mark_is_seen(client: TestClient, folder: Path) -> None:
+    (folder / "rig").mkdir()
+    (folder / "rig" / "experiment.toml").write_bytes(b"\xef\xbb\xbf" + f'{RIG}[model]\ncustom = ["own.py"]\n'.encode())
+    every_route(client, "rig", "names Python code")
+
+
+def test_an_experiment_that_cannot_be_read_has_its_error(client: TestClient, folder: Path) -> None:
+    (folder / "rig").mkdir()
+    (folder / "rig" / "experiment.toml").write_bytes(b"\xff\xfe")
+    every_route(client, "rig", "is not UTF-8")
+
+
+@links
+def test_a_linked_parameter_file_is_not_offered(client: TestClient, folder: Path) -> None:
+    (folder.parent / "stage.toml").write_text('extends = "thesis"\n')
+    (folder / "other.toml").symlink_to(folder.parent / "stage.toml")
+    os.mkfifo(folder / "pipe.toml")
+    assert client.get("/api/machine").json()["files"] == []
+    refused(client.post("/api/machine/open", json={"name": "other.toml"}), "no parameter file")
+
+
+def test_results_belong_to_the_path_of_an_experiment(client: TestClient, folder: Path) -> None:
+    for place in ("a", "b"):
+        (folder / place / "rig").mkdir(parents=True)
+        (folder / place / "rig" / "experiment.toml").write_text(RIG + RECORD.format("fit.csv"))
+    (folder / "build" / "a" / "rig").mkdir(parents=True)
+    (folder / "build" / "a" / "rig" / "report.html").write_text("of a")
+    assert client.get("/api/experiment/a/rig/report").text == "of a"
+    refused(client.get("/api/experiment/b/rig/report"), "no report yet")
+
+
+def test_a_change_of_an_older_state_is_refused_and_nothing_is_lost(client: TestClient) -> None:
+    seen = client.get("/api/machine").json()["digest"]
+    first = {"changes": {"stage.thickness": "13 mm"}, "seen": seen}
+    assert client.post("/api/machine/commit", json=first).status_code == 200
+    second = client.post("/api/machine/commit", json={"changes": {"stage.length": "231 mm"}, "seen": seen})
+    assert second.status_code == 409
+    assert "stage.thickness = 13 mm" in second.json()["error"]
+    state = client.get("/api/machine").json()
+    assert second.json()["state"] == state and state["changes"] == first["changes"]
+    both = {**state["changes"], "stage.length": "231 mm"}
+    assert client.post("/api/machine/commit", json={"changes": both, "seen": state["digest"]}).json()["changes"] == both
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        {"history": [{}, {"stage.no_such_key": "1 mm"}], "place": 1},
+        {"history": [{}], "place": 99},
+        {"history": 5, "place": 0},
+        {"history": [5], "place": 0},
+        {"history": [{"stage.thickness": 5}], "place": "0"},
+        [],
+    ],
+)
+def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient, folder: Path, state: Any) -> None:
+    client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}})
+    file = folder / "build" / "workbench" / "machine.json"
+    file.write_text(json.dumps({**json.loads(file.read_text()), **state} if state else state))
+    with TestClient(create_app(Project(folder, Path("build")))) as again:
+        found = again.get("/api/machine")
+        assert (found.status_code, found.json()["changes"]) == (200, {})
+
+
+def test_what_no_route_answers_has_the_form_of_errors(client: TestClient) -> None:
+    tip = {"piezo_spacing": 1e308, "tip_height": 1e308, "stroke": 1e-5, "phase": 1e308}
+    long = "x" * 300
+    answers = [
+        (client.post("/api/simulation/tip", json=tip), 422),
+        (client.get(f"/api/experiment/{long}/ladder"), 422),
+        (client.get(f"/api/experiment/{'x/' * 30_000}/ladder"), 422),
+        (client.post("/api/experiments", json={"name": long}), 422),
+        (client.post("/api/machine/commit", content=b"{", headers={"content-type": "application/json"}), 422),
+        (client.get("/api/no-such-route"), 404),
+        (client.put("/api/machine", json={}), 405),
+    ]
+    for answer, status in answers:
+        assert answer.status_code == status, answer.text
+        error = answer.json()["error"]
+        assert error and "\n" not in error and len(error) < 400 and not error.startswith(":")
+
+
+def test_a_failed_creation_leaves_nothing(client: TestClient, folder: Path) -> None:
+    body = {"name": "new", "kind": "no-such", "records": [{"file": "fit.csv", "role": "fit"}]}
+    assert client.post("/api/experiments", json=body).status_code == 422
+    assert [path.name for path in folder.iterdir() if path.name != "build"] == []
+
+
+def test_the_job_of_a_killed_server_is_listed_as_ended(tmp_path: Path) -> None:
+    runner = JobRunner(tmp_path / "jobs", tmp_path)
+    job = Job(7, "simulation", "simulate", "Simulate", "", {}, state="running")
+    runner._note(job)
+    runner.close()
+    later = JobRunner(tmp_path / "jobs", tmp_path)
+    assert (later.get(7).state, later.get(7).error) == ("cancelled", "the server ended")
+    later.close()
+
+
+def test_many_previews_leave_the_other_requests_their_threads(client: TestClient) -> None:
+    """As many as there are threads, each of which would hold one."""
+    from concurrent.futures import ThreadPoolExecutor
+    from threading import Event
+
+    session, go, waiting = client.app.app.state.machine, Event(), Event()  # type: ignore[attr-defined]
+
+    def preview(*_: Any) -> dict[str, Any]:
+        waiting.set()
+        go.wait(60.0)
+        return {}
+
+    session.preview = preview
+    with ThreadPoolExecutor(61) as threads:
+        asked = [threads.submit(client.post, "/api/machine/preview", json={"changes": {}}) for _ in range(60)]
+        assert waiting.wait(60.0)
+        assert threads.submit(client.get, "/api/about").result(60.0).status_code == 200
+        assert not go.is_set()
+        go.set()
+        assert all(one.result(60.0).status_code == 200 for one in asked)
+
+
+def test_the_addresses_of_this_computer_are_permitted_where_all_are_listened_on() -> None:
+    async def app(scope: Any, receive: Any, send: Any) -> None:
+        await send({"type": "http.response.start", "status": 204, "headers": []})
+        await send({"type": "http.response.body", "body": b""})
+
+    for every, expected in ((True, 204), (False, 421)):
+        guard: Any = Guard(app, allowed_hosts("0.0.0.0", 8321), every_address=every)
+        reached = TestClient(guard, base_url="http://192.0.2.2:8321")
+        assert reached.get("/").status_code == expected
+        assert reached.get("/", headers={"host": "rebound.example:8321"}).status_code == 421
+
+
+@pytest.mark.parametrize("path", ["/%E2%82%AC", "/%0d%0a", "/%5Cevil.example", "//evil.example"])
+def test_a_token_leads_to_an_address_of_this_server(client: TestClient, path: str) -> None:
+    guard: Any = Guard(client.app, frozenset({"127.0.0.1:8321"}), "secret-of-some-length")
+    entered = TestClient(guard, base_url="http://127.0.0.1:8321", follow_redirects=False).get(
+        f"http://127.0.0.1:8321{path}", params={"token": "secret-of-some-length"}
+    )
+    assert entered.status_code == 303
+    place = entered.headers["location"]
+    assert place.isascii() and place.startswith("/") and not place.startswith(("//", "/\\")) and "\n" not in place
