@@ -42,19 +42,23 @@ def begin_jobs(reports: Connection, folder: str) -> None:
     os.chdir(folder)
 
 
-def perform(number: int, task: str, arguments: dict[str, Any]) -> tuple[str, Any]:
-    """Run one task: `("result", document)`, `("refused", line)` for a fault of the input, or `("failure", text)`."""
+def perform(number: int, task: str, arguments: dict[str, Any]) -> tuple[str, Any, tuple[str, int, int]]:
+    """Run one task: `("result", document)`, `("refused", line)` for a fault of the input, or `("failure", text)`; and
+    its last report, which may arrive after the result."""
+    last = ("", 0, 0)
 
     def report(step: str, done: int, total: int) -> None:
+        nonlocal last
         assert _reports is not None
+        last = (step[:200], done, total)
         # A short message is written in one piece: several processes write to the pipe, and each may be ended.
-        _reports.send((number, step[:200], done, total))
+        _reports.send((number, *last))
 
     try:
         report("", 0, 0)
         module = import_module(f"workbench.page.{TASKS[task]}")
-        return "result", getattr(module, task)(report=report, **arguments)
+        return "result", getattr(module, task)(report=report, **arguments), last
     except InputError as error:
-        return "refused", " ".join(str(error).split())
+        return "refused", " ".join(str(error).split()), last
     except Exception as error:  # of any class: the page shows it, and the process serves the next job
-        return "failure", f"{type(error).__name__}: {error}\n{traceback.format_exc()}"
+        return "failure", f"{type(error).__name__}: {error}\n{traceback.format_exc()}", last

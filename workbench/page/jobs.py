@@ -92,7 +92,7 @@ class JobRunner:
         self._lock = threading.RLock()
         self._lanes: dict[str, ProcessPool] = {}
         self._pools = ExitStack()
-        self._futures: dict[int, ProcessFuture[tuple[str, Any]]] = {}
+        self._futures: dict[int, ProcessFuture[Any]] = {}
         self._read()
         self._numbers = itertools.count(1 + max(self.jobs, default=0))
         self._reports, self._reporting = multiprocessing.Pipe(duplex=False)
@@ -194,10 +194,11 @@ class JobRunner:
                     job.step, job.done, job.total = step, done, total
                 self.changed(job)
 
-    def _completed(self, job: Job, future: Future[tuple[str, Any]]) -> None:
+    def _completed(self, job: Job, future: Future[Any]) -> None:
         self._futures.pop(job.number, None)
         try:
-            self._finish(job, *future.result())
+            kind, content, (job.step, job.done, job.total) = future.result()
+            self._finish(job, kind, content)
         except CancelledError:
             pass
         except (OSError, RuntimeError) as error:
