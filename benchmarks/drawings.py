@@ -78,10 +78,11 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     procedure includes their pictures.
     """
     from drawings.artefacts.sheets import PICTURES, build_sheets
+    from stagecad.friction_stage.construction import MADE
     from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.registry import MADE, part_names
+    from stagecad.solids.modelling.registry import part_names
     from workbench.operations.drawings import procedure_values
 
     design = load_design()

@@ -47,7 +47,7 @@ def store():
 
 @pytest.fixture(scope="session")
 def machine(design: Design, store):
-    from stagecad.friction_stage.assembly.machine import build_machine
+    from stagecad.solids.assembly.built_machine import build_machine
 
     return build_machine(design, store)
 

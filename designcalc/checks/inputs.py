@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, SupportsFloat, TypeVar
 
+from stagecad.parameters.mass_properties import Masses, PartMasses
 from stagecad.parameters.units import format_quantity
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
 
 
 _SI = {"mm": "m", "deg": "rad"}
@@ -38,8 +38,7 @@ class DesignInputs:
 
     Args:
         design: the design.
-        masses: of the solids; without them the masses are estimated from the stage's plain plate and the tip's limit,
-            and the recorded inputs state it.
+        masses: of the solids, as the machine has them; None without solids.
         memory: results of `remembered` functions; shared by readers of the same design and masses.
         advise: whether a check that fails looks for a change that passes, where that takes long.
     """
@@ -47,7 +46,7 @@ class DesignInputs:
     def __init__(
         self,
         design: Design,
-        masses: BodyMasses | None = None,
+        masses: Masses | None = None,
         memory: dict[Any, Any] | None = None,
         advise: bool = True,
     ) -> None:
@@ -63,7 +62,10 @@ class DesignInputs:
         return inputs
 
     def __call__(self, key: str) -> float:
-        """SI value of a parameter."""
+        """SI value of a parameter, or of `PART.mass` of a part that was built."""
+        part, _, last = key.rpartition(".")
+        if last == "mass" and isinstance(self.masses, PartMasses) and part in self.masses.parts:
+            return self.given(key, self.masses.parts[part].mass, "kg", "measured from the solids")
         found = self.memory.get(key)
         if found is None:
             entry = self.design.entry(key)
@@ -79,24 +81,6 @@ class DesignInputs:
         """Record a number that is not a parameter: from the solids, or calculated."""
         self.inputs[name] = Input(float(value), unit, origin)
         return float(value)
-
-    def mass(self) -> float:
-        """Mass of the moving body, kg."""
-        if self.masses is not None:
-            return self.given("moving body mass", self.masses.moving.mass, "kg", "measured from the solids")
-        plate = self("stage.length") * self("stage.width") * self("stage.thickness")
-        return self.given(
-            "moving body mass",
-            plate * self.material("stage", "density"),
-            "kg",
-            "estimated: the stage as a plain plate, since no solids were built",
-        )
-
-    def tip_mass(self) -> float:
-        """Mass of one tip, kg."""
-        if self.masses is not None:
-            return self.given("tip mass", self.masses.tip.mass, "kg", "measured from the solids")
-        return self("tip.mass_limit")
 
 
 Arguments = ParamSpec("Arguments")

@@ -2,63 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Container
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.check import Check, CheckFunction, at_most
+from designcalc.checks.check import Check, at_most
 from designcalc.checks.inputs import DesignInputs
-from designcalc.friction_stage.checks import (
-    actuator,
-    alternatives,
-    budget,
-    chains,
-    clamp,
-    contact,
-    drive,
-    height,
-    layout,
-    position_loop,
-    sensing,
-    teeth,
-    thermal,
-)
-from designcalc.friction_stage.checks.bearing import pads, plate, smoothness, ways, wear
+from designcalc.checks.own_checks import OWN
+from designcalc.checks.subjects import subjects_of
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
-
-SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
-    "tip on stage": contact.checks,
-    "bearing ways": ways.checks,
-    "magnetic teeth": teeth.checks,
-    "friction drive": drive.checks,
-    "piezo actuator": actuator.checks,
-    "sliding bearing": pads.checks,
-    "stage plate": plate.checks,
-    "smoothness": smoothness.checks,
-    "wear and heat of the pads": wear.checks,
-    "heat and surroundings": thermal.checks,
-    "sensors": sensing.checks,
-    "height adjustment": height.checks,
-    "clamp": clamp.checks,
-    "tolerance chains": chains.checks,
-    "layout": layout.checks,
-    "candidates": alternatives.checks,
-    "error budget": budget.checks,
-    "dynamic error budget": position_loop.checks,
-}
-"""Checks by subject, in the order of the report."""
-
-OWN: dict[str, tuple[str, CheckFunction]] = {}
-"""Checks of the user's own, with their subjects, by file; they follow the others."""
+    from stagecad.parameters.mass_properties import Masses
 
 
 def run_checks(
     design: Design,
-    masses: BodyMasses | None = None,
+    masses: Masses | None = None,
     subjects: tuple[str, ...] | None = None,
     positions: Container[int] | None = None,
     advise: bool = True,
@@ -69,7 +30,7 @@ def run_checks(
         design: the design.
         masses: of the solids; None estimates the stage from the plain volume of its plate and takes the tip at its
             limit, and the inputs of the checks concerned state it.
-        subjects: names of `SUBJECTS` to run; all when left out.
+        subjects: names of subjects to run; all when left out.
         positions: of the checks to run, counted over all checks of the subjects; all when left out.
         advise: whether a failing check looks for a change that passes, where that takes long.
 
@@ -77,8 +38,9 @@ def run_checks(
         the checks, in the order of the subjects. A calculator that refuses its arguments gives the verdict
         `out_of_range`, with its message as the note.
     """
-    chosen = [name for name in SUBJECTS if subjects is None or name in subjects]
-    functions = [(subject, function) for subject in chosen for function in SUBJECTS[subject](design)]
+    stated = subjects_of(design).checks
+    chosen = [name for name in stated if subjects is None or name in subjects]
+    functions = [(subject, function) for subject in chosen for function in stated[subject](design)]
     functions += [own for own in OWN.values() if subjects is None or own[0] in subjects]
     found: list[Check] = []
     memory: dict[Any, Any] = {}
@@ -108,3 +70,8 @@ def run_checks(
             )
         )
     return found
+
+
+def subject_names(design: Design) -> tuple[str, ...]:
+    """Subjects of the checks of a design, the user's own last."""
+    return tuple(dict.fromkeys([*subjects_of(design).checks, *(subject for subject, _ in OWN.values())]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -53,3 +55,26 @@ def rank_sum(columns: ArrayLike) -> Array:
     below = (scores[:, None] > scores).sum(axis=1)
     equal = (scores[:, None] == scores).sum(axis=1)
     return (below + 0.5 * (equal + 1)).sum(axis=1)
+
+
+@dataclass(frozen=True)
+class Suspension:
+    """A suspension with the numbers of its rank. SI; smaller is better except for the stiffness."""
+
+    name: str
+    stiffness: float
+    """normal stiffness of the whole suspension, N/m"""
+    smoothness: float
+    """error normal to the motion, m"""
+    friction: float
+    """break-away force, N; it limits the resolution"""
+    repeatability: float
+    """normal to the motion, m"""
+    cost: int
+    """place by cost"""
+    stable: bool
+    fits_drive: bool
+    """is compatible with a friction drive and its magnets in the available space"""
+    why: str
+    places: float = 0.0
+    """sum of places over the criteria"""

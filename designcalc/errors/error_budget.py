@@ -65,3 +65,27 @@ def budget(contributions: Sequence[Contribution], point: ArrayLike) -> tuple[lis
     random = np.sqrt(sum((e**2 for c, e in rows if c.random), zero))
     fixed = sum((np.abs(e) for c, e in rows if not c.random), zero)
     return rows, random + fixed
+
+
+AXES = {"along": 0, "across": 1, "normal": 2}
+
+
+@dataclass(frozen=True)
+class Budget:
+    """One budget: its subject, the direction in which it is judged, and its contributions."""
+
+    name: str
+    direction: str
+    key: str
+    """of its limit"""
+    requirement: str
+    rows: tuple[tuple[Contribution, Array], ...]
+    """contributions with the displacement of the payload by each, m, the largest in the direction first"""
+    total: Array
+    """per direction, m"""
+    point: tuple[float, float, float]
+    """of the payload with the largest error, from the middle of the stage, m"""
+
+    @property
+    def axis(self) -> int:
+        return AXES[self.direction]

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from drawings.sheets.machine_sheets import sheets_of
 from stagecad.friction_stage.assembly.assemble import Instance
-from stagecad.friction_stage.assembly.machine import MOVING
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
@@ -40,7 +40,9 @@ def stored_picture(
         design: the design.
         exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
     """
-    shown = [instance for instance in instances if instance.part in MOVING] if name == FROM_BELOW else instances
+    views = sheets_of(design).views(design, instances, parts)
+    moving = views.moving if name == FROM_BELOW else tuple(parts)
+    shown = [instance for instance in instances if instance.part in moving]
 
     def draw(tracked: Any) -> Picture | None:
         from drawings.pictures.machine import machine_picture
@@ -49,8 +51,8 @@ def stored_picture(
 
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(shown, parts, tracked).items()}
         scene = scene_of(shapes, {part.name: part.mesh for part in parts.values() if part.name in shapes})
-        return machine_picture(name, shown, scene, exact=exact)
+        return machine_picture(name, shown, scene, views, exact=exact)
 
     kinds = dict.fromkeys(instance.part for instance in shown)
-    depends = [repr(tuple(shown)), *(f"{kind} {parts[kind].entry.content}" for kind in kinds)]
+    depends = [repr(tuple(shown)), repr(views), *(f"{kind} {parts[kind].entry.content}" for kind in kinds)]
     return stored_object(store, f"{name} of the machine", design, (__name__,), draw, depends)

@@ -10,32 +10,32 @@ import csv
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.artefacts.machine_pictures import stored_picture
-from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.machine import part_mass
-from stagecad.friction_stage.parameters.machine import schema
+from drawings.sheets.machine_sheets import sheets_of
+from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import combined
-from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part
+from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, part_mass
 from stagecad.solids.artefacts.source_digest import versions
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.assembly.built_assembly import assemble
+from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import notes_of, treatment_of
-from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_definition, part_names
+from stagecad.solids.modelling.registry import ASSEMBLY, PartSource, construction, part_names, part_source
 
 if TYPE_CHECKING:
     from drawings.dimensions.definition import Notes
-    from drawings.friction_stage.assembly_dimensions import MachineSize
-    from drawings.friction_stage.procedure.figures import ProcedureValues
     from drawings.pictures.picture import Picture
     from drawings.sheets.assembly import AssemblyDescription
+    from drawings.sheets.assembly_dimensions import MachineSize
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
-    from stagecad.friction_stage.assembly.assemble import Instance
+    from stagecad.parameters.dimension import Dimension
     from stagecad.solids.modelling.verification import DimensionVerifier
 
 FORMATS = ("dxf", "svg", "pdf", "png")
@@ -47,19 +47,14 @@ PICTURES = {
     PROCEDURE: ("exploded", "from below"),
 }
 """Sheets of the whole machine, which need every part, and the pictures on them (`drawings.pictures.machine`)."""
-CalculateValues = Callable[[ArtefactStore, Any], "ProcedureValues"]
-"""Calculates the values of a design's procedure from its parts in the store; pickled for other processes."""
+CalculateValues = Callable[[ArtefactStore, Any], Any]
+"""Calculates what the procedure of a design needs from its parts in the store; pickled for other processes."""
 
 _LIBRARIES = ("ezdxf", "matplotlib", "fonttools", "reportlab", "pypdfium2")
 _WRITERS = tuple(f"drawings.export.{name}" for name in ("dxf", "svg", "pdf", "lint"))
 _MODULES = {
     ASSEMBLY: ("drawings.sheets.assembly", "drawings.pictures.machine"),
-    PROCEDURE: (
-        "drawings.sheets.assembly",
-        "drawings.pictures.machine",
-        "drawings.friction_stage.procedure.procedure",
-        "drawings.friction_stage.procedure.sheet",
-    ),
+    PROCEDURE: ("drawings.sheets.assembly", "drawings.pictures.machine", "drawings.sheets.procedure"),
 }
 
 
@@ -69,12 +64,13 @@ class BuiltSheet:
 
     Attributes:
         name: of its files.
-        part: that it shows, or `assembly`, `procedure`.
+        part: kind of part that it shows, or `assembly`, `procedure`.
         paper, scale: as printed.
         views: names.
         digest: hash of the parameters, as in the title block.
         hits: violations found by lint, a line each.
         artefact: that holds its files.
+        subject: name of the part in the machine.
     """
 
     name: str
@@ -85,6 +81,12 @@ class BuiltSheet:
     digest: str
     hits: tuple[str, ...]
     artefact: Artefact
+    subject: str
+
+    @property
+    def folder(self) -> str:
+        """Folder of its files: one of its own for a part that has not the name of its kind, else none."""
+        return "" if self.subject == self.part else self.subject
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -119,8 +121,9 @@ def find_sheets(
             return None
         parts[name] = found
     values = _values(store, subject, design, calculate)
-    artefact = store.find(_title(subject), design, _modules(subject), _dependencies(parts, values))
-    return _sheets(artefact) if artefact else None
+    depends = _dependencies(subject, parts, design, values)
+    artefact = store.find(_title(subject), _design_of(subject, design), _modules(subject, design), depends)
+    return _sheets(artefact, subject) if artefact else None
 
 
 def build_sheets(
@@ -135,6 +138,7 @@ def build_sheets(
     """
     parts = {name: build_part(store, name, design) for name in _required_parts(subject, design)}
     values = _values(store, subject, design, calculate)
+    read = _design_of(subject, design)
 
     def make(tracked: Any, folder: Path) -> None:
         problems: list[str] = []
@@ -142,21 +146,26 @@ def build_sheets(
             shown = partial(_pictures, store, subject, parts, tracked, exact=exact)
             sheets: Sequence[Sheet] = [_machine_sheet(subject, parts, tracked, values, shown)]
         else:
-            sheets, problems = _part_sheets(parts[subject], tracked, folder, exact=exact)
+            source = part_source(subject, design)
+            sheets, problems = _part_sheets(parts[subject], source, tracked, read, folder, exact=exact)
         documents = [write_sheet(sheet, folder) for sheet in sheets]
         documents[0]["hits"] += problems
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
-    return _sheets(store.make(_title(subject), design, _modules(subject), make, _dependencies(parts, values)))
+    depends = _dependencies(subject, parts, design, values)
+    return _sheets(store.make(_title(subject), read, _modules(subject, design), make, depends), subject)
+
+
+def _design_of(subject: str, design: Any) -> Any:
+    """The design as a subject reads it."""
+    return design if subject in PICTURES else part_source(subject, design).design_of(design)
 
 
 def _required_parts(subject: str, design: Any) -> Sequence[str]:
     return part_names(design) if subject in PICTURES else (subject,)
 
 
-def _values(
-    store: ArtefactStore, subject: str, design: Any, calculate: CalculateValues | None
-) -> ProcedureValues | None:
+def _values(store: ArtefactStore, subject: str, design: Any, calculate: CalculateValues | None) -> Any:
     return calculate(store, design) if subject == PROCEDURE and calculate is not None else None
 
 
@@ -164,42 +173,68 @@ def _title(subject: str) -> str:
     return f"drawing of {subject}"
 
 
-def _modules(subject: str) -> tuple[str, ...]:
+def _modules(subject: str, design: Any) -> tuple[str, ...]:
     """Modules that the sheets of a subject are made by."""
-    own = _MODULES.get(subject) or ("drawings.sheets.part", "drawings.pmi.ap242", module_name(subject))
-    return (__name__, *_WRITERS, *own)
+    if subject in _MODULES:
+        own = (*_MODULES[subject], *construction(design).modules)
+    else:
+        own = ("drawings.sheets.part", "drawings.pmi.ap242", *part_source(subject, design).modules)
+    return (__name__, *_WRITERS, *own, *sheets_of(design).modules)
 
 
-def _dependencies(parts: Mapping[str, BuiltPart], values: ProcedureValues | None) -> tuple[str, ...]:
+def _dependencies(subject: str, parts: Mapping[str, BuiltPart], design: Any, values: Any) -> tuple[str, ...]:
     """Keys of the artefacts that sheets are made from, versions of libraries, and calculated values."""
     libraries = (f"{name} {number}" for name, number in versions(_LIBRARIES).items())
     calculated = () if values is None else (repr(values),)
-    return (*(part.entry.key for part in parts.values()), *libraries, *calculated)
+    made = construction(design)
+    own = made.depends(design) if subject in PICTURES else part_source(subject, design).depends
+    return (*(part.entry.key for part in parts.values()), *libraries, *calculated, *own)
 
 
-def _sheets(artefact: Artefact) -> tuple[BuiltSheet, ...]:
+def _sheets(artefact: Artefact, subject: str) -> tuple[BuiltSheet, ...]:
     return tuple(
         BuiltSheet(
-            **{**document, "views": tuple(document["views"]), "hits": tuple(document["hits"])}, artefact=artefact
+            **{**document, "views": tuple(document["views"]), "hits": tuple(document["hits"])},
+            artefact=artefact,
+            subject=subject,
         )
         for document in artefact.document(SHEETS)
     )
 
 
-def _part_sheets(part: BuiltPart, design: Any, folder: Path, *, exact: bool) -> tuple[Sequence[Sheet], list[str]]:
-    """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder."""
-    from drawings.pmi.ap242 import write_ap242
+def _part_sheets(
+    part: BuiltPart, source: PartSource, design: Any, plain: Any, folder: Path, *, exact: bool
+) -> tuple[Sequence[Sheet], list[str]]:
+    """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder.
+
+    Args:
+        design, plain: as the part reads it, with and without a record of what is read.
+    """
+    from drawings.pmi.ap242 import ap242_bytes
     from drawings.sheets.part import part_sheets
     from stagecad.solids.modelling.verification import DimensionVerifier
 
-    described = describe(part, design)
-    verifier = DimensionVerifier(described.solid)
-    write_ap242(part.name, design, described.solid, folder / f"{part.name}_ap242.step", verifier)
+    module: Any = source.definition()
+    verifier = DimensionVerifier(part.solid)
+    described, notes = describe(part, source, design, plain, verifier)
+    require_declared(module, described.dimensions, verifier)
+    kind = source.kind
+    (folder / f"{kind}_ap242.step").write_bytes(ap242_bytes(kind, module, design, described.solid, verifier))
     sheets = part_sheets(described, design, verifier, exact=exact)
-    from drawings.dimensions.definition import notes_on_shape
-
-    notes = notes_on_shape(part_definition(described.name), design)
     return sheets, write_definition(described, notes, design, verifier, sheets, folder)
+
+
+def require_declared(module: Any, dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> None:
+    """Check that each dimension that a user's file declares is on the solid.
+
+    Raises:
+        InputError: one that is not.
+    """
+    for dimension in dimensions if hasattr(module, "path") else ():
+        try:
+            verifier.measure(dimension)
+        except LookupError as error:
+            raise InputError(f"{module.path}: dimension '{dimension.name}': {error.args[0]}") from None
 
 
 def write_definition(
@@ -221,30 +256,55 @@ def write_definition(
     return list(found.problems)
 
 
-def describe(part: BuiltPart, design: Any) -> PartDescription:
-    """A part as its sheets need it."""
+def describe(
+    part: BuiltPart, source: PartSource, design: Any, plain: Any, verifier: DimensionVerifier
+) -> tuple[PartDescription, Notes]:
+    """A part as its sheets need it, and what its notes define.
+
+    A part without a plan gets one by its declarations; what it does not state is symmetric only if the solid is.
+
+    Args:
+        design, plain: as the part reads it, with and without a record of what is read.
+    """
+    from drawings.dimensions.definition import AXES, centred_axes, notes_on_shape
+    from drawings.sheets.chosen_views import chosen_plan
     from drawings.sheets.part import PartDescription
 
-    module: Any = part_definition(part.name)
-    return PartDescription(
-        name=part.name,
+    module: Any = source.definition()
+    sheets, material, name = sheets_of(plain), design.materials[part.material], source.kind
+    dimensions = module.dimensions(design)
+    requirements = module.requirements(design) if hasattr(module, "requirements") else ()
+    shape, lines = notes_on_shape(module, design), notes_of(module, design)
+    plans = sheets.plans(name, design)
+    if not plans:
+        symmetric = "".join(axis for axis in AXES if axis in shape.symmetric + centred_axes(verifier))
+        shape = replace(shape, symmetric=symmetric, packaged=False)
+        if symmetric:
+            lines = (*lines, f"Symmetric about the middle {' and '.join(symmetric)} unless dimensioned.")
+    described = PartDescription(
+        name=name,
+        title=sheets.titles.get(name, name.replace("_", " ")),
+        plans=plans or (chosen_plan(name, dimensions, requirements, verifier, getattr(module, "VIEWS", ())),),
         solid=part.solid,
-        dimensions=module.dimensions(design),
-        requirements=module.requirements(design) if hasattr(module, "requirements") else (),
-        notes=notes_of(module, design),
-        material=design.materials[part.material].description,
+        dimensions=dimensions,
+        requirements=requirements,
+        notes=lines,
+        material=material.description,
         mass=_mass_text(part_mass(part, design).mass),
         digest=digest(design, part.entry.reads),
-        reads=parameters_of(part.entry.reads),
+        reads=parameters_of(part.entry.reads, plain),
         treatment=treatment_of(module, design, part.material),
-        brittle=design.materials[part.material].strength_kind == "fracture",
+        brittle=material.strength_kind == "fracture",
         mesh=part.mesh,
+        chosen=not plans,
+        proposed=bool(getattr(module, "PROPOSED", False)),
     )
+    return described, shape
 
 
-def parameters_of(reads: Iterable[str]) -> tuple[str, ...]:
+def parameters_of(reads: Iterable[str], design: Any) -> tuple[str, ...]:
     """Those of the names read that are keys of the parameter file, without materials."""
-    return tuple(sorted(name for name in reads if name in schema()))
+    return tuple(sorted(name for name in reads if design.has(name) and not name.startswith("materials.")))
 
 
 def _pictures(
@@ -265,33 +325,25 @@ def _machine_sheet(
     subject: str,
     parts: dict[str, BuiltPart],
     design: Any,
-    values: ProcedureValues | None,
+    values: Any,
     shown: Callable[[Sequence[Instance]], dict[str, Picture]],
 ) -> Sheet:
-    """The sheet of the assembly or of its procedure, with the pictures that `shown` gives of its instances.
-
-    Raises:
-        ValueError: the procedure without its calculated values.
-    """
-    from drawings.friction_stage.procedure.procedure import procedure
-    from drawings.friction_stage.procedure.sheet import procedure_sheet
+    """The sheet of the assembly or of its procedure, with the pictures that `shown` gives of its instances."""
     from drawings.sheets.assembly import assembly_sheet, title_of
+    from drawings.sheets.procedure import procedure_sheet
 
     instances = assemble(parts, design)
     machine = _assembled(instances, parts, design)
     pictures = shown(instances)
     if subject == ASSEMBLY:
         return assembly_sheet(machine, design, pictures)
-    if values is None:
-        raise ValueError("the procedure needs its calculated values")
-    steps = procedure(design, machine.rows, values)
+    steps = sheets_of(design).procedure(design, machine.rows, values)
     return procedure_sheet(steps, title_of(machine, design, PROCEDURE), tuple(pictures.values()), machine.rows)
 
 
 def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> AssemblyDescription:
     """The machine as its sheets need it."""
     from drawings.sheets.assembly import AssemblyDescription
-    from stagecad.friction_stage.assembly.accessories import accessories
     from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 
     masses = {name: part_mass(part, design) for name, part in parts.items()}
@@ -301,14 +353,16 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
         machine_size(instances, parts, design),
         _mass_text(combined(placed(masses[i.part], i.frame) for i in instances).mass),
         digest(design, reads),
-        parameters_of(reads),
-        accessories(design),
+        parameters_of(reads, design),
+        construction(design).accessories(design),
+        construction(design).carried,
+        sheets_of(design).views(design, instances, parts).scale,
     )
 
 
 def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> MachineSize:
     """Bounding box of all parts at the middle of travel, from the corners of each part's own box; and the travel."""
-    from drawings.friction_stage.assembly_dimensions import MachineSize
+    from drawings.sheets.assembly_dimensions import MachineSize
 
     corners = []
     for instance in instances:
@@ -316,7 +370,7 @@ def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], 
         corners += [instance.frame.point((x, y, z)) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
     axes = tuple(zip(*corners, strict=True))
     low, high = ((pick(axes[0]), pick(axes[1]), pick(axes[2])) for pick in (min, max))
-    return MachineSize(low, high, design.stage.travel)
+    return MachineSize(low, high, sheets_of(design).travel(design))
 
 
 def _mass_text(kilograms: float) -> str:

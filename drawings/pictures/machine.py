@@ -7,21 +7,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture, Piece, picture
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, TOP, Picture, Piece, picture
 from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved, visible_stretches
 from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
-from stagecad.friction_stage.assembly.machine import CARRIED, MOVING
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, near, subtract
 
 if TYPE_CHECKING:
-    from stagecad.friction_stage.assembly.assemble import Instance
+    from stagecad.solids.modelling.instance import Instance
 
 EYE_BELOW = Projection(
     FROM_BELOW,
@@ -30,44 +29,61 @@ EYE_BELOW = Projection(
 )
 """The isometric direction from below, for the parts under the stage."""
 
-_FASTENERS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "stop_screw", "set_screw")
-NOT_CUT = (*_FASTENERS, "height_pin_1", "height_pin_2", "piezo", "spring", "interferometer")
-"""Parts that a section shows whole: fasteners, pins and springs (ISO 128-3), and units that are bought complete."""
 HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH), (True, 0.6 * HATCH_PITCH))
 """Hatches of parts, whether falling and their pitch on the paper, in mm: neighbours differ (ISO 128-50)."""
 
 
+@dataclass(frozen=True)
+class MachineViews:
+    """How a machine is shown.
+
+    Args:
+        cuts: planes of the sections, by their name, with the projection in which they are seen.
+        whole: parts that a section shows whole: fasteners, pins and springs (ISO 128-3), units bought complete.
+        moving: parts that move; the first carries the others.
+        carried: parts that move with it.
+        scale: of the views.
+    """
+
+    cuts: Mapping[str, tuple[Cut, str]]
+    whole: frozenset[str]
+    moving: tuple[str, ...] = ()
+    carried: tuple[str, ...] = ()
+    scale: float = SCALE
+
+
 def machine_picture(
-    name: str, instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool = True
+    name: str,
+    instances: Sequence[Instance],
+    scene: Mapping[str, MeshedShape],
+    views: MachineViews,
+    *,
+    exact: bool = True,
 ) -> Picture | None:
-    """One picture of the machine; None for the picture from below where no irons and magnets are under the stage.
+    """One picture of the machine; None for the picture from below where nothing moves with another part.
 
     Args:
         name: of the picture.
         instances: all parts in place.
         scene: shapes by `Instance.shape` (`drawings.pictures.scene.scene_of`).
+        views: how the machine is shown.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
     match name:
         case "top":
             pieces = [Piece(i.part, scene[i.shape], i.frame) for i in instances]
-            return picture(TOP, PROJECTIONS["top"], pieces, exact=exact)
-        case "section A-A":
-            return _section(SECTION, ALONG, PROJECTIONS["front"], instances, scene, exact=exact)
-        case "section B-B":
-            return _section(SIDE_SECTION, ACROSS, PROJECTIONS["right"], instances, scene, exact=exact)
+            return picture(TOP, PROJECTIONS["top"], pieces, views.scale, exact=exact)
+        case "section A-A" | "section B-B":
+            return _section(name, views, instances, scene, exact=exact)
         case "exploded":
-            return _exploded(EXPLODED, PROJECTIONS["iso"], instances, scene, exact=exact)
+            return _exploded(EXPLODED, PROJECTIONS["iso"], instances, scene, views, exact=exact)
         case "from below":
-            moving = [i for i in instances if i.part in MOVING]
-            return _exploded(FROM_BELOW, EYE_BELOW, moving, scene, exact=exact) if len(moving) > 1 else None
+            moving = [i for i in instances if i.part in views.moving]
+            return _exploded(FROM_BELOW, EYE_BELOW, moving, scene, views, exact=exact) if len(moving) > 1 else None
         case _:
             raise ValueError(f"there is no picture '{name}' of the machine")
 
 
-ALONG = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
-ACROSS = Cut((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "B")
-"""Through the axis of actuator 1 along the travel; and across it, through ways, a pad, teeth and bars."""
 BESIDE = (0.0, 0.02, -0.02, 0.1, -0.1)
 """Displacements of a cutting plane that the kernel is tried with, mm: it fails where the plane contains a seam."""
 
@@ -86,15 +102,11 @@ def _cut(shape: Any, cut: Cut) -> tuple[Any, list[Any]]:
 
 
 def _section(
-    name: str,
-    cut: Cut,
-    projection: Projection,
-    instances: Sequence[Instance],
-    scene: Mapping[str, MeshedShape],
-    *,
-    exact: bool,
+    name: str, views: MachineViews, instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool
 ) -> Picture:
     """The machine cut by a plane."""
+    cut, seen = views.cuts[name]
+    projection = PROJECTIONS[seen]
     pieces: list[Piece] = []
     cut_pieces: list[tuple[Box, list[Any]]] = []
     covers: list[np.ndarray] = []
@@ -104,7 +116,7 @@ def _section(
         towards_eye = (vertices - np.array(cut.point)) @ np.array(cut.normal)
         if towards_eye.min() > -DEFLECTION:
             continue
-        if towards_eye.max() < DEFLECTION or instance.part in NOT_CUT:
+        if towards_eye.max() < DEFLECTION or instance.part in views.whole:
             if towards_eye.max() > 0.0:
                 covers.append(in_plane(vertices, shape.triangles, cut, projection))
             pieces.append(Piece(instance.part, shape, frame))
@@ -116,9 +128,9 @@ def _section(
     hatched = [
         line
         for (_, faces), (falling, pitch) in zip(cut_pieces, hatches, strict=True)
-        for line in hatch(faces, projection, SCALE, falling=falling, pitch=pitch, covers=covers)
+        for line in hatch(faces, projection, views.scale, falling=falling, pitch=pitch, covers=covers)
     ]
-    shown = picture(name, projection, pieces, exact=exact)
+    shown = picture(name, projection, pieces, views.scale, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
     label = f"{cut.letter}-{cut.letter}"
     return replace(shown, view=replace(shown.view, curves=curves, label=label, cut=cut))
@@ -135,25 +147,34 @@ def different_hatches(boxes: Sequence[Box]) -> list[tuple[bool, float]]:
 
 
 def _exploded(
-    name: str, projection: Projection, instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool
+    name: str,
+    projection: Projection,
+    instances: Sequence[Instance],
+    scene: Mapping[str, MeshedShape],
+    views: MachineViews,
+    *,
+    exact: bool,
 ) -> Picture:
     """Parts taken apart, with a trail line from each to its place where nothing hides it."""
     pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances]
-    shown = picture(name, projection, pieces, exact=exact)
-    trails = [ends for i in instances if math.dist(*(ends := _trail(i, instances, scene[i.shape]))) > DEFLECTION]
+    shown = picture(name, projection, pieces, views.scale, exact=exact)
+    found = [_trail(i, instances, scene[i.shape], views) for i in instances]
+    trails = [ends for ends in found if math.dist(*ends) > DEFLECTION]
     lines = visible_stretches([(piece.shape, piece.frame) for piece in pieces], projection, trails)
     curves = {**shown.view.curves, "CENTRE": tuple(lines)}
     return replace(shown, view=replace(shown.view, curves=curves))
 
 
-def _trail(instance: Instance, instances: Sequence[Instance], shape: MeshedShape) -> tuple[Point, Point]:
-    """The middle of a part taken apart, and its place: on the stage where that carries it, or is shown alone."""
+def _trail(
+    instance: Instance, instances: Sequence[Instance], shape: MeshedShape, views: MachineViews
+) -> tuple[Point, Point]:
+    """The middle of a part taken apart, and its place: on the part that carries it, where that is taken apart too."""
     middle = _middle(shape)
     start, end = instance.exploded.point(middle), instance.frame.point(middle)
-    alone = all(other.part in MOVING for other in instances)
-    if instance.part in CARRIED and (alone or instance.part != "stage"):
-        stage = next(other for other in instances if other.part == "stage")
-        end = add(end, subtract(stage.exploded.shift, stage.frame.shift))
+    alone = all(other.part in views.moving for other in instances)
+    if instance.part in views.carried and (alone or instance.part != views.moving[0]):
+        carrier = next(other for other in instances if other.part == views.moving[0])
+        end = add(end, subtract(carrier.exploded.shift, carrier.frame.shift))
     return start, end
 
 

@@ -12,14 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.dimensions.text import AXIAL
 from drawings.pmi.content import PartPmi, TolerancedDimension, pmi_of_declarations
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from drawings.pmi.step_text import directed_distances, typed_limits, with_properties
-from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
 from stagecad.solids.export.step_stl_glb import constant_text
 from stagecad.solids.export.xcaf_document import new_document, set_name, step_text
@@ -33,24 +31,6 @@ NAME, NOTE = "dimension name", "dimensional note"
 """Names of the texts of a dimension: its name, and its notes on the sheet."""
 TYPES = {"profile": "ProfileOfSurface"}
 """The kernel's names of characteristics that differ from ours."""
-
-
-def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, verifier: DimensionVerifier | None = None) -> None:
-    """Write the STEP AP242 file of a part.
-
-    Args:
-        part: name in `stagecad.solids.modelling.registry.MADE`.
-        solid: of the part.
-        path: of the file; its folder exists.
-        verifier: of the solid, if there is one already.
-
-    Raises:
-        LookupError: a declaration has no feature on the solid.
-        ValueError: OCCT cannot write the file.
-    """
-    from stagecad.solids.modelling.registry import part_definition
-
-    atomic_write_bytes(path, ap242_bytes(part, part_definition(part), design, solid, verifier))
 
 
 def ap242_bytes(

@@ -11,7 +11,8 @@ from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMa
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
 from drawings.annotations.primitives import Primitive, Stroke, Text
-from drawings.friction_stage.assembly_dimensions import (
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
+from drawings.sheets.assembly_dimensions import (
     DIMENSIONED,
     FIRST,
     SIDE,
@@ -19,18 +20,15 @@ from drawings.friction_stage.assembly_dimensions import (
     overall_dimensions,
     travel_range,
 )
-from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View
-from stagecad.friction_stage.assembly.machine import CARRIED
 
 if TYPE_CHECKING:
-    from stagecad.friction_stage.assembly.accessories import Accessory
-    from stagecad.solids.assembly.bill_of_materials import Row
+    from stagecad.solids.assembly.bill_of_materials import Accessory, Row
 
 SIZES: tuple[Paper, ...] = ("A1", "A0")
 """Sizes of the paper, the smallest on which the exploded view fits beside the other views."""
@@ -55,6 +53,8 @@ class AssemblyDescription:
         digest: hash of the parameters.
         reads: names of the parameters.
         accessories: what is needed besides the parts.
+        carried: parts that move, and those that move with them.
+        scale: of the views.
     """
 
     rows: tuple[Row, ...]
@@ -63,6 +63,8 @@ class AssemblyDescription:
     digest: str
     reads: tuple[str, ...]
     accessories: tuple[Accessory, ...] = ()
+    carried: tuple[str, ...] = ()
+    scale: float = SCALE
 
 
 def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
@@ -73,10 +75,13 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     """
     exploded = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
     cut = pictures[SECTION]
-    carried = [line for part, lines in cut.pieces if part in CARRIED for line in lines]
-    ends = travel_range(carried, machine.size.travel)
-    front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": ends.lines})
-    notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
+    carried = [line for part, lines in cut.pieces if part in machine.carried for line in lines]
+    ends = travel_range(carried, machine.size.travel) if carried else None
+    front, notes = cut.view, ("NOTES", *_NOTES)
+    if ends:
+        front = replace(front, curves={**front.curves, "PHANTOM": ends.lines})
+        travel = f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends."
+        notes = ("NOTES", *_AT_REST, *_NOTES, travel)
     rows = len(machine.rows) + len(machine.accessories)
     column = [pictures[TOP].view, front, pictures[SIDE_SECTION].view]
     drawn = [*column, *(one.view for one in exploded)]
@@ -89,7 +94,7 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
         name="assembly",
         part="assembly",
         paper=paper,
-        scale=SCALE,
+        scale=machine.scale,
         title=title_of(machine, design, "assembly"),
         views=tuple(views),
         annotations=tuple(marks),
@@ -107,9 +112,8 @@ def all_balloons(pictures: Sequence[Picture], rows: Sequence[Row]) -> list[Ballo
     return found
 
 
+_AT_REST = ("- Shown at the middle of travel and of height adjustment.",)
 _NOTES = (
-    "NOTES",
-    "- Shown at the middle of travel and of height adjustment.",
     "- Order, torques and settings: see the procedure.",
     "- Fasteners, pins, piezos, spring and interferometer are not cut.",
 )
@@ -158,7 +162,8 @@ def _placed(views: Sequence[View], rows: int, notes: int, paper: Paper) -> list[
         if stacked:
             below = replace(views[4], label=FROM_BELOW.upper())
             return [*apart, *(replace(v, place=place) for v, place in zip((views[3], below), stacked, strict=True))]
-        half = replace(views[4], scale=SCALE / 2, label=f"{FROM_BELOW.upper()} ({scale_text(SCALE / 2)})")
+        scale = views[4].scale / 2
+        half = replace(views[4], scale=scale, label=f"{FROM_BELOW.upper()} ({scale_text(scale)})")
         box = view_box(half) or (0.0, 0.0, 0.0, 0.0)
         views, boxes = [*views[:4], half], [*boxes[:4], box]
     areas = (middle, (list_left, list_top, x1, y1))
@@ -330,7 +335,7 @@ def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBloc
         number=getattr(design.drawing, f"file_{sheet}"),
         material="",
         mass=machine.mass if drawn else "",
-        scale=scale_text(SCALE),
+        scale=scale_text(machine.scale),
         sheet=1,
         sheets=1,
         revision=design.drawing.revision,

@@ -18,7 +18,7 @@ from drawings.placement.views import Arrangement, annotated_views, arrange, deta
 from drawings.sheets.frame import PAPERS, Paper
 from drawings.sheets.hole_table import hole_table_box, hole_table_primitives
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
-from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
+from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.sheets.title_block import TitleBlock, revision_box, title_box
 from drawings.views.centre_lines import axes_of, centre_lines
@@ -36,10 +36,6 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
 
     from stagecad.solids.export.mesh import Mesh
-
-
-TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
-"""Titles of the thesis where they differ from the names of the parts."""
 
 
 WIDEST_MOUTH = 1.4
@@ -156,6 +152,8 @@ class PartDescription:
     """The data of a part for its sheets.
 
     Args:
+        title: words of the title block.
+        plans: of its sheets, in order.
         solid: in part coordinates.
         dimensions, requirements: the declarations of the part.
         notes: of the part.
@@ -166,12 +164,14 @@ class PartDescription:
         treatment: of the material.
         brittle: whether the material is, so that edges are not broken by hand.
         mesh: of the solid, if there is one already.
-        plan: of its sheets; None for the packaged one of its name. With a plan, a dimension in another view than
-            declared is reported.
+        chosen: whether the plans follow from the declarations: then a dimension in another view than declared is
+            reported.
         proposed: whether the program has proposed the dimensions, which the title block then says.
     """
 
     name: str
+    title: str
+    plans: tuple[SheetPlan, ...]
     solid: cq.Solid
     dimensions: tuple[Dimension, ...]
     requirements: tuple[FaceRequirement, ...]
@@ -183,7 +183,7 @@ class PartDescription:
     treatment: str = "-"
     brittle: bool = False
     mesh: Mesh | None = None
-    plan: tuple[SheetPlan, ...] | None = None
+    chosen: bool = False
     proposed: bool = False
 
 
@@ -197,9 +197,7 @@ def part_sheets(
         verifier: of the solid, if there is one already.
         exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
-    changed = [
-        changed_plan(plan, overrides_of(design, plan.name)) for plan in part.plan or sheet_plans(part.name, design)
-    ]
+    changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in part.plans]
     plans = tuple(plan for plan, _ in changed)
     verifier = verifier or DimensionVerifier(part.solid)
     holes = threaded_holes(part.dimensions, verifier)
@@ -228,7 +226,7 @@ def _sheet(
         for r in part.requirements
         if (r.feature in features if _is_on_callout(r) else sheet_of_requirement(plans, r) is plan)
     ]
-    shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=bool(part.plan))
+    shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=part.chosen)
     if shown.missing:
         raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
     title = _title(part, design, plan, number, len(plans))
@@ -236,7 +234,7 @@ def _sheet(
     lines = (*_note_lines(part, shown.notes), *listed_notes(overrides))
     paper, arranged, note, corner = _arranged(plan, views, shown, lines, title)
     annotations, unapplied = moved(arranged.annotations, overrides, plan.name)
-    unapplied = [*unapplied, *(shown.elsewhere if part.plan else ())]
+    unapplied = [*unapplied, *(shown.elsewhere if part.chosen else ())]
     table: tuple[Primitive, ...] = ()
     tabulated: tuple[str, ...] = ()
     if shown.table:
@@ -347,7 +345,7 @@ def _note_lines(part: PartDescription, numbered: Sequence[str]) -> tuple[str, ..
 
 def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
     drawing = design.drawing
-    words = TITLES.get(part.name, part.name.replace("_", " "))
+    words = part.title
     edges = "no sharp edges; chamfers as drawn" if part.brittle else drawing.edges
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,

@@ -14,22 +14,21 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from stagecad.friction_stage.parameters.derived import Derived
-from stagecad.friction_stage.parameters.machine import Tables, nearest_key
-from stagecad.friction_stage.parameters.physics import Material
+from stagecad.parameters.entry import Entry
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import Entry
 from stagecad.parameters.iso286 import deviations, is_class
+from stagecad.parameters.machine import Machine
+from stagecad.parameters.schema import nearest_key
 from stagecad.parameters.units import to_si
 
 
 @dataclass(frozen=True)
-class Materials(Mapping[str, Material]):
-    """Materials by name."""
+class Materials(Mapping[str, Any]):
+    """Tables of the materials by name."""
 
-    named: tuple[tuple[str, Material], ...]
+    named: tuple[tuple[str, Any], ...]
 
-    def __getitem__(self, name: str) -> Material:
+    def __getitem__(self, name: str) -> Any:
         for known, material in self.named:
             if known == name:
                 return material
@@ -43,9 +42,10 @@ class Materials(Mapping[str, Material]):
 
 
 @dataclass(frozen=True)
-class Design(Tables):
-    """Every number of the machine: the tables of the parameter file as attributes, and every entry by its key."""
+class Design:
+    """Every number of a machine: the tables of the parameter file as attributes, and every entry by its key."""
 
+    machine: Machine = field(repr=False, compare=False)
     materials: Materials
     entries: tuple[Entry, ...] = field(repr=False)
     file: str = "thesis.toml"
@@ -57,14 +57,31 @@ class Design(Tables):
     earlier: tuple[tuple[str, str], ...] = ()
     """Keys that differ from an earlier issue of the design, with their values then (`since`)."""
 
-    @cached_property
-    def derived(self) -> Derived:
-        """Heights, places and envelopes that follow from the parameters."""
-        return Derived(self)
+    own: tuple[tuple[str, Any], ...] = ()
+    """Tables of parts of the user's own by name."""
+    source: Any = field(default=None, repr=False, compare=False)
+    """Entries that it was made from (`stagecad.parameters.variations.Source`)."""
+
+    def __getattr__(self, name: str) -> Any:
+        # Only for what is no attribute otherwise; the tables of a machine's own design are.
+        if not name.startswith("_"):
+            for known, table in self.__dict__.get("own", ()):
+                if known == name:
+                    return table
+        raise AttributeError(f"the design has no table '{name}'")
 
     @cached_property
     def _by_key(self) -> dict[str, Entry]:
-        return {entry.key: entry for entry in self.entries}
+        found = {entry.key: entry for entry in self.entries}
+        # A part of the user's own with the key of a packaged one stands in its place.
+        for key, table in self.machine.declaration.tables.items() if self.machine.declaration else ():
+            if key != table:
+                found |= {
+                    f"{key}.{name.partition('.')[2]}": one
+                    for name, one in found.items()
+                    if name.startswith(f"{table}.")
+                }
+        return found
 
     def entry(self, key: str) -> Entry:
         """The entry of a key.
@@ -76,6 +93,10 @@ class Design(Tables):
             return self._by_key[key]
         except KeyError:
             raise InputError(f"no parameter '{key}'{nearest_key(key, self._by_key)}") from None
+
+    def has(self, key: str) -> bool:
+        """Whether there is such a key."""
+        return key in self._by_key
 
     def value(self, key: str) -> Any:
         """Value of a key in the unit of its attribute: mm or degrees for geometry, SI otherwise."""
@@ -107,7 +128,7 @@ class Design(Tables):
         if is_class(tolerance):
             return deviations(float(self.value(key)), tolerance)
         name = {"X": "tolerance_x", "X.X": "tolerance_x_x", "X.XX": "tolerance_x_xx"}.get(tolerance)
-        plus_minus = getattr(self.drawing, name) if name else 0.0
+        plus_minus = self.value(f"drawing.{name}") if name else 0.0
         return -plus_minus, plus_minus
 
     def sheet_settings(self, sheet: str) -> str:
@@ -133,7 +154,7 @@ class Design(Tables):
         )
         return replace(self, earlier=differ)
 
-    def material(self, key: str) -> Material:
+    def material(self, key: str) -> Any:
         """Properties of the material whose name is the value of `key` (`base.material`)."""
         return self.materials[str(self.value(key))]
 

@@ -8,13 +8,14 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from stagecad.parameters.entry import Entry, FileEntry
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.iso286 import in_range, is_class
+from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ProjectTable, read_project_tables
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
 from stagecad.parameters.toml import load_toml
@@ -31,56 +32,22 @@ _LARGEST = 4_000_000
 
 
 @dataclass(frozen=True)
-class FileEntry:
-    """One key of a parameter file.
-
-    Args:
-        value: as written: text, number or truth value; or a `ByRow`.
-        place: file and key, for messages.
-        tolerance, origin: as written; None for a bare value.
-        free: range or choices in which an optimisation may change the value, as written; empty for none.
-    """
-
-    value: Any
-    place: str
-    tolerance: str | None = None
-    origin: str | None = None
-    free: str = ""
-
-
-@dataclass(frozen=True)
 class ParameterFile:
-    """The entries of a file by dotted key, and the file's name in messages."""
+    """The entries of a file by dotted key, with the file's name in messages and its folder."""
 
     name: str
     entries: Mapping[str, FileEntry]
+    folder: Path
     extends: str | None = None
     machine: Mapping[str, Any] | None = None
-    """The table `[machine]`, as parsed (`stagecad.solids.assembly.machine_declaration`)."""
+    """The table `[machine]`, as parsed (`stagecad.parameters.machine_declaration`)."""
     tables: tuple[ProjectTable, ...] = ()
     """The project's tables of hardware."""
 
 
-@dataclass(frozen=True)
-class ByRow:
-    """The value of a key that a row of a project's table has.
-
-    Args:
-        key: of the row's name.
-        file: of the table.
-        rows: the entry in each row by the row's name; None where its cell is empty.
-        otherwise: entry of the parameter file, for an empty cell or no row.
-    """
-
-    key: str
-    file: str
-    rows: Mapping[str, FileEntry | None]
-    otherwise: FileEntry | None
-
-
 def packaged_path() -> Path:
     """The packaged parameter file: the design of the thesis."""
-    return Path(str(files("stagecad.friction_stage.parameters").joinpath("thesis.toml")))
+    return packaged_machine().file
 
 
 def packaged_text() -> str:
@@ -139,7 +106,8 @@ def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> Pa
     named = document.pop(HARDWARE, {})
     if not isinstance(named, dict):
         raise InputError(f"{name}: {HARDWARE} = {_value_text(named)}: write a table [{HARDWARE}]")
-    tables = read_project_tables(named, Path(name).parent if folder is None else folder, name)
+    folder = Path(name).parent if folder is None else folder
+    tables = read_project_tables(named, folder, name, packaged_machine().kinds())
     entries: dict[str, FileEntry] = {}
     for table, content in document.items():
         if not isinstance(content, dict):
@@ -147,7 +115,7 @@ def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> Pa
                 f"{name}: {table} = {_value_text(content)} is outside a table; write it in a table like [stage]"
             )
         _collect(name, table, content, entries)
-    return ParameterFile(name, entries, extends, machine, tables)
+    return ParameterFile(name, entries, folder, extends, machine, tables)
 
 
 def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str, FileEntry]) -> None:
@@ -158,13 +126,17 @@ def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str,
         if not isinstance(value, dict):
             entries[path] = FileEntry(_scalar(value, f"{name}: {path}"), f"{name}: {path}")
         elif "value" in value or (value and set(value) <= {"tolerance", "origin", "free"}):
-            entries[path] = _entry(name, path, value)
+            entries[path] = written_entry(f"{name}: {path}", value)
         else:
             _collect(name, path, value, entries)
 
 
-def _entry(name: str, path: str, table: dict[str, Any]) -> FileEntry:
-    place = f"{name}: {path}"
+def written_entry(place: str, table: Mapping[str, Any]) -> FileEntry:
+    """An entry that is written as a table with value, tolerance, origin and free range.
+
+    Raises:
+        InputError: an unknown field, no value, or a wrong tolerance, origin or range.
+    """
     for word in table:
         if word not in _FIELDS:
             raise InputError(f"{place}: unknown field '{word}'{nearest(word, _FIELDS)}")
@@ -221,35 +193,6 @@ def _toml_error(text: str, message: str) -> str:
             key = lines[number - 2].split("=")[0].strip()
         return f"line {number}: '{key}' is given twice; keep one of them"
     return f"line {number}: not TOML: {what[0].lower()}{what[1:]}: {line[:60]}"
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One key of a design with its value.
-
-    Args:
-        key: `stage.length`.
-        text: value with its unit, as written (or as computed).
-        value: number in the unit of the attribute, or text, or truth value.
-        unit: of `value`; empty for a dimensionless one.
-        tolerance: class, or None.
-        origin: source of the value.
-        meaning: one line for people.
-        std: standard deviation in `unit`, where the file gives one.
-        formula: as written, where the value comes from a formula of the file.
-        free: range or choices in which an optimisation may change the value, as written.
-    """
-
-    key: str
-    text: str
-    value: Any
-    unit: str
-    tolerance: str | None
-    origin: str
-    meaning: str
-    std: float | None = None
-    formula: str = ""
-    free: str = ""
 
 
 def read_formula(key: str, entry: FileEntry, formula: str, value: float, declaration: Declaration) -> Entry:

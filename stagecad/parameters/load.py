@@ -7,16 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stagecad.friction_stage.parameters.derived import COMPUTED
-from stagecad.friction_stage.parameters.hardware import NO_ROW
-from stagecad.friction_stage.parameters.machine import MATERIALS, nearest_key, schema
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
+from stagecad.parameters.entry import ByRow, Entry, FileEntry
 from stagecad.parameters.errors import InputError, ViolationsError
 from stagecad.parameters.file import (
-    ByRow,
-    Entry,
-    FileEntry,
     ParameterFile,
     parse_parameter_text,
     read_entry,
@@ -24,10 +19,12 @@ from stagecad.parameters.file import (
     require_origin,
 )
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.project_tables import HARDWARE, ROW, ProjectTable, kinds, slot_kinds
+from stagecad.parameters.machine import MATERIALS, Machine, packaged_machine
+from stagecad.parameters.machine_declaration import declared_machine, require_mates, stated_parameters
+from stagecad.parameters.project_tables import HARDWARE, NO_ROW, ROW, ProjectTable
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
-from stagecad.parameters.schema import Declaration
+from stagecad.parameters.schema import Declaration, nearest_key
 from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
 
@@ -75,9 +72,42 @@ def further_override(file: ParameterFile, overrides: Sequence[str] = ()) -> Call
 
 def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Design:
     variations = Variations(_source(file, overrides))
+    require_mates(variations.design)
     if rules:
         require(variations)
     return variations.design
+
+
+def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> Design:
+    """The design of a machine that is one part of the user's own, with its parameters beside those of a file.
+
+    Raises:
+        InputError: a fault in the file, or in what the part's file states.
+    """
+    stated = stated_parameters(path)
+    name = stated.name if stated else path.stem
+    if name in packaged_machine().table_names or not name.isidentifier():
+        raise InputError(
+            f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
+        )
+    machine = {"parts": {name: {"file": path.name}}, "mates": {name: {}}}
+    return _design(replace(file, machine=machine, folder=path.parent), overrides, rules=False)
+
+
+def overridden(design: Design, values: Mapping[str, str]) -> Design:
+    """A design of a machine of the user's own with other values of some keys, without regard to rules.
+
+    Raises:
+        InputError: an unknown key, or an invalid value.
+    """
+    if not values:
+        return design
+    source: Source = design.source
+    given = dict(source.given)
+    for key, text in values.items():
+        found, entry = _override(f"{key}={text}", source.keys, given, source.machine)
+        given[found] = entry
+    return Variations(source).of(replace(source, given=given, overrides=(*source.overrides, *values)))
 
 
 def require(variations: Variations) -> None:
@@ -97,21 +127,24 @@ def require(variations: Variations) -> None:
 
 
 def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
-    given = dict(file.entries)
+    machine = packaged_machine()
+    if file.machine is not None:
+        machine = declared_machine(machine, file.machine, file.name, file.folder)
+    given = {**{key: entry for key, (_, entry) in machine.own.items()}, **file.entries}
     if file.extends is not None:
         given = {**read_parameter_file().entries, **given}
     given.update(_plain_rows(file.tables))
     materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
-    keys = schema(materials)
-    _check_rows(file.tables, materials)
+    keys = machine.schema(materials)
+    _check_rows(machine, file.tables, materials)
     for key in given:
         if key not in keys:
             raise InputError(f"{file.name}: no parameter '{key}'{nearest_key(key, keys)}")
-    given.update(_chosen_rows(file.tables, given))
+    given.update(_chosen_rows(machine, file.tables, given))
     for text in overrides:
-        key, entry = _override(text, keys, given)
+        key, entry = _override(text, keys, given, machine)
         given[key] = entry
-    for slot, kind in slot_kinds().items():
+    for slot, kind in machine.slot_kinds.items():
         entry = given.get(f"{slot}.{ROW}")
         if entry and entry.value != NO_ROW and kind not in {table.kind for table in file.tables}:
             raise InputError(
@@ -122,7 +155,7 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
         if key not in given and declaration.default is not None:
             given[key] = FileEntry(declaration.default, f"{file.name}: {key}", origin="assumed: default")
     overridden = tuple(text.partition("=")[0].strip() for text in overrides)
-    return Source(given, keys, materials, file.name, overridden)
+    return Source(machine, given, keys, materials, file.name, overridden)
 
 
 def _plain_rows(tables: Sequence[ProjectTable]) -> dict[str, FileEntry]:
@@ -136,14 +169,16 @@ def _plain_rows(tables: Sequence[ProjectTable]) -> dict[str, FileEntry]:
     return found
 
 
-def _chosen_rows(tables: Sequence[ProjectTable], given: Mapping[str, FileEntry]) -> dict[str, FileEntry]:
+def _chosen_rows(
+    machine: Machine, tables: Sequence[ProjectTable], given: Mapping[str, FileEntry]
+) -> dict[str, FileEntry]:
     """Entries of the parts that choose a row; what no row has stays that of the file."""
     found: dict[str, FileEntry] = {}
     for table in tables:
-        for slot in kinds()[table.kind].slots:
+        for slot in machine.kinds()[table.kind].slots:
             for column in {column: None for row in table.rows for column in row.cells}:
                 key = f"{slot}.{column}"
-                present = given.get(key) or COMPUTED.get(key)
+                present = given.get(key) or machine.computed.get(key)
                 tolerance = present.tolerance if present else None
                 rows = {
                     row.name: FileEntry(cell.text, cell.place, tolerance, row.origin) if cell else None
@@ -155,24 +190,29 @@ def _chosen_rows(tables: Sequence[ProjectTable], given: Mapping[str, FileEntry])
     return found
 
 
-def _check_rows(tables: Sequence[ProjectTable], materials: Sequence[str]) -> None:
+def _check_rows(machine: Machine, tables: Sequence[ProjectTable], materials: Sequence[str]) -> None:
     """Check every cell of every table, also of rows that are not chosen."""
     for table in tables:
-        columns = kinds()[table.kind].columns
+        columns = machine.kinds()[table.kind].columns
         for row in table.rows:
             for column, cell in row.cells.items():
                 read_entry(column, FileEntry(cell.text, cell.place, None, row.origin), columns[column], materials)
 
 
-def _override(text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry]) -> tuple[str, FileEntry]:
+def _override(
+    text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry], machine: Machine
+) -> tuple[str, FileEntry]:
     if not text.isprintable():
         raise InputError(f"--set {text!r}: contains characters that cannot be printed")
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key or not value:
         raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
+    table, _, last = key.partition(".")
+    if machine.declaration and table in machine.declaration.tables:
+        key = f"{machine.declaration.tables[table]}.{last}"
     if key not in keys:
         raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
-    source = given.get(key) or COMPUTED.get(key)
+    source = given.get(key) or machine.computed.get(key)
     free = source.free if isinstance(source, FileEntry) else ""
     tolerance = source.tolerance if source else None
     return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set", free)

@@ -88,6 +88,32 @@ class BodyMasses:
     tip: MassProperties
     """one tip, in its own coordinates (the piezos' ends at height zero)"""
 
+    def as_json(self) -> dict[str, Any]:
+        """Both as JSON documents."""
+        return {"moving_body": self.moving.as_json(), "tip": self.tip.as_json()}
+
+
+@dataclass(frozen=True)
+class PartMasses:
+    """Mass properties of each kind of part, in its own coordinates, and of the whole machine, by name."""
+
+    parts: Mapping[str, MassProperties]
+
+    def as_json(self) -> dict[str, Any]:
+        """All of them as JSON documents."""
+        return {"masses": {name: one.as_json() for name, one in self.parts.items()}}
+
+
+Masses = BodyMasses | PartMasses
+"""Mass properties that the checks of a machine read."""
+
+
+def masses_from_json(document: Mapping[str, Any]) -> Masses:
+    """Masses from a document that has those of their `as_json`."""
+    if "masses" in document:
+        return PartMasses({name: MassProperties.from_json(one) for name, one in document["masses"].items()})
+    return BodyMasses(*(MassProperties.from_json(document[name]) for name in ("moving_body", "tip")))
+
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
     """Several bodies as one: masses add, inertias add about the common centre (parallel-axis theorem).

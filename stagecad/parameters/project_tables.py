@@ -13,20 +13,20 @@ import io
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stagecad.friction_stage.parameters import hardware, physics
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.schema import Declaration, declarations, mm
+from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import parse_quantity, quoted
 
 HARDWARE = "hardware"
 """The table of the parameter file that names the tables."""
 ROW = "row"
 """The key of a part by which it chooses a row."""
+NO_ROW = "none"
+"""Value of that key for a part whose values are those of the parameter file."""
 NAME, SOURCE = "name", "source"
 _LARGEST = 1_000_000
 """Largest accepted size of a table, bytes."""
@@ -77,46 +77,16 @@ class ProjectTable:
     rows: tuple[Row, ...]
 
 
-@dataclass
-class _Thread:
-    tap_drill: float = mm("of the thread")
-    pitch: float = mm("of the thread")
-
-
-@cache
-def kinds() -> dict[str, Kind]:
-    """The kinds of table by name."""
-
-    def of(table: type, slots: tuple[str, ...], optional: tuple[str, ...] = ()) -> Kind:
-        columns = {name: one for name, one in declarations(table).items() if name != ROW}
-        free = (name for name, one in columns.items() if one.computed or one.default is not None)
-        return Kind(columns, slots, (*optional, *free))
-
-    threads = tuple(name.removesuffix("_pitch") for name in declarations(hardware.Threads) if name.endswith("_pitch"))
-    screws = tuple(f"screws.{name}" for name in ("way", "clamp_long", "clamp_short", "bar"))
-    ceramic = ("hysteresis", "strain_limit", "creep", "damping_ratio")
-    return {
-        "piezos": of(hardware.Piezo, ("piezo",), ceramic),
-        "screws": of(hardware.Screw, screws, ("torque", "nut_factor")),
-        "set_screws": of(hardware.SetScrew, ("set_screw",)),
-        "springs": of(hardware.Spring, ("spring",)),
-        "threads": Kind(declarations(_Thread), names=threads),
-        "materials": of(physics.Material, ()),
-    }
-
-
-def slot_kinds() -> dict[str, str]:
-    """The kind of table of each part that may choose a row."""
-    return {slot: name for name, kind in kinds().items() for slot in kind.slots}
-
-
-def read_project_tables(named: Mapping[str, Any], folder: Path, file: str) -> tuple[ProjectTable, ...]:
+def read_project_tables(
+    named: Mapping[str, Any], folder: Path, file: str, kinds: Mapping[str, Kind]
+) -> tuple[ProjectTable, ...]:
     """Read the tables that a parameter file names.
 
     Args:
         named: its table `[hardware]`: names of files by kind.
         folder: of the parameter file; nothing outside it is read.
         file: the parameter file, for messages.
+        kinds: of table, by name.
 
     Raises:
         InputError: an unknown kind, a file outside of the folder, no such file, or a mistake in a table, with its row
@@ -125,11 +95,11 @@ def read_project_tables(named: Mapping[str, Any], folder: Path, file: str) -> tu
     found = []
     for kind, name in named.items():
         place = f"{file}: {HARDWARE}.{kind}"
-        if kind not in kinds():
-            raise InputError(f"{place}: no such kind of table{nearest(kind, kinds())}")
+        if kind not in kinds:
+            raise InputError(f"{place}: no such kind of table{nearest(kind, kinds)}")
         if not isinstance(name, str) or not name:
             raise InputError(f"{place}: write the name of a CSV file in this folder, like '{kind}.csv'")
-        rows = tuple(_rows(_text(name, folder, place), name, kinds()[kind]))
+        rows = tuple(_rows(_text(name, folder, place), name, kinds[kind]))
         if not rows:
             raise InputError(f"{name}: has no rows below its columns; write one for each of the {kind}")
         found.append(ProjectTable(kind, name, rows))
@@ -241,8 +211,8 @@ def _check_name(name: str, place: str, kind: Kind) -> None:
         raise InputError(f"{place}: no thread {quoted(name)}{nearest(name, kind.names)}")
     if not kind.slots and not _IDENTIFIER.fullmatch(name):
         raise InputError(f"{place}: {quoted(name)}: write letters, digits and _, beginning with a letter")
-    if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == hardware.NO_ROW:
-        raise InputError(f"{place}: {quoted(name)}: write a line of text without '|', other than '{hardware.NO_ROW}'")
+    if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == NO_ROW:
+        raise InputError(f"{place}: {quoted(name)}: write a line of text without '|', other than '{NO_ROW}'")
 
 
 def _is_number(text: str) -> bool:

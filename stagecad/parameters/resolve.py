@@ -4,24 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any
 
-from stagecad.friction_stage.parameters.derived import COMPUTED
-from stagecad.friction_stage.parameters.hardware import NO_ROW
-from stagecad.friction_stage.parameters.machine import nearest_key
+from stagecad.parameters.entry import ByRow, Entry, FileEntry
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.file import (
-    ByRow,
-    Entry,
-    FileEntry,
-    attribute_value,
-    bounds_text,
-    in_bounds,
-    read_entry,
-    read_formula,
-)
+from stagecad.parameters.file import attribute_value, bounds_text, in_bounds, read_entry, read_formula
 from stagecad.parameters.formula import SIGN, FormulaError, Value, is_formula, parse_formula
-from stagecad.parameters.schema import Declaration
+from stagecad.parameters.machine import Computed
+from stagecad.parameters.project_tables import NO_ROW
+from stagecad.parameters.schema import Declaration, nearest_key
 from stagecad.parameters.units import quoted, to_si, unit_dimension
 
 
@@ -31,6 +21,7 @@ class Resolver:
     Args:
         given: entries of the file, overrides among them.
         keys: every key with its declaration.
+        computed: formulas of keys that the file may leave out.
         materials: names of the materials.
         file: name of the file, for messages.
 
@@ -41,10 +32,12 @@ class Resolver:
         self,
         given: Mapping[str, FileEntry],
         keys: Mapping[str, Declaration],
+        computed: Mapping[str, Computed],
         materials: Sequence[str],
         file: str,
     ) -> None:
         self._given, self._keys, self._materials, self._file = given, keys, tuple(materials), file
+        self._formulas = computed
         self.entries: dict[str, Entry] = {}
         self.reads: dict[str, set[str]] = {}
         self._open: list[str] = []
@@ -113,23 +106,15 @@ class Resolver:
         except FormulaError as error:
             raise InputError(f"{given.place} = '{given.value}': {error}") from None
 
-        def parameter(other: str) -> Value:
-            if other not in self._keys:
-                raise FormulaError(f"no parameter '{other}'{nearest_key(other, self._keys)}")
-            entry = self.read(other)
-            if isinstance(entry.value, bool | str):
-                raise FormulaError(f"parameter '{other}' = '{entry.text}' is not a number")
-            return Value(to_si(float(entry.value), entry.unit), unit_dimension(entry.unit))
-
         unit = declaration.unit
-        value = attribute_value(formula.value(parameter, unit, given.place), unit)
+        value = attribute_value(formula.value(self._number, unit, given.place), unit)
         return read_formula(key, given, f"{SIGN}{formula.text}", value, declaration)
 
     def _computed(self, key: str, declaration: Declaration) -> Entry:
         """Entry of a key that the file leaves out, from the formula of the key."""
-        formula, unit = COMPUTED[key], declaration.unit
-        value = formula.value(_PartialDesign(self))
-        value = int(value) if declaration.kind == "count" else attribute_value(to_si(value, unit), unit)
+        formula, unit = self._formulas[key], declaration.unit
+        number = parse_formula(formula.text).value(self._number, unit, f"{self._file}: {key}")
+        value = int(number) if declaration.kind == "count" else attribute_value(number, unit)
         text = f"{value:.10g} {unit}".strip()
         if not in_bounds(value, declaration):
             raise InputError(
@@ -137,23 +122,17 @@ class Resolver:
             )
         return Entry(key, text, value, unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning)
 
-    def has(self, key: str) -> bool:
-        """Whether there is such a key."""
-        return key in self._keys
+    def _number(self, key: str) -> Value:
+        """The number of a key that a formula reads."""
+        if key not in self._keys:
+            raise FormulaError(f"no parameter '{key}'{nearest_key(key, self._keys)}")
+        entry = self.read(key)
+        if isinstance(entry.value, bool | str):
+            raise FormulaError(f"parameter '{key}' = '{entry.text}' is not a number")
+        return Value(to_si(float(entry.value), entry.unit), unit_dimension(entry.unit))
 
 
 @lru_cache(maxsize=4096)
 def _read_text(key: str, given: FileEntry, declaration: Declaration, materials: tuple[str, ...]) -> Entry:
     """`read_entry` of a text. A program reads most texts of a design many times, with few of them changed."""
     return read_entry(key, given, declaration, materials)
-
-
-class _PartialDesign:
-    """Tables that are being computed: attributes by dotted key."""
-
-    def __init__(self, resolver: Resolver, prefix: str = "") -> None:
-        self._resolver, self._prefix = resolver, prefix
-
-    def __getattr__(self, name: str) -> Any:
-        key = f"{self._prefix}{name}"
-        return self._resolver.read(key).value if self._resolver.has(key) else _PartialDesign(self._resolver, f"{key}.")

@@ -9,8 +9,11 @@ A field's unit is the one its attribute is kept in: `mm` and `deg` for lengths a
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from typing import Any, Literal
+
+from stagecad.parameters.errors import nearest
 
 TOLERANCE_CLASSES = ("X", "X.X", "X.XX")
 """General tolerances by the decimals of a dimension; a class of ISO 286 (`H7`) may stand in their place."""
@@ -99,3 +102,26 @@ def of_material(meaning: str = "material") -> Any:
 def declarations(table: type) -> dict[str, Declaration]:
     """The keys of a table, in order, with what each holds; tables below it are left out."""
     return {item.name: item.metadata["declaration"] for item in fields(table) if "declaration" in item.metadata}
+
+
+def nearest_key(key: str, known: Iterable[str]) -> str:
+    """End of a message about an unknown key: the nearest known key, or the keys of its table."""
+    keys = sorted(known)
+    hint = nearest(key, keys)
+    if key in {item.split(".")[0] for item in keys}:
+        return f"; [{key}] is a table: name a key in it, like '{next(item for item in keys if item.startswith(key))}'"
+    table, _, name = key.rpartition(".")
+    if table.startswith("materials."):
+        materials = {item.split(".")[1] for item in keys if item.startswith("materials.")}
+        if table.split(".")[1] not in materials:
+            return nearest(table.split(".")[1], materials).replace("did you mean", "did you mean material")
+    if "did you mean" in hint:
+        return hint
+    table, _, name = key.rpartition(".")
+    siblings = [item for item in keys if item.rpartition(".")[0] == table]
+    if siblings:
+        return f"; keys of [{table}]: {', '.join(item.rpartition('.')[2] for item in siblings)}"
+    same = [item for item in keys if item.rpartition(".")[2] == name]
+    if same:
+        return f"; did you mean '{same[0]}'?"
+    return nearest(key.split(".")[0], {item.split(".")[0] for item in keys})

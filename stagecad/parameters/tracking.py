@@ -17,6 +17,10 @@ LEAVES = (bool, int, float, str, tuple, list, frozenset)
 """Types that are recorded as a whole, by their `repr`; other objects are tracked in turn."""
 
 
+UNTRACKED = "machine"
+"""Attribute of a design that is no value: what the machine makes depends on its modules."""
+
+
 class TrackedDesign:
     """Proxy of a design, or of a table in it, that records what is read.
 
@@ -48,6 +52,8 @@ class TrackedDesign:
         if name.startswith("__"):
             raise AttributeError(name)
         target = self._tracked_target
+        if name == UNTRACKED:
+            return getattr(target, name)
         if isinstance(target, Mapping):
             return getattr(self._tracked_whole(), name)
         return self._tracked_value(getattr(target, name), ("attribute", name))

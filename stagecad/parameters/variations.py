@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from types import SimpleNamespace
 from typing import Any, get_type_hints
 
-from stagecad.friction_stage.parameters.machine import MATERIALS, Tables
-from stagecad.friction_stage.parameters.physics import Material
 from stagecad.parameters.design import Design, Materials
-from stagecad.parameters.file import Entry, FileEntry
+from stagecad.parameters.entry import Entry, FileEntry
+from stagecad.parameters.machine import MATERIALS, Machine
 from stagecad.parameters.resolve import Resolver
 from stagecad.parameters.schema import Declaration, declarations
 
@@ -18,6 +18,7 @@ from stagecad.parameters.schema import Declaration, declarations
 class Source:
     """Entries of a file, overrides among them, with the declarations of all keys."""
 
+    machine: Machine
     given: Mapping[str, FileEntry]
     keys: Mapping[str, Declaration]
     materials: tuple[str, ...]
@@ -41,14 +42,13 @@ class Variations:
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        resolver = Resolver(source.given, source.keys, source.materials, source.file)
+        resolver = _resolver(source)
         self._entries = resolver.all()
         self._readers: dict[str, set[str]] = {}
         for key, read in resolver.reads.items():
             for other in read:
                 self._readers.setdefault(other, set()).add(key)
-        typed = _typed(self._entries, tuple(source.keys), source.materials, source.file)
-        self.design = replace(typed, overrides=source.overrides)
+        self.design = _typed(self._entries, source)
 
     def dependents(self, keys: Sequence[str]) -> set[str]:
         """The keys whose values follow from these by formulas, these among them."""
@@ -94,7 +94,7 @@ class Variations:
     def _of(self, source: Source, changed: Sequence[str]) -> Design:
         """The design of a source that differs in the given entries of some keys."""
         touched = self.dependents(changed)
-        resolver = Resolver(source.given, source.keys, source.materials, source.file)
+        resolver = _resolver(source)
         resolver.entries.update((key, entry) for key, entry in self._entries.items() if key not in touched)
         for key in touched:
             resolver.entry(key)
@@ -105,17 +105,22 @@ class Variations:
         for key in touched:
             table, _, name = key.rpartition(".")
             new.setdefault(table, {})[name] = entries[key].value
-        tables = {item.name: getattr(self.design, item.name) for item in fields(Tables)}
-        named = dict(self.design.materials)
+        kinds = fields(source.machine.tables)
+        tables = {item.name: getattr(self.design, item.name) for item in kinds}
+        named, own = dict(self.design.materials), dict(self.design.own)
         for table, values in new.items():
             top, _, below = table.partition(".")
             if top == MATERIALS:
                 named[below] = replace(named[below], **values)
+            elif top in own:
+                own[top] = SimpleNamespace(**{**vars(own[top]), **values})
             else:
                 tables[top] = _with(tables[top], below, values)
-        ordered = tuple(entries[key] for key in source.keys)
-        materials = Materials(tuple(named.items()))
-        return Design(**tables, materials=materials, entries=ordered, file=source.file, overrides=source.overrides)
+        return _design(source, tables, named, own, entries)
+
+
+def _resolver(source: Source) -> Resolver:
+    return Resolver(source.given, source.keys, source.machine.computed, source.materials, source.file)
 
 
 def _with(table: Any, below: str, values: Mapping[str, Any]) -> Any:
@@ -126,14 +131,39 @@ def _with(table: Any, below: str, values: Mapping[str, Any]) -> Any:
     return replace(table, **{name: _with(getattr(table, name), rest, values)})
 
 
-def _typed(entries: Mapping[str, Entry], keys: Sequence[str], materials: Sequence[str], file: str) -> Design:
+def _typed(entries: Mapping[str, Entry], source: Source) -> Design:
     def table(kind: type, prefix: str) -> Any:
         if declared := declarations(kind):
             return kind(**{name: entries[f"{prefix}.{name}"].value for name in declared})
         hints = get_type_hints(kind)
         return kind(**{item.name: table(hints[item.name], f"{prefix}.{item.name}") for item in fields(kind)})
 
-    hints = get_type_hints(Tables)
-    tables = {item.name: table(hints[item.name], item.name) for item in fields(Tables)}
-    named = tuple((name, table(Material, f"{MATERIALS}.{name}")) for name in materials)
-    return Design(**tables, materials=Materials(named), entries=tuple(entries[key] for key in keys), file=file)
+    machine = source.machine
+    hints = get_type_hints(machine.tables)
+    tables = {item.name: table(hints[item.name], item.name) for item in fields(machine.tables)}
+    named = {name: table(machine.material, f"{MATERIALS}.{name}") for name in source.materials}
+    own: dict[str, dict[str, Any]] = {}
+    for key in machine.own:
+        name, _, last = key.rpartition(".")
+        own.setdefault(name, {})[last] = entries[key].value
+    return _design(source, tables, named, {name: SimpleNamespace(**values) for name, values in own.items()}, entries)
+
+
+def _design(
+    source: Source,
+    tables: Mapping[str, Any],
+    materials: Mapping[str, Any],
+    own: Mapping[str, Any],
+    entries: Mapping[str, Entry],
+) -> Design:
+    return source.machine.design(
+        **tables,
+        machine=source.machine,
+        materials=Materials(tuple(materials.items())),
+        entries=tuple(entries[key] for key in source.keys),
+        file=source.file,
+        overrides=source.overrides,
+        own=tuple(own.items()),
+        # Only a machine of the user's own changes values for one of its parts.
+        source=source if source.machine.declaration else None,
+    )

@@ -24,13 +24,13 @@ import numpy as np
 
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
+from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.input_file import read_input
 from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, systematic_errors
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, weighted_residual
-from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.unknowns import Prior, Unknown

@@ -1,26 +1,16 @@
-"""Consent to run the Python files of an experiment, stored for the content of each file.
-
-An experiment may come from someone else, and `[model] custom` names Python files that run with the user's rights. They
-run after the user has consented (`--trust`): the consent is stored by the sha256 of the file's bytes, in a folder of
-this user alone, so that a changed file requires consent again, and a copy does not.
-"""
+"""The Python files that an experiment names (`[model] custom`), and whether they may run (`stagecad.consent`)."""
 
 from __future__ import annotations
 
 import hashlib
-import os
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.atomic import atomic_write_text
+from stagecad.consent import has_consent
 from stagecad.parameters.errors import InputError
-from stagecad.private import make_private, user_folder
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.toml_table import TomlTable, read_toml, shown
-
-_consented: set[str] = set()
-"""Hashes consented to in this process, also where no folder can store them."""
 
 
 def custom_files(model: TomlTable, folder: Path) -> tuple[Path, ...]:
@@ -40,62 +30,6 @@ def custom_files(model: TomlTable, folder: Path) -> tuple[Path, ...]:
             f"{model.where('custom')}: {shown(item)} is outside the folder of the experiment; copy the file there"
         )
     return tuple(found)
-
-
-def give_consent(files: tuple[Path, ...]) -> None:
-    """Store the consent to run each of `files` with its present content.
-
-    Raises:
-        InputError: a file that cannot be read.
-    """
-    for path in files:
-        try:
-            digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-        store_consent(path, digest)
-
-
-def store_consent(path: Path, digest: str) -> None:
-    """Store the consent to run a Python file whose content has this sha256."""
-    _consented.add(digest)
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    # Where it cannot be stored, the consent is for this run.
-    with suppress(OSError):
-        if folder is not None:
-            atomic_write_text(make_private(folder / "trusted") / digest, f"{path.resolve()}\n")
-
-
-def has_consent(data: bytes) -> bool:
-    """Whether the user has consented to a Python file with this content."""
-    digest = hashlib.sha256(data).hexdigest()
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    with suppress(OSError):
-        return digest in _consented or (folder is not None and (make_private(folder / "trusted") / digest).is_file())
-    return False
-
-
-def require_consent(path: Path, data: bytes) -> None:
-    """Refuse the content `data` of a Python file that the user has not consented to.
-
-    Raises:
-        InputError: with what to do.
-    """
-    if not has_consent(data):
-        what = "is Python code that has changed since you consented to it" if _had_consent(path) else "is Python code"
-        raise InputError(
-            f"{path}: {what}, which this experiment runs with your rights; read it, then repeat the command "
-            "with --trust (the consent is stored for the file's present content)"
-        )
-
-
-def _had_consent(path: Path) -> bool:
-    """Whether the user has consented to other content of a file."""
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    line = f"{path.resolve()}\n"
-    with suppress(OSError, UnicodeDecodeError):
-        return folder is not None and any(one.read_text("utf-8") == line for one in (folder / "trusted").iterdir())
-    return False
 
 
 def python_files(folder: Path) -> list[dict[str, Any]]:

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from sim.effects.effect import Effect
+from stagecad.consent import give_consent
 from stagecad.parameters.errors import InputError, nearest
-from sysid.experiment.consent import custom_files, give_consent
+from sysid.experiment.consent import custom_files
 from sysid.experiment.known import DesignValues, Known, known_axes, read_known
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable

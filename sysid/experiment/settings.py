@@ -11,10 +11,10 @@ from typing import Any
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect, Parameter, rotary_unit
+from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
-from sysid.experiment.consent import require_consent
 from sysid.experiment.known import DesignValues, design_value
 from sysid.experiment.rigs import CHANNELS, RigKind
 from sysid.experiment.toml_table import TomlTable, kind_of, shown

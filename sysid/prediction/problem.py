@@ -13,8 +13,8 @@ import numpy as np
 from sim.effects.catalogue import find, rounding_effects
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect
+from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
-from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior

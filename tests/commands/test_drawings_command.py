@@ -12,7 +12,7 @@ import pytest
 
 from drawings.artefacts.names import chosen_sheets, sheet_names
 from drawings.artefacts.sheets import digest
-from drawings.sheets.plans import sheet_plans
+from drawings.friction_stage.sheet_plans import sheet_plans
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design

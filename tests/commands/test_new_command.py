@@ -62,7 +62,7 @@ def test_effect_of_the_template_is_read(capsys: pytest.CaptureFixture[str]) -> N
     from sim.effects.custom import load_custom
 
     assert stagecad(["new", "effect", "bellows"]) == 0
-    from sysid.experiment.consent import give_consent
+    from stagecad.consent import give_consent
 
     give_consent((Path("bellows.py"),))
     assert [one.name for one in load_custom(Path("bellows.py"))] == ["bellows"]

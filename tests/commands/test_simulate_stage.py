@@ -10,8 +10,8 @@ import pytest
 from designcalc.checks.run import run_checks
 from sim.friction_stage.studies import stage_drive
 from sim.stage.studies.positioning import LOOPS, move_to
-from stagecad.friction_stage.assembly.machine import body_masses
 from stagecad.parameters.load import load_design
+from stagecad.solids.assembly.built_machine import body_masses
 from workbench.cli import run
 
 

@@ -58,7 +58,7 @@ def _drawings(text: str, folder: Path) -> None:
 
 
 def _design_changes(text: str, folder: Path) -> None:
-    from stagecad.solids.assembly.machine_declaration import read_machine
+    from stagecad.parameters.machine_declaration import read_machine
 
     machine = tomllib.loads(text)["machine"]
     assert len(read_machine(machine, "stage.toml", load_design()).mates) == len(machine["mates"])

@@ -62,7 +62,7 @@ def test_margins_that_do_not_depend_on_masses_are_those_of_the_report() -> None:
 
 @pytest.mark.slow
 def test_margins_with_the_masses_of_its_solids_are_those_of_the_report() -> None:
-    from stagecad.friction_stage.assembly.machine import body_masses
+    from stagecad.solids.assembly.built_machine import body_masses
 
     for file, column in (("start.toml", 1), ("stage.toml", 2)):
         design = load_design(FOLDER / file)

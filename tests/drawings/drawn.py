@@ -12,10 +12,10 @@ from drawings.export.drawing_model import drawing_model
 from drawings.export.dxf import dxf_document
 from drawings.sheets.part import PartDescription, part_sheets
 from drawings.sheets.sheet import Sheet
+from stagecad.friction_stage.construction import part_definition
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.part import notes_of
-from stagecad.solids.modelling.registry import part_definition
 
 
 @cache

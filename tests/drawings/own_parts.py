@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from tests.drawings.drawn import thesis
-from workbench.machine.own_part import OwnPart, draw_part, own_design
+from workbench.operations.design import Design
+from workbench.operations.own_part import draw_part as draw
 
 PARTS = Path(__file__).with_name("parts")
 
 
-def own_part(name: str, *changes: tuple[str, str]) -> OwnPart:
-    """The part of a file, its text changed first."""
-    path = PARTS / f"{name}.py"
-    text = path.read_text("utf-8")
+def draw_part(folder: Path, name: str, *changes: tuple[str, str]) -> dict[str, Any]:
+    """Draw the part of a file, its text changed first; its document."""
+    text = (PARTS / f"{name}.py").read_text("utf-8")
     for before, after in changes:
         assert before in text
         text = text.replace(before, after)
-    module: Any = ModuleType(name)
-    exec(compile(text, str(path), "exec"), vars(module))
-    return OwnPart(path, module, own_design(thesis(), module.NAME, module.PARAMETERS, path))
+    path = folder / "source" / f"{name}.py"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text, "utf-8")
+    return draw(path, folder, Design(), trust=True)
 
 
-def hits_of(part: OwnPart, folder: Path) -> list[str]:
+def hits_of(folder: Path, name: str, *changes: tuple[str, str]) -> list[str]:
     """What lint and the check of definition say of a part."""
-    return [hit for sheet in draw_part(part, folder)["sheets"] for hit in sheet["hits"]]
+    return [hit for sheet in draw_part(folder, name, *changes)["sheets"] for hit in sheet["hits"]]

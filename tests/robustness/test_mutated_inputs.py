@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.errors import LONGEST, InputError
 from stagecad.parameters.file import packaged_text
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine import packaged_machine
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers import isolated
 from sysid.experiment.record import load_records
@@ -81,7 +81,7 @@ def parameter_files(folder: Path, number: int, seed: int) -> Counter[str]:
     """Counts of mutated parameter files and overrides."""
     random, text, found = np.random.default_rng(seed), packaged_text(), Counter[str]()
     short = 'extends = "thesis"\n' + "\n".join(text.splitlines()[:60])
-    keys = list(schema())
+    keys = list(packaged_machine().schema())
     file = folder / "stage.toml"
     for _ in range(number):
         kind = random.random()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from designcalc.checks.analysis.sweep import Point, Range
     from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -31,7 +31,7 @@ def check_figure(width: float, height: float) -> Callable[[Callable[..., str | N
     """Decorator: draw on the axes of a new figure; the drawing returns its title, None for no figure."""
 
     def decorate(draw: Callable[..., str | None]) -> Callable[..., Figure | None]:
-        def drawn(design: Design, masses: BodyMasses | None) -> Figure | None:
+        def drawn(design: Design, masses: Masses | None) -> Figure | None:
             figure, axes = _figure(width, height)
             title = draw(axes, design, masses)
             if title is None:
@@ -110,7 +110,7 @@ def _width_of_labels(figure: Any) -> float:
 
 
 @check_figure(6.4, 4.0)
-def rail_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
+def rail_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
     from dataclasses import replace
 
@@ -136,7 +136,7 @@ def rail_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | N
 
 
 @check_figure(6.4, 4.4)
-def teeth_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
+def teeth_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; none without teeth."""
     if not design.teeth.fitted:
         return None
@@ -164,7 +164,7 @@ def teeth_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | 
 
 
 @check_figure(6.4, 4.0)
-def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
+def speed_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
     from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.tip_ellipse import speed_of
@@ -191,7 +191,7 @@ def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | 
 
 
 @check_figure(6.4, 4.0)
-def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
+def travel_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
     from designcalc.checks.inputs import DesignInputs
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
@@ -219,7 +219,7 @@ def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str |
 
 
 @check_figure(6.4, 4.0)
-def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
+def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
@@ -242,7 +242,7 @@ def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str 
     return f"A pad touches over {1e3 * side:.2g} mm: roughness is averaged, waves are not"
 
 
-def budget_figure(design: Design, masses: BodyMasses | None) -> Figure:
+def budget_figure(design: Design, masses: Masses | None) -> Figure:
     """Contributions to the error budgets at the payload."""
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.checks.budget import budgets
@@ -269,7 +269,7 @@ def budget_figure(design: Design, masses: BodyMasses | None) -> Figure:
     return figure
 
 
-def dynamic_figure(design: Design, masses: BodyMasses | None) -> Figure:
+def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.checks.position_loop import limit_key

@@ -11,15 +11,16 @@ from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
 from designcalc.checks.analysis.sweep import Point, Range, changing_checks, read_range, run_point, table
 from designcalc.checks.analysis.tolerance import ToleranceStudy, tolerance_study
+from designcalc.checks.chain import Chain
 from designcalc.checks.check import Check
+from designcalc.checks.own_checks import register
 from designcalc.checks.run import run_checks
-from designcalc.friction_stage.physics.tolerance_chains import Chain
-from designcalc.friction_stage.physics.tolerance_chains import chains as chains_of
+from designcalc.checks.subjects import subjects_of
 from stagecad.blas_threads import one_thread
-from stagecad.friction_stage.assembly.machine import body_masses
+from stagecad.consent import give_consent
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.processes import parallel_map
-from workbench.machine.own_checks import register
+from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, plain_table
 from workbench.operations.parts import masses_of_solids
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 FEW_POINTS = 30
 """Without solids so few points are quicker in one process than in several, which start first."""
@@ -41,14 +42,15 @@ MOST_ROWS = 12
 """Combinations in the table of a grid of more than two ranges."""
 
 
-def evaluated_checks(design: Design, masses: BodyMasses | None) -> list[Check]:
+def evaluated_checks(design: Design, masses: Masses | None) -> list[Check]:
     """Every check of a design, the changes that the failed ones propose evaluated."""
     register(design.check_files)
     return evaluate_proposals(run_checks(design.values, masses), design.values, masses, design.further_override())
 
 
 def trust_checks(design: Design) -> tuple[str, ...]:
-    """Consent to run the user's own checks as they are now; returns their files."""
+    """Consent to run the user's own checks and parts as they are now; returns the files of the checks."""
+    give_consent(design.part_files)
     register(design.check_files, trust=True)
     return design.check_files
 
@@ -79,7 +81,7 @@ class Checks(Result):
         masses: of its solids; none where they were estimated from plain volumes.
     """
 
-    def __init__(self, design: Design, checks: Sequence[Check], masses: BodyMasses | None = None) -> None:
+    def __init__(self, design: Design, checks: Sequence[Check], masses: Masses | None = None) -> None:
         self.design, self.checks, self.masses = design, tuple(checks), masses
 
     def __len__(self) -> int:
@@ -411,7 +413,7 @@ class Tolerances(Result):
 
 def tolerances(
     design: Design,
-    masses: BodyMasses | None,
+    masses: Masses | None,
     samples: int = 10_000,
     scheduler: str | None = None,
     progress: ProgressCallback = silent,
@@ -480,4 +482,4 @@ class Chains(Result):
 
 def chains(design: Design) -> Chains:
     """The tolerance chains of a design."""
-    return Chains(chains_of(design.values))
+    return Chains(subjects_of(design.values).chains(design.values))

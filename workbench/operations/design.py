@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.own_checks import own_check_files, register
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parse_parameter_text, read_parameter_file
 from stagecad.parameters.input_file import read_input
@@ -19,7 +20,6 @@ from stagecad.parameters.load import (
     variations_from_text,
 )
 from stagecad.parameters.load import load_design as read_design
-from workbench.machine.own_checks import own_check_files, register
 from workbench.operations.parameters import entry_json
 from workbench.operations.result import Result, finite, without_options
 
@@ -115,6 +115,14 @@ class Design(Result):
         if self._check_files is None:
             self._check_files = () if self._text is not None else own_check_files(self.path)
         return self._check_files
+
+    @property
+    def part_files(self) -> tuple[Path, ...]:
+        """Python files of the parts of a machine of the user's own."""
+        declaration = self._values(self.overrides, rules=False).machine.declaration
+        if declaration is None:
+            return ()
+        return tuple(dict.fromkeys(declaration.folder / part.file for part in declaration.parts if part.file))
 
     def variations(self, *overrides: str) -> Variations:
         """The design with further overrides, and fast changes of its values; rules are not required."""

@@ -11,7 +11,6 @@ from designcalc.checks.analysis.report import shown, shown_margin
 from designcalc.checks.run import run_checks
 from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
-from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.design import Design, as_design
 from workbench.operations.lines import Line, plain_table
@@ -24,9 +23,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from designcalc.checks.check import Check
-    from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.design import Design as Values
     from stagecad.parameters.mass_properties import MassProperties
+    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 ROUNDING = 1e-9
 """Relative difference of two numbers that is not a difference."""
@@ -292,7 +291,7 @@ def _with_solids(
     progress: ProgressCallback,
 ) -> Changes:
     """Masses, margins, volumes and sheets of both designs; sheets that differ are written to `folder`."""
-    from stagecad.friction_stage.assembly.machine import build_machine
+    from stagecad.solids.assembly.built_machine import build_machine
 
     def advance(name: str) -> None:
         progress(name, 0, 0)
@@ -301,7 +300,7 @@ def _with_solids(
     changed = None
     if margins:
         progress("margins", 0, 0)
-        bodies = [BodyMasses(machine.moving_body, machine.masses["tip"]) for machine in machines]
+        bodies = [machine.checked_masses for machine in machines]
         changed = margin_changes(*(run_checks(one, masses) for one, masses in zip(values, bodies, strict=True)))
     progress("volumes", 0, 0)
     volumes = volume_changes(*machines)
@@ -339,10 +338,10 @@ def _same(one: float | None, other: float | None) -> bool:
     return abs(one - other) <= ROUNDING * max(abs(one), abs(other))
 
 
-def mass_changes(before: Machine, after: Machine) -> list[MassChange]:
+def mass_changes(before: BuiltMachine, after: BuiltMachine) -> list[MassChange]:
     """Parts, moving body and assembly whose mass differs."""
 
-    def masses(machine: Machine) -> dict[str, MassProperties]:
+    def masses(machine: BuiltMachine) -> dict[str, MassProperties]:
         return {**machine.masses, "moving body": machine.moving_body, "assembly": machine.whole}
 
     one, other = masses(before), masses(after)
@@ -367,7 +366,7 @@ def margin_changes(before: Sequence[Check], after: Sequence[Check]) -> list[Marg
     return sorted(differ, key=lambda change: len(set(change.verdicts)) == 1)
 
 
-def volume_changes(before: Machine, after: Machine) -> list[VolumeChange]:
+def volume_changes(before: BuiltMachine, after: BuiltMachine) -> list[VolumeChange]:
     """Parts whose solids differ, with the volumes of the two differences of the solids, in the part's coordinates."""
     changes = []
     for name, one in before.parts.items():

@@ -6,21 +6,20 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.inputs import DesignInputs
-from designcalc.friction_stage.physics.assembly_values import assembly_values
+from designcalc.checks.subjects import subjects_of
 from drawings.artefacts.names import chosen_sheets as chosen_by_part
 from drawings.artefacts.names import sheet_names as names_by_part
 from drawings.artefacts.tasks import build_all_sheets
-from drawings.friction_stage.procedure.figures import ProcedureValues
 from drawings.sheets.overrides import FILE, read_overrides
-from stagecad.friction_stage.assembly.machine import body_masses
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.solids.artefacts.outputs import write_manifest, write_stored
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import STAGE, Design, load_design
 from workbench.operations.lines import Line, plain_table
 from workbench.operations.parts import with_repair
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
 
     from drawings.artefacts.sheets import BuiltSheet
     from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 MANIFEST = "drawings_manifest.json"
 VALUES = "procedure_values.json"
@@ -42,19 +41,21 @@ WIDTH = 900
 """Width of the small picture of a sheet, pixels."""
 
 
-def procedure_values(store: ArtefactStore, values: Values) -> ProcedureValues:
+def procedure_values(store: ArtefactStore, values: Values) -> dict[str, float | None]:
     """Values of the assembly procedure from the masses of the design's own solids, for `build_all_sheets`."""
     return stored_values(store, values, body_masses(values))
 
 
-def stored_values(store: ArtefactStore, values: Values, masses: BodyMasses) -> ProcedureValues:
+def stored_values(store: ArtefactStore, values: Values, masses: Masses) -> dict[str, float | None]:
     """The values from the store, or computed if they are not there; the field between the teeth takes a second."""
 
-    def calculate(tracked: Any, folder: Path) -> None:
-        (folder / VALUES).write_text(json.dumps(assembly_values(DesignInputs(tracked, masses))), "utf-8")
+    calculated = subjects_of(values).procedure_values
 
-    entry = store.make("procedure values", values, (__name__,), calculate, (repr((masses.moving, masses.tip)),))
-    return ProcedureValues(**entry.document(VALUES))
+    def calculate(tracked: Any, folder: Path) -> None:
+        (folder / VALUES).write_text(json.dumps(calculated(DesignInputs(tracked, masses))), "utf-8")
+
+    modules = (__name__, calculated.__module__)
+    return store.make("procedure values", values, modules, calculate, (repr(masses),)).document(VALUES)
 
 
 def with_sheet_overrides(design: Design) -> Values:
@@ -177,43 +178,54 @@ def drawings(
         advance = counted(progress, "", len(wanted))
         made = build_all_sheets(store, wanted, values, advance, calculate=procedure_values)
         sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
-        return sheets, write_stored(folder, {file: sheet.artefact for sheet in sheets for file in _files(sheet)})
+        return sheets, write_sheets(sheets, folder)
 
     sheets, changed = with_repair(store, draw)
-    hashes = {file: sheet.artefact.hashes[file] for sheet in sheets for file in _files(sheet)}
+    hashes = {str(Path(one.folder, file)): one.artefact.hashes[file] for one in sheets for file in sheet_files(one)}
     write_manifest(folder / MANIFEST, hashes)
     for sheet in sheets:
         for hit in sheet.hits:
             if hit.startswith(FILE):
                 remark(hit)
-    documents = {
-        sheet.name: {
-            "part": sheet.part,
-            "paper": sheet.paper,
-            "scale": sheet.scale,
-            "views": list(sheet.views),
-            "files": [str(folder / file) for file in _files(sheet)],
-            "hits": list(sheet.hits),
-        }
-        for sheet in sheets
-    }
+    documents = {str(PurePosixPath(sheet.folder, sheet.name)): sheet_document(sheet, folder) for sheet in sheets}
     parameters = _write_parameters(design, folder, sheets)
     return Drawings(design, {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters})
+
+
+def sheet_document(sheet: BuiltSheet, out: Path) -> dict[str, Any]:
+    """A sheet with the paths of its files below a folder."""
+    return {
+        "part": sheet.subject,
+        "paper": sheet.paper,
+        "scale": sheet.scale,
+        "views": list(sheet.views),
+        "files": [str(out / sheet.folder / file) for file in sheet_files(sheet)],
+        "hits": list(sheet.hits),
+    }
+
+
+def write_sheets(sheets: Sequence[BuiltSheet], out: Path) -> list[str]:
+    """Write the files of sheets that differ, those of a part with a folder of its own there; their names."""
+    changed: list[str] = []
+    for folder in dict.fromkeys(sheet.folder for sheet in sheets):
+        files = {file: sheet.artefact for sheet in sheets if sheet.folder == folder for file in sheet_files(sheet)}
+        changed += [str(Path(folder, name)) for name in write_stored(out / folder, files)]
+    return changed
+
+
+def sheet_files(sheet: BuiltSheet) -> tuple[str, ...]:
+    """The sheet in its formats, its part's model with tolerances, and the table of what defines its faces."""
+    return (*sheet.files, *(file for file in (sheet.model, sheet.definition) if file))
 
 
 def _write_parameters(design: Design, folder: Path, sheets: Sequence[BuiltSheet]) -> list[str]:
     """Write the parameters beside the sheets, under the names that their title blocks give: `holder_c7088e19.toml`."""
     text = design.to_toml()
-    paths = dict.fromkeys(folder / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets)
+    paths = dict.fromkeys(folder / sheet.folder / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets)
     for path in paths:
         if not path.is_file() or path.read_text("utf-8") != text:
             atomic_write_text(path, text)
     return [str(path) for path in paths]
-
-
-def _files(sheet: BuiltSheet) -> tuple[str, ...]:
-    """The sheet in its formats, its part's model with tolerances, and the table of what defines its faces."""
-    return (*sheet.files, *(file for file in (sheet.model, sheet.definition) if file))
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from sim.effects.effect import Effect
+from stagecad.consent import store_consent
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.consent import python_files as files_of
-from sysid.experiment.consent import store_consent
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.in_memory import experiment_in_memory

@@ -19,9 +19,9 @@ _UNITS = {"m": "um", "m^2": "mm^2", "kg": "g", "Pa": "MPa", "F": "uF"}
 
 def table_text(design: Design, kind: str) -> str:
     """The table of a kind with one row for each piece of hardware in the design."""
-    from stagecad.parameters.project_tables import NAME, SOURCE, kinds
+    from stagecad.parameters.project_tables import NAME, SOURCE
 
-    declared = kinds()[kind]
+    declared = design.machine.kinds()[kind]
     columns = [column for column, one in declared.columns.items() if not one.computed]
     memory = io.StringIO()
     writer = csv.writer(memory, lineterminator="\n")

@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
 from designcalc.checks.analysis.tolerance import scaled_masses
 from designcalc.checks.check import Check
-from designcalc.checks.run import SUBJECTS, run_checks
+from designcalc.checks.run import run_checks
+from designcalc.checks.subjects import subjects_of
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 QUICK = 0.004
 """Checks below this time are evaluated together, s."""
@@ -59,9 +60,9 @@ class LiveChecks:
         self._version = 0
         self._costs: dict[int, float] = {}
         self._words: dict[str, Any] | None = None
-        self._base: tuple[Design, BodyMasses] | None = None
+        self._base: tuple[Design, Masses] | None = None
 
-    def set_masses(self, design: Design, masses: BodyMasses) -> None:
+    def set_masses(self, design: Design, masses: Masses) -> None:
         """Masses of the solids of `design`, from which those of a changed design are scaled."""
         self._base = design, masses
 
@@ -72,7 +73,7 @@ class LiveChecks:
         """
         began = perf_counter()
         with self._lock:
-            counts = tuple(len(functions(design)) for functions in SUBJECTS.values())
+            counts = tuple(len(functions(design)) for functions in subjects_of(design).checks.values())
             by_key = {entry.key: entry.value for entry in design.entries}
             words = {key: value for key, value in by_key.items() if isinstance(value, bool | str)}
             if counts != self._functions or words != self._words:
@@ -80,7 +81,7 @@ class LiveChecks:
                 self._functions, self._words, self._known = counts, words, {}
             count = sum(counts)
             masses = scaled_masses(design, *self._base) if self._base is not None else None
-            mark = "" if masses is None else repr((masses.moving, masses.tip))
+            mark = "" if masses is None else repr(masses)
             stale = [k for k in range(count) if self._is_stale(k, by_key, mark)]
             stale.sort(key=self._cost)
             evaluated: set[int] = set()
@@ -127,7 +128,7 @@ class LiveChecks:
         for position in stale[len(first) :]:
             yield [position]
 
-    def _evaluate(self, group: list[int], design: Design, masses: BodyMasses | None, mark: str) -> None:
+    def _evaluate(self, group: list[int], design: Design, masses: Masses | None, mark: str) -> None:
         began = perf_counter()
         found = dict(zip(sorted(group), run_checks(design, masses, None, set(group))))
         seconds = (perf_counter() - began) / len(group)

@@ -23,11 +23,11 @@ from designcalc.optimisation.optimise import (
 )
 from designcalc.optimisation.search import search
 from designcalc.optimisation.space import Free, free_parameters
-from stagecad.friction_stage.assembly.machine import body_masses
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.rules.registry import violations
 from stagecad.processes import parallel_map
+from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, markdown, plain_table
 from workbench.operations.parts import masses_of_solids
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from designcalc.checks.check import Check
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 SAFETY = 0.002
 """Part of its limit by which a check must pass in the search, for the error of the masses without solids."""
@@ -73,7 +73,7 @@ class Search:
     seed: int = 1
     scheduler: str | None = None
 
-    def masses(self, design: Design) -> BodyMasses | None:
+    def masses(self, design: Design) -> Masses | None:
         """Masses of the design's solids; a design that violates a rule may have none."""
         values = design.values_with(rules=False)
         return masses_of_solids(values) if self.solids and not violations(values) else None
@@ -427,14 +427,14 @@ def optimised(design: Design, wanted: Search, progress: ProgressCallback = silen
     return Optimisation(design, outcome, evaluator, after)
 
 
-def _evaluator(design: Design, free: Sequence[Free], masses: BodyMasses | None) -> Evaluator:
+def _evaluator(design: Design, free: Sequence[Free], masses: Masses | None) -> Evaluator:
     return Evaluator(design.variations(), free, masses, SAFETY if masses is not None else 0.0)
 
 
 def _seeded_search(
     design: Design,
     free: Sequence[Free],
-    masses: BodyMasses | None,
+    masses: Masses | None,
     required: Sequence[str],
     budget: int,
     seed: int,

@@ -6,7 +6,6 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json, to_si
 from workbench.operations.lines import TEXT, Line, Table
@@ -131,7 +130,7 @@ def entry_row(entry: Entry) -> dict[str, Any]:
 
 def parameter_rows(values: Values) -> list[dict[str, Any]]:
     """Every parameter: text, bounds in the unit of the text, origin, kind of the value."""
-    keys = schema(tuple(values.materials))
+    keys = values.machine.schema(tuple(values.materials))
     return [{**entry_row(entry), **_bounds(entry, keys[entry.key], values)} for entry in values.entries]
 
 

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from stagecad.friction_stage.assembly.accessories import accessories
-from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.machine import body_masses, build_machine, find_machine, part_mass
 from stagecad.parameters.errors import PartError
 from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored, write_text
 from stagecad.solids.artefacts.part import CRASHED, build_parts
 from stagecad.solids.artefacts.store import ArtefactStore, sha256
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
-from stagecad.solids.modelling.registry import ASSEMBLY, chosen, part_names
+from stagecad.solids.assembly.built_assembly import assemble
+from stagecad.solids.assembly.built_machine import body_masses, build_machine, find_machine, part_mass
+from stagecad.solids.modelling.registry import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, plain_table
 from workbench.operations.progress import ProgressCallback, counted, remark, silent
@@ -27,10 +25,10 @@ from workbench.operations.result import Result, finite
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stagecad.friction_stage.assembly.machine import Machine
     from stagecad.parameters.design import Design as Values
     from stagecad.parameters.file import Entry
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
+    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 MANIFEST = "parts_manifest.json"
 BILL = "bill_of_materials"
@@ -59,7 +57,7 @@ def with_repair(store: ArtefactStore, write: Callable[[], Written]) -> Written:
             remark("a stored result was damaged; it is made again")
 
 
-def built_machine(values: Values, store: Any = None, progress: ProgressCallback = silent) -> Machine:
+def built_machine(values: Values, store: Any = None, progress: ProgressCallback = silent) -> BuiltMachine:
     """Parts and assembly, from the cache or made now; `store` is the cache, by default the user's own."""
     machine = find_machine(values, store)
     if machine is not None:
@@ -69,7 +67,7 @@ def built_machine(values: Values, store: Any = None, progress: ProgressCallback 
     return build_machine(values, store, counted(progress, "", steps))
 
 
-def masses_of_solids(values: Values) -> BodyMasses | None:
+def masses_of_solids(values: Values) -> Masses | None:
     """Masses of the solids, which are made when missing; None where no solids can be made at all."""
     try:
         return body_masses(values)
@@ -86,12 +84,12 @@ class Parts(Result):
         names: of the parts, and `assembly`.
     """
 
-    def __init__(self, design: Design, names: tuple[str, ...], machine: Machine | None = None) -> None:
+    def __init__(self, design: Design, names: tuple[str, ...], machine: BuiltMachine | None = None) -> None:
         self.design, self.names = design, names
         self._machine = machine
 
     @property
-    def machine(self) -> Machine:
+    def machine(self) -> BuiltMachine:
         """Parts and assembly, from the cache or made now."""
         if self._machine is None:
             self._machine = built_machine(self.design.values)
@@ -102,9 +100,10 @@ class Parts(Result):
         return {"design": self.design, "names": self.names, "_machine": None}
 
     @property
-    def moving_body(self) -> dict[str, Any]:
-        """Mass properties of the stage with irons and magnets, SI."""
-        return finite(self.machine.moving_body.as_json())
+    def moving_body(self) -> dict[str, Any] | None:
+        """Mass properties of the parts that move, SI; None where none does."""
+        body = self.machine.moving_body
+        return finite(body.as_json()) if body else None
 
     @cached_property
     def _masses(self) -> dict[str, Any]:
@@ -125,13 +124,8 @@ class Parts(Result):
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad parts --json`, without files: `write` gives those."""
-        units = {"pad_area": "m^2"}
-        measures = asdict(self.machine.measures)
-        return {
-            "parts": {name: {**part, "files": []} for name, part in self._masses.items()},
-            "moving_body": self.moving_body,
-            "measures": finite({key: {"value": value, "unit": units.get(key, "m")} for key, value in measures.items()}),
-        }
+        more = construction(self.design.values).documents(self.machine)
+        return {"parts": {name: {**part, "files": []} for name, part in self._masses.items()}, **finite(more)}
 
     def write(self, folder: str | Path) -> dict[str, Any]:
         """Write STEP, STL and GLB of the parts into a folder; the document of `stagecad parts --json`."""
@@ -154,7 +148,7 @@ class Parts(Result):
         if ASSEMBLY in self.names:
             rows = machine.bill_of_materials
             texts = {
-                f"{BILL}.csv": csv_text(rows, accessories(self.design.values)),
+                f"{BILL}.csv": csv_text(rows, construction(self.design.values).accessories(self.design.values)),
                 f"{BILL}.json": json.dumps(bill_document(rows), indent=1) + "\n",
             }
             changed += [name for name, text in texts.items() if write_text(folder / name, text)]
@@ -205,7 +199,7 @@ class Solids(Result):
     """
 
     def __init__(
-        self, design: Design, parts: dict[str, Any], instances: Sequence[dict[str, Any]], masses: BodyMasses
+        self, design: Design, parts: dict[str, Any], instances: Sequence[dict[str, Any]], masses: Masses
     ) -> None:
         self.design, self.parts, self.instances, self.masses = design, parts, tuple(instances), masses
 
@@ -232,8 +226,7 @@ class Solids(Result):
                 "digest": self.design.values.digest,
                 "parts": self.parts,
                 "instances": list(self.instances),
-                "moving_body": self.masses.moving.as_json(),
-                "tip": self.masses.tip.as_json(),
+                **self.masses.as_json(),
             }
         )
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
     from workbench.figures.plot import Plot
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
@@ -132,7 +132,7 @@ def moving_mass(design: Values, given: str | None) -> float:
         return parse_mass(given)
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.physics.loads import moved_mass
-    from stagecad.friction_stage.assembly.machine import body_masses
+    from stagecad.solids.assembly.built_machine import body_masses
 
     return moved_mass(DesignInputs(design, body_masses(design)))
 
@@ -199,7 +199,7 @@ def simulate_studies(
 ) -> dict[str, Any]:
     """Results of studies of the driven stage, their cases in parallel on the local cores or on a cluster."""
     from sim.friction_stage.studies import STUDIES, stage_drive
-    from stagecad.friction_stage.assembly.machine import body_masses
+    from stagecad.solids.assembly.built_machine import body_masses
 
     drive = stage_drive(design, body_masses(design))
     # A forked process has the compiled kernels; a new one would load them, for each study.
@@ -233,7 +233,7 @@ class Steps:
             self.progress(self.words, self.done, self.total)
 
 
-def simulate_selection(design: Values, selection: Selection, masses: BodyMasses | None = None) -> dict[str, Any]:
+def simulate_selection(design: Values, selection: Selection, masses: Masses | None = None) -> dict[str, Any]:
     """Results of all selected experiments in this process, by experiment.
 
     Args:
@@ -246,7 +246,7 @@ def simulate_selection(design: Values, selection: Selection, masses: BodyMasses 
     for name in selection.names:
         if name == "stage":
             from sim.friction_stage.studies import STUDIES, run_serially, stage_drive
-            from stagecad.friction_stage.assembly.machine import body_masses
+            from stagecad.solids.assembly.built_machine import body_masses
 
             drive = stage_drive(design, masses or body_masses(design))
             results[name] = {study: STUDIES[study](drive, run_serially) for study in selection.studies}

@@ -39,7 +39,7 @@ from workbench.operations.simulation_tables import feature_text, write_table
 if TYPE_CHECKING:
     from designcalc.checks.analysis.sweep import Range
     from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 Point = dict[str, Any] | str
 """Features at one value, or why the design or motion is refused."""
@@ -238,7 +238,7 @@ class _Common:
     design: Design
     selection: Selection
     parameters: tuple[UncertainParameter, ...]
-    masses: BodyMasses | None
+    masses: Masses | None
 
 
 def run_monte_carlo(
@@ -264,7 +264,7 @@ def run_monte_carlo(
     Raises:
         InputError: no uncertain parameter, the design itself is refused, or every sample is.
     """
-    from stagecad.friction_stage.assembly.machine import body_masses
+    from stagecad.solids.assembly.built_machine import body_masses
 
     nominal_values = design.values
     parameters = uncertain_parameters(nominal_values, selection.reads)
@@ -314,7 +314,7 @@ def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
     return found
 
 
-def _simulate(design: Values, selection: Selection, masses: BodyMasses | None) -> Sample:
+def _simulate(design: Values, selection: Selection, masses: Masses | None) -> Sample:
     results = simulate_selection(design, selection, masses)
     curves: Curves = {}
     for name, found in results.items():

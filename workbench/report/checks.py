@@ -15,17 +15,15 @@ from workbench.report.html import embedded, render
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
-    from designcalc.errors.dynamic_budget import DynamicBudget
-    from designcalc.friction_stage.checks.alternatives import Suspension
-    from designcalc.friction_stage.checks.budget import Budget
+    from designcalc.checks.subjects import Studies
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
 
 
 def write_check_files(
     checks: Sequence[Check],
     design: Design,
-    masses: BodyMasses | None,
+    masses: Masses | None,
     folder: Path,
     figures: Mapping[str, Path] | None = None,
 ) -> None:
@@ -39,19 +37,18 @@ def write_check_files(
         figures: PNG by title, to be put into the page.
     """
     from designcalc.checks.inputs import DesignInputs
-    from designcalc.friction_stage.checks.alternatives import ranking
-    from designcalc.friction_stage.checks.budget import budgets
-    from designcalc.friction_stage.physics.position_loop import dynamic_budgets
+    from designcalc.checks.subjects import subjects_of
 
-    ranked = ranking(DesignInputs(design, masses))
-    found = budgets(DesignInputs(design, masses))
-    spectra, lowest = dynamic_budgets(DesignInputs(design, masses)), 1 / design.loop.observation
-    atomic_write_text(folder / "checks.md", report.markdown(checks, ranked, found, spectra, lowest))
-    dynamic = finite(report.dynamic_document(spectra, lowest))
+    subjects, lowest = subjects_of(design), 1 / design.loop.observation
+    found = subjects.studies(DesignInputs(design, masses))
+    stated = subjects.requirements
+    text = report.markdown(checks, found.suspensions, found.budgets, found.dynamic, lowest, stated)
+    atomic_write_text(folder / "checks.md", text)
+    dynamic = finite(report.dynamic_document(found.dynamic, lowest))
     atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
-    atomic_write_text(folder / "checks.html", _page(checks, design, ranked, found, spectra, figures or {}))
+    atomic_write_text(folder / "checks.html", _page(checks, design, found, stated, figures or {}))
 
 
 def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -66,9 +63,8 @@ def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]
 def _page(
     checks: Sequence[Check],
     design: Design,
-    suspensions: Sequence[Suspension],
-    found: Sequence[Budget],
-    spectra: Sequence[DynamicBudget],
+    found: Studies,
+    stated: Mapping[str, str],
     figures: Mapping[str, Path],
 ) -> str:
     return render(
@@ -77,16 +73,14 @@ def _page(
         counted=report.counted(checks),
         failing=sum(check.verdict == "fails" for check in checks),
         subjects=check_rows(checks),
-        requirements=[
-            (name, report.REQUIREMENTS[name], bearing) for name, bearing in report.requirements(checks).items()
-        ],
+        requirements=[(name, stated[name], bearing) for name, bearing in report.requirements(checks, stated).items()],
         corrections=report.corrections(checks),
         ranking=report.RANKING,
         suspension_headings=report.SUSPENSION_HEADINGS,
-        suspensions=[report.suspension_cells(suspension) for suspension in suspensions],
-        budgets=[(one, report.budget_cells(one)) for one in found],
+        suspensions=[report.suspension_cells(suspension) for suspension in found.suspensions],
+        budgets=[(one, report.budget_cells(one)) for one in found.budgets],
         dynamic_headings=report.DYNAMIC_HEADINGS,
-        dynamic=[(one, report.dynamic_cells(one, 1 / design.loop.observation)) for one in spectra],
+        dynamic=[(one, report.dynamic_cells(one, 1 / design.loop.observation)) for one in found.dynamic],
         observation=report.shown(design.loop.observation, "s"),
         figures=[(name, embedded(path)) for name, path in figures.items()],
         digest=design.digest,

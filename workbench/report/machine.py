@@ -16,7 +16,7 @@ from workbench.report.html import data_url, embedded, link, render
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
-    from drawings.friction_stage.procedure.procedure import Procedure
+    from drawings.sheets.procedure import Procedure
     from stagecad.parameters.design import Design
     from stagecad.solids.assembly.interference import Interference
 
@@ -69,9 +69,9 @@ def write_report(design: Design, out: Path, results: MachineResults) -> Path:
         interferences=_by_kind(results.interferences),
         clashes=sum(pair.clash for pair in results.interferences),
         assembly_files=[link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
-        moving_mass=_mass(document["moving_body"]["mass"]["value"]),
+        moving_mass=_mass(document["moving_body"]["mass"]["value"]) if "moving_body" in document else "",
         whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
-        measures=[(k.replace("_", " "), _measure(q)) for k, q in document["measures"].items()],
+        measures=[(k.replace("_", " "), _measure(q)) for k, q in document.get("measures", {}).items()],
         parts=_parts(document["parts"], pictures, target),
         bill=results.bill,
         procedure=results.procedure,

@@ -13,25 +13,24 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.subjects import subjects_of
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
 from drawings.artefacts.tasks import TIME_LIMIT, slowest_first
-from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.parameters.errors import LostProcessError, PartError
-from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_assembly import build_assembly
+from stagecad.solids.assembly.built_assembly import assemble, build_assembly
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.assembly.interference import stored_interferences
 from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
-from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
+from stagecad.solids.modelling.registry import ASSEMBLY, part_names, part_source
 from workbench.operations.drawings import procedure_values, reduced_sheet, stored_values
 from workbench.report.stored_results import (
     COMPILED_BY,
-    SIMULATED,
     check_figure,
     check_files,
     figures_of,
@@ -125,11 +124,12 @@ class Making:
         tasks: dict[Task, tuple[Task, ...]] = dict.fromkeys(parts, ())
         tasks |= {shapes: parts, Task(Kind.CONTACTS): parts}
         if self.simulations:
-            for name in sorted(SIMULATED, key=lambda one: one in COMPILED_BY):
+            for name in sorted(subjects_of(self.design).experiments, key=lambda one: one in COMPILED_BY):
                 before = COMPILED_BY.get(name)
                 tasks[Task(Kind.SIMULATION, name)] = (Task(Kind.SIMULATION, before),) if before else ()
         tasks |= dict.fromkeys(views.values(), parts)
-        for subject in slowest_first((*(name for name in names if name in MADE), *PICTURES)):
+        made = [name for name in names if not part_source(name, self.design).purchased]
+        for subject in slowest_first((*made, *PICTURES)):
             needed = (*machine, *(views[name] for name in PICTURES.get(subject, ())))
             own = (*needed, values) if subject == PROCEDURE else needed
             tasks[Task(Kind.SHEET, subject)] = own if subject in PICTURES else (Task(Kind.PART, subject),)
@@ -149,9 +149,11 @@ class Making:
         return {name: build_part(store, name, self.design) for name in part_names(self.design)}
 
     @cached_property
-    def machine(self) -> Machine:
+    def machine(self) -> BuiltMachine:
         """Parts and assembly from the store."""
-        return Machine(self.design, self.parts, build_assembly(ArtefactStore(self.folder), self.parts, self.design))
+        return BuiltMachine(
+            self.design, self.parts, build_assembly(ArtefactStore(self.folder), self.parts, self.design)
+        )
 
     def run(self, task: Task, exact: bool = True) -> None:
         """Make the result of a task, in this process.
@@ -205,8 +207,8 @@ class Making:
             raise
 
     @property
-    def masses(self) -> BodyMasses:
-        return BodyMasses(self.machine.moving_body, self.machine.masses["tip"])
+    def masses(self) -> Masses:
+        return self.machine.checked_masses
 
 
 def _part(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.subjects import subjects_of
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
     from workbench.operations.design import Design as StatedDesign
 
-SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
-"""The friction experiments of the thesis."""
 CHECKED_BY = ("workbench.operations.checks", "stagecad.parameters.load")
 """Modules that evaluate the checks and their proposals."""
 COMPILED_BY = {"hysteresis": "presliding", "stick-slip": "presliding"}
@@ -29,18 +28,18 @@ class _WithMasses:
     """A design and the masses of its solids, so that the values read of either are recorded together."""
 
     design: Design
-    masses: BodyMasses
+    masses: Masses
 
 
 def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Any]]]:
     """Figures of the checks that a design has, by title: name, and what draws it."""
     from workbench.figures.checks import FIGURES
 
-    without_teeth = {title: figure for title, figure in FIGURES.items() if title != "map of the magnetic teeth"}
-    return FIGURES if design.teeth.fitted else without_teeth
+    names = subjects_of(design).figures(design)
+    return {title: figure for title, figure in FIGURES.items() if figure[0] in names}
 
 
-def check_figure(store: ArtefactStore, design: Design, masses: BodyMasses, title: str) -> Artefact:
+def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
     from workbench.figures.checks import save
 
@@ -52,7 +51,7 @@ def check_figure(store: ArtefactStore, design: Design, masses: BodyMasses, title
     return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.figures.checks",), make)
 
 
-def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, masses: BodyMasses) -> list[Check]:
+def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, masses: Masses) -> list[Check]:
     """Every check with its proposals evaluated.
 
     They depend on the whole parameter file, since a proposal is a change of any parameter. A project's own checks may
@@ -67,11 +66,11 @@ def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, ma
     return stored_object(store, "checks", design, CHECKED_BY, lambda _: evaluated_checks(source, masses), depends)
 
 
-def _all_parameters(source: StatedDesign, design: Design, masses: BodyMasses) -> tuple[str, ...]:
-    return (source.contents(), repr(design.entries), design.file, repr((masses.moving, masses.tip)))
+def _all_parameters(source: StatedDesign, design: Design, masses: Masses) -> tuple[str, ...]:
+    return (source.contents(), repr(design.entries), design.file, repr(masses))
 
 
-def check_files(store: ArtefactStore, source: StatedDesign, design: Design, masses: BodyMasses) -> Artefact:
+def check_files(store: ArtefactStore, source: StatedDesign, design: Design, masses: Masses) -> Artefact:
     """The checks as files with their figures: what `workbench.report.checks.write_check_files` writes.
 
     For a design without a project's own checks (`stored_checks`).

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +12,9 @@ from stagecad.parameters.units import as_json, format_quantity
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
+    from designcalc.drive.suspension import Suspension
     from designcalc.errors.dynamic_budget import DynamicBudget
-    from designcalc.friction_stage.checks.alternatives import Suspension
-    from designcalc.friction_stage.checks.budget import Budget
+    from designcalc.errors.error_budget import Budget
 
 VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
 """Verdicts in the order of the report, the worst first."""
@@ -49,30 +49,9 @@ def shown_margin(check: Check) -> str:
     return f"{percent:+.0f} %" if abs(percent) < 1e4 else f"{percent:+.1e} %"
 
 
-REQUIREMENTS: dict[str, str] = {
-    "Table 1: resolution": "0.1 to 10 nm",
-    "Table 1: travel": "200 mm",
-    "Table 1: speed": "200 mm/s",
-    "Table 1: acceleration": "0.2 to 1 G",
-    "Table 1: smoothness": "1 nm normal to the plane of motion",
-    "Table 2: actuator": "piezoelectric, as a cheap way to drive a stage",
-    "Table 2: sensor range": "that of the system, 200 mm",
-    "Table 2: sensor resolution": "that of the system or better, 10 to 0.1 nm",
-    "Table 2: sensor without contact": "desirable for two axes",
-    "Table 2: low thermal expansion": "materials for thermal stability",
-    "Table 2: friction layer": "at the interface with the actuator",
-    "Section 2.2: access to payload and adjustments": "ergonomics",
-    "Section 2.2: modular": "easy to assemble, components easy to replace",
-    "Section 2.2: open to two axes": "adaptable to motion in two axes",
-    "Section 2.3.2: straightness (Table 1 has none)": "similar bearings reach 5 to 10 um, submicron when hand finished",
-    "Section 2.3.2: repeatability (Table 1 has none)": "similar bearings reach 0.1 to 1 um",
-}
-"""The thesis's requirements: the name that checks refer to, and the text."""
-
-
-def requirements(checks: Sequence[Check]) -> dict[str, list[Check]]:
-    """Every requirement of the thesis with the checks that apply to it."""
-    return {name: [check for check in checks if check.requirement == name] for name in REQUIREMENTS}
+def requirements(checks: Sequence[Check], stated: Iterable[str]) -> dict[str, list[Check]]:
+    """Every stated requirement with the checks that apply to it."""
+    return {name: [check for check in checks if check.requirement == name] for name in stated}
 
 
 def corrections(checks: Sequence[Check]) -> list[Check]:
@@ -86,13 +65,16 @@ def markdown(
     budgets: Sequence[Budget] = (),
     dynamic: Sequence[DynamicBudget] = (),
     lowest: float = 0.0,
+    stated: Mapping[str, str] | None = None,
     title: str = "Design checks",
 ) -> str:
     """Every check as Markdown.
 
     Summary, requirements, errors of the thesis, suspensions by rank, error budgets, then each check in full with
-    its formula, numbers and inputs, worst first. `lowest` is the frequency above which the dynamic budgets count, Hz.
+    its formula, numbers and inputs, worst first. `lowest` is the frequency above which the dynamic budgets count, Hz;
+    `stated` are the requirements with their text.
     """
+    stated = stated or {}
     ordered = sorted(checks, key=lambda c: VERDICTS.index(c.verdict))
     lines = [f"# {title}", "", counted(checks) + ".", ""]
     lines += _table(
@@ -106,8 +88,8 @@ def markdown(
     lines += _table(
         ("requirement", "required", "checks"),
         [
-            (name, REQUIREMENTS[name], "; ".join(f"{c.name}: {c.verdict}" for c in bearing) or "none")
-            for name, bearing in requirements(checks).items()
+            (name, stated[name], "; ".join(f"{c.name}: {c.verdict}" for c in bearing) or "none")
+            for name, bearing in requirements(checks, stated).items()
         ],
     )
     lines += ["", "## Differences from the thesis", ""]

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.checks.run import SUBJECTS, run_checks
-from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from designcalc.checks.run import run_checks, subject_names
+from designcalc.checks.subjects import subjects_of
+from stagecad.parameters.mass_properties import BodyMasses
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -116,7 +117,8 @@ def tolerance_study(
         run_all: runs a job on every key, in order; by default one after another in this process.
     """
     # Alternative suspensions are not made, so that their tolerances do not matter.
-    wanted = tuple(name for name in subjects or SUBJECTS if name != "candidates")
+    left_out = subjects_of(design).not_made
+    wanted = tuple(name for name in subjects or subject_names(design) if name not in left_out)
     base = run_checks(design, masses, wanted)
     named = {check.name: check.margin for check in base if check.margin is not None}
     readers: dict[str, set[str]] = {}
@@ -185,22 +187,6 @@ def _ends(
     return ends
 
 
-def scaled_masses(design: Design, base: Design, masses: BodyMasses | None) -> BodyMasses | None:
-    """Masses of a design that differs by tolerances, without building its solids.
-
-    The base design's body with the mass of the plain plate's change added: exact for a longer, wider or thicker plate
-    but for the features cut through it, a tenth of a change that is itself a hundredth of the mass.
-    """
-    if masses is None:
-        return None
-    change, body = _plate(design) - _plate(base), masses.moving
-    scale = (body.mass + change) / body.mass
-    inertia = np.asarray(body.inertia, float) * scale
-    moving = MassProperties(body.volume * scale, body.mass + change, body.centre_of_mass, inertia, body.bounding_box)
-    return BodyMasses(moving, masses.tip)
-
-
-def _plate(design: Design) -> float:
-    """Mass of the stage's plate without its features, kg."""
-    volume = design.si("stage.length") * design.si("stage.width") * design.si("stage.thickness")
-    return volume * design.si(f"materials.{design.value('stage.material')}.density")
+def scaled_masses(design: Design, base: Design, masses: Any) -> Any:
+    """Masses of a design that differs from another one by tolerances, without building its solids."""
+    return None if masses is None else subjects_of(design).scaled_masses(design, base, masses)

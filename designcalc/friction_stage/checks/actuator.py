@@ -8,6 +8,7 @@ from designcalc.bearing.sliding import crown_wear_distance
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
 from designcalc.checks.inputs import DesignInputs
 from designcalc.drive.piezo_stack import drive_pull, stack_current, stack_heat, stack_tension, tilt_stress
+from designcalc.friction_stage.physics.body import tip_mass
 from designcalc.friction_stage.physics.loads import load, tip_load
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
@@ -53,7 +54,7 @@ def checks(design: Design) -> list[CheckFunction]:
 def tip_weight(r: DesignInputs) -> Check:
     return Check(
         "mass of the tip",
-        at_most(r.tip_mass(), r("tip.mass_limit"), "kg"),
+        at_most(tip_mass(r), r("tip.mass_limit"), "kg"),
         source="solid of the tip; the limit itself where no solids were made",
         formula="m_tip <= limit",
         proposal="a deeper relief bore, or thinner arms",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
@@ -14,7 +13,7 @@ from designcalc.checks.check import Check, CheckFunction, at_least, at_most, sho
 from designcalc.checks.inputs import DesignInputs
 from designcalc.contact.hertz import contact_modulus, load_at_pressure, load_at_stiffness, point_contact
 from designcalc.contact.hertz_stress import peak_mises
-from designcalc.drive.suspension import dipole_hessian, rank_sum
+from designcalc.drive.suspension import Suspension, dipole_hessian, rank_sum
 from designcalc.friction_stage.physics.loads import load, weight
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness
 from stagecad.parameters.design import Design
@@ -22,29 +21,6 @@ from stagecad.parameters.design import Design
 _AIR_SOURCE = "thesis 2.4.1, catalogue point of a 1 in porous pad"
 _BALL_SOURCE = "thesis 2.4.3 and appendix A; Johnson (1985), section 4.2"
 _BALLS = {"steel": "materials.steel", "ceramic": "materials.alumina", "polymer": "materials.ptfe"}
-
-
-@dataclass(frozen=True)
-class Suspension:
-    """A suspension with the numbers of its rank. SI; smaller is better except for the stiffness."""
-
-    name: str
-    stiffness: float
-    """normal stiffness of the whole suspension, N/m"""
-    smoothness: float
-    """error normal to the motion, m"""
-    friction: float
-    """break-away force, N; it limits the resolution"""
-    repeatability: float
-    """normal to the motion, m"""
-    cost: int
-    """place by cost"""
-    stable: bool
-    fits_drive: bool
-    """is compatible with a friction drive and its magnets in the available space"""
-    why: str
-    places: float = 0.0
-    """sum of places over the criteria"""
 
 
 def checks(design: Design) -> list[CheckFunction]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,7 +13,7 @@ from designcalc.bearing.sliding import averaged_roughness
 from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.checks.inputs import DesignInputs
 from designcalc.drive.friction_drive import resonance
-from designcalc.errors.error_budget import Contribution, budget
+from designcalc.errors.error_budget import AXES, Budget, Contribution, budget
 from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import floor_motion
 from designcalc.friction_stage.physics.body import moving_body
@@ -27,28 +26,6 @@ from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, ti
 from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
-AXES = {"along": 0, "across": 1, "normal": 2}
-
-
-@dataclass(frozen=True)
-class Budget:
-    """One budget: its subject, the direction in which it is judged, and its contributions."""
-
-    name: str
-    direction: str
-    key: str
-    """of its limit"""
-    requirement: str
-    rows: tuple[tuple[Contribution, Array], ...]
-    """contributions with the displacement of the payload by each, m, the largest in the direction first"""
-    total: Array
-    """per direction, m"""
-    point: tuple[float, float, float]
-    """of the payload with the largest error, from the middle of the stage, m"""
-
-    @property
-    def axis(self) -> int:
-        return AXES[self.direction]
 
 
 def _pads_height(r: DesignInputs, height: float) -> float:

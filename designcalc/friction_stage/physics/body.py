@@ -3,9 +3,29 @@
 from __future__ import annotations
 
 from designcalc.checks.inputs import DesignInputs, remembered
-from stagecad.parameters.mass_properties import MassProperties, combined
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
 
 _POINT = ((0.0, 0.0, 0.0),) * 3
+
+
+def stage_mass(r: DesignInputs) -> float:
+    """Mass of the stage with irons and magnets, kg; without solids that of its plain plate, as the input states."""
+    if isinstance(r.masses, BodyMasses):
+        return r.given("moving body mass", r.masses.moving.mass, "kg", "measured from the solids")
+    plate = r("stage.length") * r("stage.width") * r("stage.thickness")
+    return r.given(
+        "moving body mass",
+        plate * r.material("stage", "density"),
+        "kg",
+        "estimated: the stage as a plain plate, since no solids were built",
+    )
+
+
+def tip_mass(r: DesignInputs) -> float:
+    """Mass of one tip, kg; without solids its limit."""
+    if isinstance(r.masses, BodyMasses):
+        return r.given("tip mass", r.masses.tip.mass, "kg", "measured from the solids")
+    return r("tip.mass_limit")
 
 
 @remembered
@@ -14,8 +34,8 @@ def bare_stage(r: DesignInputs) -> MassProperties:
 
     Without solids it is the plain plate.
     """
-    mass, thickness = r.mass(), r("stage.thickness")
-    if r.masses is not None:
+    mass, thickness = stage_mass(r), r("stage.thickness")
+    if isinstance(r.masses, BodyMasses):
         sea = r("bearing_way.height") + r("pads.height")
         return r.masses.moving.moved((0.0, 0.0, -sea))
     length, width = r("stage.length"), r("stage.width")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from designcalc.checks.inputs import DesignInputs, remembered
 from designcalc.friction_stage.physics.body import bare_stage, loaded_stage, moving_body
 from designcalc.friction_stage.physics.teeth import attraction
+from stagecad.parameters.mass_properties import BodyMasses
 
 
 def gravity(r: DesignInputs) -> float:
@@ -50,7 +51,7 @@ def load_centre(r: DesignInputs) -> tuple[float, float]:
     """Point of action (x, y) of weight and preload, from the middle of the stage, m; the preload acts in the middle."""
     body = loaded_stage(r)
     x, y = body.centre_of_mass[:2]
-    if r.masses is not None:
+    if isinstance(r.masses, BodyMasses):
         for name, value in zip(("along", "across"), bare_stage(r).centre_of_mass[:2], strict=True):
             r.given(f"centre of mass {name}", value, "m", "measured from the solids")
     share = weight(r) / load(r)

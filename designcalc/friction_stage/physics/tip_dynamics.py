@@ -16,8 +16,10 @@ from designcalc.drive.piezo_stack import (
     tip_inertia,
 )
 from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
+from designcalc.friction_stage.physics.body import tip_mass
 from designcalc.friction_stage.physics.loads import tip_load
 from designcalc.friction_stage.physics.tip_contact import contact_stiffness
+from stagecad.parameters.mass_properties import BodyMasses
 
 PIEZOS = 3
 """Number of piezos under one tip."""
@@ -48,7 +50,7 @@ def speed_frequency(r: DesignInputs) -> float:
 
 def mass_on_piezos(r: DesignInputs) -> float:
     """Mass that moves on the piezos: the tip and a part of each stack, kg."""
-    return r.tip_mass() + PIEZOS * r("piezo.moving_mass")
+    return tip_mass(r) + PIEZOS * r("piezo.moving_mass")
 
 
 @remembered
@@ -57,11 +59,11 @@ def inertia_on_piezos(r: DesignInputs) -> float:
 
     The tip by its solid (mean of both axes), or as a disc and a column; the moving part of each stack as a point.
     """
-    if r.masses is not None:
+    if isinstance(r.masses, BodyMasses):
         about = r.masses.tip.inertia_about((0.0, 0.0, 0.0))
         own = r.given("tip inertia", 0.5 * (about[0][0] + about[1][1]), "kg*m^2", "measured from the solids")
     else:
-        own = float(tip_inertia(r.tip_mass(), r("actuator.piezo_spacing") / np.sqrt(3), r("actuator.tip_height")))
+        own = float(tip_inertia(tip_mass(r), r("actuator.piezo_spacing") / np.sqrt(3), r("actuator.tip_height")))
     return own + r("piezo.moving_mass") * r("actuator.piezo_spacing") ** 2 / 2
 
 

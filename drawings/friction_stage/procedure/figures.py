@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from drawings.sheets.procedure import CALCULATED, Figure
+from stagecad.friction_stage.construction import part_definition
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.modelling.dimensioning import THREAD_DESIGNATION
-from stagecad.solids.modelling.registry import part_definition
-
-CALCULATED = "calculated"
 
 
 @dataclass(frozen=True)
@@ -48,14 +47,6 @@ class ProcedureValues:
     run_in_time: float
     run_in_wear: float
     film_strokes: float
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A number as printed, and its origin: keys of parameters, or `CALCULATED`."""
-
-    text: str
-    origin: str
 
 
 _FROM_PARAMETERS = {

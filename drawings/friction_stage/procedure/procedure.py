@@ -7,56 +7,12 @@ from __future__ import annotations
 
 import string
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from drawings.friction_stage.procedure.figures import Figure, ProcedureValues, figures_of
+from drawings.friction_stage.procedure.figures import ProcedureValues, figures_of
 from drawings.friction_stage.procedure.steps import step_templates
+from drawings.sheets.procedure import PartUse, Procedure, Step
 from stagecad.solids.assembly.bill_of_materials import Row
-
-
-@dataclass(frozen=True)
-class PartUse:
-    """A row of the parts list that is put in by a step.
-
-    Args:
-        item: number in the parts list and of the balloon.
-        part, part_number: name, and number in the catalogue or of the drawing.
-        quantity: number of parts.
-    """
-
-    item: int
-    part: str
-    part_number: str
-    quantity: int
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step.
-
-    Args:
-        number: from 1, in the order of assembly.
-        sentences: instructions.
-        tools: and materials that are not in the parts list.
-        torque: of the screws of this step.
-        figures: all numbers of the step, by name.
-    """
-
-    number: int
-    title: str
-    sentences: tuple[str, ...]
-    parts: tuple[PartUse, ...]
-    tools: tuple[str, ...]
-    torque: Figure | None
-    figures: dict[str, Figure]
-
-
-@dataclass(frozen=True)
-class Procedure:
-    """The steps in their order."""
-
-    steps: tuple[Step, ...]
 
 
 def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:

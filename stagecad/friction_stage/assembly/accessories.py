@@ -2,25 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from stagecad.friction_stage.parameters.derived import Derived
-
-
-@dataclass(frozen=True)
-class Accessory:
-    """One kind of accessory; it has no solid.
-
-    Attributes:
-        name: as in the parts list.
-        specification: for ordering.
-        quantity: in one machine.
-    """
-
-    name: str
-    specification: str
-    quantity: int
+from stagecad.solids.assembly.bill_of_materials import Accessory
 
 
 def accessories(design: Any) -> tuple[Accessory, ...]:

@@ -8,17 +8,14 @@ carries holder, piezos and tip.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.modelling.frame import UNMOVED, Frame, Vector, add, dot, mate, scaled, subtract
-
-TRAVEL_ENDS = (-1.0, 0.0, 1.0)
-HEIGHT_ENDS = (-1.0, 0.0, 1.0)
+from stagecad.solids.modelling.instance import Instance
 
 EXPLODED = {
     "bearing_way": 60.0,
@@ -46,30 +43,6 @@ EXPLODED = {
     "mirror": 40.0,
 }
 """Displacement of a part from its seat in the exploded view, mm, in addition to that of its parent."""
-
-
-@dataclass(frozen=True)
-class Instance:
-    """One instance of a part in the assembly.
-
-    Attributes:
-        name: unique: the part's, with a number or side if there are several.
-        part: name of the part.
-        frame: position in the assembly.
-        exploded: position in the exploded view.
-        compression: of a spring, relative to its installed length at mid-adjustment, mm.
-    """
-
-    name: str
-    part: str
-    frame: Frame
-    exploded: Frame
-    compression: float = 0.0
-
-    @property
-    def shape(self) -> str:
-        """Name of its shape: that of the part; for a compressed spring with the compression."""
-        return self.part if abs(self.compression) < 1e-6 else f"{self.part}@{self.compression:.6f}"
 
 
 def assemble(
@@ -224,11 +197,3 @@ def _back(frame: Frame, direction: Vector) -> Vector:
     """A direction of the assembly in the coordinates of the part that `frame` places."""
     x, y, z = (tuple(row[axis] for row in frame.rotation) for axis in range(3))
     return (dot(x, direction), dot(y, direction), dot(z, direction))  # type: ignore[arg-type]
-
-
-def count(instances: Iterable[Instance]) -> dict[str, int]:
-    """Number of each part, in the order of their first appearance."""
-    counts: dict[str, int] = {}
-    for instance in instances:
-        counts[instance.part] = counts.get(instance.part, 0) + 1
-    return counts

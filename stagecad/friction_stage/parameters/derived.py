@@ -8,175 +8,72 @@ the top of the base.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from stagecad.parameters.machine import Computed
 
 if TYPE_CHECKING:
     from stagecad.friction_stage.parameters.machine import Tables
 
-MM = 1e-3
 Place = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Formula:
-    """Formula of a value that the file leaves out.
+_STACK = "height_pin_1.flat_height + height_pin_2.length"
+_RAISED = "bearing_way.height + pads.height + base.seat_height"
+"""Height of the drive surface over the floor beside the seats of the ways."""
 
-    Args:
-        text: the formula in keys.
-        value: of the tables read so far (attributes as in `Design`); in the unit of its key.
-        tolerance: class of the resulting dimension.
-    """
-
-    text: str
-    value: Callable[[Any], float]
-    tolerance: str | None = None
-
-
-def _pin_1_axis_depth(d: Any) -> float:
-    stack = d.height_pin_1.flat_height + d.height_pin_2.length + d.holder.floor + d.piezo.length + d.actuator.tip_height
-    return stack - d.bearing_way.height - d.pads.height
-
-
-def _bolt_count(d: Any) -> float:
-    way = d.bearing_way
-    # The small number keeps rounding errors from losing a screw.
-    return max(math.floor((way.length - 2 * way.bolt_end) / way.bolt_spacing + 1e-9) + 1, 0)
-
-
-def _buffer_offsets(d: Any) -> list[float]:
-    """Distances of the buffers from the middle: at the inner irons, and for four buffers at the outer ones too."""
-    middle, pole = d.teeth.bar_spacing / 2, (d.teeth.per_iron * d.teeth.pitch + d.magnet.thickness) / 2
-    return [middle - pole, middle + pole] if d.end_stop.count > 2 else [middle - pole]
-
-
-def _least(value: float) -> float:
-    """A length that a rule may refuse, but that can be built: at least 1 mm."""
-    return max(value, 1.0)
-
-
-COMPUTED: dict[str, Formula] = {
-    "stage.payload_drill_depth": Formula(
-        "stage.thickness - stage.payload_floor", lambda d: d.stage.thickness - d.stage.payload_floor, "X.X"
+COMPUTED: dict[str, Computed] = {
+    "stage.payload_drill_depth": Computed("stage.thickness - stage.payload_floor", "X.X"),
+    "stage.payload_thread_depth": Computed("stage.payload_drill_depth - 2*threads.m6_pitch", "X.X"),
+    "stage.iron_pocket_width": Computed(
+        "2*teeth.per_iron*teeth.pitch + magnet.thickness + stage.iron_pocket_clearance", "X.X"
     ),
-    "stage.payload_thread_depth": Formula(
-        "stage.payload_drill_depth - 2 threads.m6_pitch",
-        lambda d: d.stage.payload_drill_depth - 2 * d.threads.m6_pitch,
-        "X.X",
+    "bearing_way.bolt_count": Computed(
+        "max(floor((bearing_way.length - 2*bearing_way.bolt_end)/bearing_way.bolt_spacing) + 1, 0)"
     ),
-    "stage.iron_pocket_width": Formula(
-        "2 teeth.per_iron teeth.pitch + magnet.thickness + stage.iron_pocket_clearance",
-        lambda d: 2 * d.teeth.per_iron * d.teeth.pitch + d.magnet.thickness + d.stage.iron_pocket_clearance,
-        "X.X",
+    "tip.relief_depth": Computed("actuator.tip_height + tip.seat_depth - tip.relief_cover", "X.X"),
+    "base.seat_gap": Computed("base.way_gap + 2*base.seat_overhang", "X.X"),
+    "base.width": Computed("base.way_gap + 2*bearing_way.width", "X"),
+    "base.pin_1_axis_depth": Computed(
+        f"{_STACK} + holder.floor + piezo.length + actuator.tip_height - bearing_way.height - pads.height", "X.XX"
     ),
-    "bearing_way.bolt_count": Formula(
-        "(bearing_way.length - 2 bearing_way.bolt_end) / bearing_way.bolt_spacing + 1, rounded down", _bolt_count
+    "base.pocket_depth": Computed(
+        "base.pin_1_axis_depth - height_pin_1.flat_height - height_pin_2.length + base.pocket_clearance", "X.X"
     ),
-    "tip.relief_depth": Formula(
-        "actuator.tip_height + tip.seat_depth - tip.relief_cover",
-        lambda d: d.actuator.tip_height + d.tip.seat_depth - d.tip.relief_cover,
-        "X.X",
-    ),
-    "base.seat_gap": Formula(
-        "base.way_gap + 2 base.seat_overhang", lambda d: d.base.way_gap + 2 * d.base.seat_overhang, "X.X"
-    ),
-    "base.width": Formula(
-        "base.way_gap + 2 bearing_way.width", lambda d: d.base.way_gap + 2 * d.bearing_way.width, "X"
-    ),
-    "base.pin_1_axis_depth": Formula(
-        "height_pin_1.flat_height + height_pin_2.length + holder.floor + piezo.length + actuator.tip_height"
-        " - bearing_way.height - pads.height",
-        _pin_1_axis_depth,
-        "X.XX",
-    ),
-    "base.pocket_depth": Formula(
-        "base.pin_1_axis_depth - height_pin_1.flat_height - height_pin_2.length + base.pocket_clearance",
-        lambda d: (
-            d.base.pin_1_axis_depth - d.height_pin_1.flat_height - d.height_pin_2.length + d.base.pocket_clearance
-        ),
-        "X.X",
-    ),
-    "base.pocket_bore": Formula(
-        "base.pocket_depth - base.seat_height", lambda d: _least(d.base.pocket_depth - d.base.seat_height), "X.X"
-    ),
-    "tooth_bar.height": Formula(
+    "base.pocket_bore": Computed("max(base.pocket_depth - base.seat_height, 1 mm)", "X.X"),
+    "tooth_bar.height": Computed(
         "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap + base.seat_height",
-        lambda d: (
-            d.bearing_way.height
-            + d.pads.height
-            + d.stage.iron_pocket_depth
-            - d.tooth_iron.height
-            - d.teeth.gap
-            + d.base.seat_height
-        ),
         "X.XX",
     ),
-    "stop_bar.length": Formula(
-        "teeth.bar_spacing - (teeth.per_iron teeth.pitch + magnet.thickness) (+ for four buffers) + buffer.width"
-        " + 2 making.least_wall",
-        lambda d: 2 * max(_buffer_offsets(d)) + d.buffer.width + 2 * d.making.least_wall,
+    # The sign is that of the outer irons for more than two buffers at either end, else that of the inner ones.
+    "stop_bar.length": Computed(
+        "teeth.bar_spacing + min(max(2*end_stop.count - 5, -1), 1)*(teeth.per_iron*teeth.pitch + magnet.thickness)"
+        " + buffer.width + 2*making.least_wall",
         "X.X",
     ),
-    "stop_bar.height": Formula(
-        "bearing_way.height + pads.height + base.seat_height + end_stop.height + buffer.height / 2, at least 1 mm",
-        lambda d: _least(
-            d.bearing_way.height + d.pads.height + d.base.seat_height + d.end_stop.height / MM + d.buffer.height / 2
-        ),
+    "stop_bar.height": Computed(f"max({_RAISED} + end_stop.height + buffer.height/2, 1 mm)", "X.X"),
+    "stop_bar.reach": Computed(
+        "max(base.bracket_spacing_along/2 - stage.travel/2 - tooth_iron.length/2 - end_stop.gap - buffer.length, 1 mm)",
         "X.X",
     ),
-    "stop_bar.reach": Formula(
-        "base.bracket_spacing_along / 2 - stage.travel / 2 - tooth_iron.length / 2 - end_stop.gap - buffer.length,"
-        " at least 1 mm",
-        lambda d: _least(
-            d.base.bracket_spacing_along / 2
-            - d.stage.travel / 2
-            - d.tooth_iron.length / 2
-            - d.end_stop.gap
-            - d.buffer.length
-        ),
+    "sensor_bracket.optics": Computed(
+        "max((stage.travel + stage.length)/2 + mirror.thickness + sensors.interferometer.dead_path"
+        " + (interferometer.length - interferometer.screw_spacing)/2 - base.bracket_spacing_along/2"
+        " - stop_bar.overhang, 1 mm)",
         "X.X",
     ),
-    "sensor_bracket.optics": Formula(
-        "(stage.travel + stage.length) / 2 + mirror.thickness + sensors.interferometer.dead_path"
-        " + (interferometer.length - interferometer.screw_spacing) / 2 - base.bracket_spacing_along / 2"
-        " - stop_bar.overhang, at least 1 mm",
-        lambda d: _least(
-            (d.stage.travel + d.stage.length) / 2
-            + d.mirror.thickness
-            + d.sensors.interferometer.dead_path / MM
-            + (d.interferometer.length - d.interferometer.screw_spacing) / 2
-            - d.base.bracket_spacing_along / 2
-            - d.stop_bar.overhang
-        ),
+    "sensor_bracket.drop": Computed(
+        "max(stop_bar.height - stop_bar.sensor_depth + interferometer.beam_height - bearing_way.height - pads.height"
+        " - base.seat_height - stage.thickness/2, 1 mm)",
         "X.X",
     ),
-    "sensor_bracket.drop": Formula(
-        "stop_bar.height - stop_bar.sensor_depth + interferometer.beam_height - bearing_way.height - pads.height"
-        " - base.seat_height - stage.thickness / 2, at least 1 mm",
-        lambda d: _least(
-            d.stop_bar.height
-            - d.stop_bar.sensor_depth
-            + d.interferometer.beam_height
-            - d.bearing_way.height
-            - d.pads.height
-            - d.base.seat_height
-            - d.stage.thickness / 2
-        ),
-        "X.X",
-    ),
-    "spring.installed_length": Formula(
-        "base.pin_1_bore_end - height_pin_1.length / 2", lambda d: d.base.pin_1_bore_end - d.height_pin_1.length / 2
-    ),
-    "piezo.loss_factor": Formula(
-        "tan(asin(piezo.hysteresis)): the loop's width over its stroke is the sine of the loss angle",
-        lambda d: math.tan(math.asin(d.piezo.hysteresis)),
-    ),
-    "piezo.stiffness": Formula(
-        "piezo.blocking_force / piezo.stroke", lambda d: d.piezo.blocking_force / d.piezo.stroke
-    ),
+    "spring.installed_length": Computed("base.pin_1_bore_end - height_pin_1.length/2"),
+    # The width of the loop over its stroke is the sine of the loss angle.
+    "piezo.loss_factor": Computed("tan(asin(piezo.hysteresis))"),
+    "piezo.stiffness": Computed("piezo.blocking_force/piezo.stroke"),
 }
-"""Computed parameters by key, in the order of computation."""
+"""Formulas of the keys that a parameter file may leave out, with the tolerance class of the resulting dimension."""
 
 
 def corners(along: float, across: float) -> list[Place]:
@@ -324,7 +221,10 @@ class Derived:
     @property
     def buffer_places(self) -> tuple[float, ...]:
         """Places y of the buffers at either end."""
-        offsets = _buffer_offsets(self.design)
+        teeth = self.design.teeth
+        middle, pole = teeth.bar_spacing / 2, (self.iron_width + self.design.magnet.thickness) / 2
+        # At the inner irons, and for four buffers at the outer ones too.
+        offsets = [middle - pole, middle + pole] if self.design.end_stop.count > 2 else [middle - pole]
         return tuple(sorted([-y for y in offsets] + offsets))
 
     @property

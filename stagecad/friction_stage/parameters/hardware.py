@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stagecad.parameters.project_tables import NO_ROW
 from stagecad.parameters.schema import mm, number, of_material, text
-
-NO_ROW = "none"
-"""Value of the key `row` of a part whose values are those of the parameter file."""
 
 
 def _row(table: str) -> Any:

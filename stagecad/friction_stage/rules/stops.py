@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stagecad.friction_stage.parameters.derived import MM
 from stagecad.parameters.rules.registry import ROUNDING, given, length, rule, screw_length
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
 
+MM = 1e-3
 CLEAR = 0.5
 """Least clearance of parts that pass each other, mm."""
 PASSING = 0.2

@@ -10,62 +10,74 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stagecad.friction_stage.parameters.machine import schema
-
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
+    from stagecad.parameters.machine import Machine
 
 ROUNDING = 1e-6
 """Tolerance of comparisons for rounding errors, mm."""
 
 _KEY = re.compile(r"[a-z][a-z0-9_]*(?:\.[a-z0-9_]+)+")
 
-_MODULES = ("sliding", "height", "holes", "edges", "making", "stops", "teeth", "values")
-
 Check = Callable[["Design"], Iterator[str]]
-_RULES: dict[str, Check] = {}
+_RULES: dict[str, dict[str, Check]] = {}
+"""Rules by module and name."""
 
 
 @dataclass(frozen=True)
 class Violation:
-    """A rule that a design violates, with the message."""
+    """A rule that a design violates, with the message, and the parameters that it names, in its order."""
 
     rule: str
     message: str
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The parameters that the message names, in its order."""
-        known = schema()
-        return tuple(dict.fromkeys(word for word in _KEY.findall(self.message) if word in known))
+    keys: tuple[str, ...]
 
     @property
     def part(self) -> str:
-        """Table of the first of them: the part or subsystem concerned."""
+        """Table of the first parameter: the part or subsystem concerned."""
         return self.keys[0].split(".")[0] if self.keys else "machine"
 
 
 def rule(check: Check) -> Check:
     """Register a rule: a generator of messages, named by its function."""
-    _RULES[check.__name__.removesuffix("_")] = check
+    _RULES.setdefault(check.__module__, {})[check.__name__.removesuffix("_")] = check
     return check
 
 
-@cache
-def all_rules() -> dict[str, Check]:
-    """Every rule by name."""
-    for module in _MODULES:
-        import_module(f"stagecad.friction_stage.rules.{module}")
-    return dict(_RULES)
+def all_rules(machine: Machine) -> dict[str, Check]:
+    """Every rule of a machine by name."""
+    found: dict[str, Check] = {}
+    for module in machine.rules:
+        import_module(module)
+        found.update(_RULES.get(module, {}))
+    return found
+
+
+def broken(design: Design, name: str, check: Check) -> list[Violation]:
+    """Violations of one rule; silent about parts that are not in the machine."""
+    absent = absent_tables(design.machine)
+    found = []
+    for message in check(design):
+        keys = tuple(dict.fromkeys(word for word in _KEY.findall(message) if design.has(word)))
+        if not any(key.startswith(table) for key in keys for table in absent):
+            found.append(Violation(name, message, keys))
+    return found
+
+
+def absent_tables(machine: Machine) -> tuple[str, ...]:
+    """Tables of packaged parts none of which is in a machine of the user's own, each with a dot at its end."""
+    if machine.declaration is None:
+        return ()
+    present = {part.part for part in machine.declaration.parts}
+    return tuple(f"{table}." for table, parts in machine.owners.items() if not present.intersection(parts))
 
 
 def violations(design: Design) -> list[Violation]:
     """All violations of a design; empty if it can be built."""
-    return [Violation(name, message) for name, check in all_rules().items() for message in check(design)]
+    return [one for name, check in all_rules(design.machine).items() for one in broken(design, name, check)]
 
 
 def by_part(found: Sequence[Violation]) -> list[Violation]:

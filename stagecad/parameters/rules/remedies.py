@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.rules.registry import Violation, all_rules, by_part, violations
+from stagecad.parameters.rules.registry import Violation, all_rules, broken, by_part, violations
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -68,12 +68,12 @@ def _remedy(design: Design, violation: Violation, key: str, changed: Changed) ->
     entry = design.entry(key)
     if isinstance(entry.value, bool | str) or entry.value <= 0 or entry.origin.startswith("computed:"):
         return None
-    rule = all_rules()[violation.rule]
-    before = sum(1 for _ in rule(design))
+    rule = all_rules(design.machine)[violation.rule]
+    before = len(broken(design, violation.rule, rule))
 
     def satisfied(value: float) -> bool:
         try:
-            messages = [Violation(violation.rule, message) for message in rule(changed(key, value))]
+            messages = broken(changed(key, value), violation.rule, rule)
         except InputError:
             return False
         return len(messages) < before and all(one.keys != violation.keys for one in messages)

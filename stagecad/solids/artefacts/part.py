@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, LostProcessError, PartError
+from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.kernel import load_kernel
-from stagecad.solids.modelling.mass import Geometry, geometry_of
+from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
-from stagecad.solids.modelling.registry import PURCHASED, module_name, part_definition
+from stagecad.solids.modelling.registry import PartSource, part_source
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -100,13 +101,19 @@ def _datum(document: dict[str, Any]) -> Datum:
     return Datum(document["name"], tuple(document["origin"]), tuple(document["normal"]), tuple(document["x_direction"]))
 
 
-def _modules(name: str) -> tuple[str, ...]:
-    return (module_name(name), __name__)
+def part_mass(part: BuiltPart, design: Any) -> MassProperties:
+    """Mass properties of a part in its own coordinates."""
+    return mass_properties(part.geometry, density_of(design, part.material))
+
+
+def _modules(source: PartSource) -> tuple[str, ...]:
+    return (*source.modules, __name__)
 
 
 def find_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart | None:
     """The part from the cache, or None."""
-    entry = store.find(name, design, _modules(name))
+    source = part_source(name, design)
+    entry = store.find(name, source.design_of(design), _modules(source), source.depends)
     return BuiltPart(name, entry) if entry is not None else None
 
 
@@ -116,9 +123,10 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
     Raises:
         PartError: the CAD kernel makes no valid closed solid of these dimensions.
     """
+    source = part_source(name, design)
 
     def make(tracked: Any, folder: Path) -> None:
-        part: Any = part_definition(name)
+        part: Any = source.definition()
         with kernel_errors(name, design):
             solid = part.build(tracked)
             _require_solid(name, solid)
@@ -126,11 +134,10 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
         geometry = geometry_of(solid)
         write_solid(solid, folder / "solid.bin")
-        purchased = name in PURCHASED
         document = {
             "material": material,
-            "description": part.description(tracked) if purchased else _first_line(part),
-            "part_number": part.part_number(tracked) if purchased else "",
+            "description": part.description(tracked) if hasattr(part, "description") else _first_line(part),
+            "part_number": part.part_number(tracked) if hasattr(part, "part_number") else "",
             "geometry": geometry.as_json(),
             "datums": datums,
             "face_areas": _face_areas(solid, datums),
@@ -138,7 +145,8 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
         (folder / "part.json").write_text(json.dumps(document, indent=1), "utf-8")
         _export(name, solid, geometry.volume, colour_of(material), folder)
 
-    return BuiltPart(name, store.make(name, design, _modules(name), make))
+    made = store.make(name, source.design_of(design), _modules(source), make, source.depends)
+    return BuiltPart(name, made)
 
 
 @contextmanager

@@ -8,13 +8,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from stagecad.friction_stage.assembly.accessories import Accessory
-from stagecad.friction_stage.assembly.assemble import Instance, count
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.artefacts.part import BuiltPart
-from stagecad.solids.modelling.registry import MADE, PURCHASED
+from stagecad.solids.modelling.instance import Instance, count
+from stagecad.solids.modelling.registry import construction
 
 HEADINGS = ("item", "part", "description", "part number", "quantity", "material", "mass each [kg]", "mass [kg]")
+
+
+@dataclass(frozen=True)
+class Accessory:
+    """One kind of accessory; it has no solid.
+
+    Attributes:
+        name: as in the parts list.
+        specification: for ordering.
+        quantity: in one machine.
+    """
+
+    name: str
+    specification: str
+    quantity: int
 
 
 @dataclass(frozen=True)
@@ -51,7 +65,7 @@ def bill_of_materials(
     """The list of all parts in the assembly, manufactured parts first."""
     counts = count(instances)
     rows: list[Row] = []
-    for name in (*MADE, *PURCHASED):
+    for name, source in construction(design).sources(design).items():
         if name not in counts:
             continue
         part = parts[name]
@@ -64,7 +78,7 @@ def bill_of_materials(
                 quantity=counts[name],
                 material=design.materials[part.material].description,
                 mass=masses[name].mass,
-                purchased=name in PURCHASED,
+                purchased=source.purchased,
             )
         )
     return tuple(rows)

@@ -9,12 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.friction_stage.assembly.assemble import Instance, assemble
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.frame import Frame
+from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.modelling.placed_shape import PlacedShape
-from stagecad.solids.modelling.registry import ASSEMBLY
+from stagecad.solids.modelling.registry import ASSEMBLY, Position, construction, part_source
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -55,7 +55,7 @@ def _frame(document: dict[str, Any]) -> Frame:
 
 def find_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly | None:
     """The assembly from the cache, or None."""
-    entry = store.find(ASSEMBLY, design, (__name__,), _keys(parts))
+    entry = store.find(ASSEMBLY, design, _modules(design), _keys(parts, design))
     return BuiltAssembly(entry) if entry is not None else None
 
 
@@ -79,11 +79,20 @@ def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design:
         moved = [meshes[shape.part].placed(shape.frame) for shape in placed]
         (folder / f"{ASSEMBLY}.stl").write_bytes(stl_bytes(moved))
 
-    return BuiltAssembly(store.make(ASSEMBLY, design, (__name__,), make, _keys(parts)))
+    return BuiltAssembly(store.make(ASSEMBLY, design, _modules(design), make, _keys(parts, design)))
 
 
-def _keys(parts: Mapping[str, BuiltPart]) -> list[str]:
-    return [part.entry.content for part in parts.values()]
+def assemble(parts: Mapping[str, BuiltPart], design: Any, position: Position = (0.0, 0.0)) -> tuple[Instance, ...]:
+    """All instances of the parts of a machine, at a position of travel and height adjustment."""
+    return construction(design).assemble(parts, design, position)
+
+
+def _modules(design: Any) -> tuple[str, ...]:
+    return (__name__, *construction(design).modules)
+
+
+def _keys(parts: Mapping[str, BuiltPart], design: Any) -> list[str]:
+    return [*(part.entry.content for part in parts.values()), *construction(design).depends(design)]
 
 
 def placed_shapes(
@@ -99,13 +108,15 @@ def placed_shapes(
 
 def shapes_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> dict[str, cq.Shape]:
     """The exact solid of each `Instance.shape`: that of the part, or a spring at its length in the assembly."""
-    from stagecad.friction_stage.purchased import spring
-
     shapes: dict[str, cq.Shape] = {}
     for instance in instances:
         if instance.shape not in shapes:
-            own = instance.shape == instance.part
-            shapes[instance.shape] = parts[instance.part].solid if own else spring.build(design, instance.compression)
+            part = instance.part
+            if instance.shape == part:
+                shapes[part] = parts[part].solid
+            else:
+                spring: Any = part_source(part, design).definition()
+                shapes[instance.shape] = spring.build(design, instance.compression)
     return shapes
 
 

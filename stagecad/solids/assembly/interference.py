@@ -1,9 +1,9 @@
 """Interference check: contacts, fits and clashes of parts at the ends and middle of travel and height adjustment.
 
-The table `INTENDED` lists the pairs of parts that touch, fit or overlap by design; common volume of any other pair is a
-clash. Threads are cosmetic (a screw has its major diameter, a tapped hole its drill's), so a thread engagement has a
-common volume, which must not exceed the ring between the two diameters. The tip overlaps the stage slightly, since this
-sets its preload.
+A machine states the pairs of parts that touch, fit or overlap by design; common volume of any other pair is a clash.
+Threads are cosmetic (a screw has its major diameter, a tapped hole its drill's), so a thread engagement has a common
+volume, which must not exceed the ring between the two diameters. The tip overlaps the stage slightly, since this sets
+its preload.
 """
 
 from __future__ import annotations
@@ -13,17 +13,28 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from itertools import combinations, product
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.friction_stage.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.assembly.pair_measurement import common_volumes, least_distance, relative_frame
 from stagecad.solids.modelling.frame import Box, Frame, near, transformed_box
-from stagecad.solids.modelling.registry import ASSEMBLY
+from stagecad.solids.modelling.instance import Instance
+from stagecad.solids.modelling.registry import (
+    ASSEMBLY,
+    CLASH,
+    CONTACT,
+    DRIVE,
+    GAP,
+    OPEN,
+    OVERLAP,
+    THREAD,
+    Position,
+    construction,
+)
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -37,75 +48,8 @@ TOUCH = 1e-2
 NEAR = 1.5
 """Gap up to which a pair is listed, mm."""
 
-CONTACT = "contact"
-FIT = "clearance fit"
-THREAD = "thread engagement"
-SLIDING = "sliding contact"
-DRIVE = "drive contact"
-GAP = "gap"
-CLASH = "clash"
-
-INTENDED: dict[frozenset[str], str] = {
-    frozenset(pair): kind
-    for kind, pairs in {
-        CONTACT: (
-            ("base", "bearing_way"),
-            ("bearing_way", "way_screw"),
-            ("base", "spring"),
-            ("height_pin_1", "set_screw"),
-            ("height_pin_1", "spring"),
-            ("height_pin_1", "height_pin_2"),
-            ("height_pin_2", "holder"),
-            ("piezo", "tip"),
-            ("stage", "tooth_iron"),
-            ("stage", "magnet"),
-            ("tooth_iron", "magnet"),
-            ("base", "tooth_bar"),
-            ("tooth_bar", "bar_screw"),
-            ("base", "stop_bar"),
-            ("stop_bar", "stop_screw"),
-            ("stop_bar", "buffer"),
-            ("stop_bar", "sensor_bracket"),
-            ("stop_bar", "lead_clip"),
-            ("sensor_bracket", "bar_screw"),
-            ("sensor_bracket", "interferometer"),
-            ("base", "lead_clip"),
-            ("stage", "mirror"),
-        ),
-        FIT: (("base", "height_pin_1"), ("base", "height_pin_2"), ("base", "holder"), ("holder", "piezo")),
-        THREAD: (
-            ("base", "way_screw"),
-            ("base", "clamp_screw_long"),
-            ("base", "clamp_screw_short"),
-            ("base", "bar_screw"),
-            ("base", "stop_screw"),
-            ("stop_bar", "bar_screw"),
-            ("base", "set_screw"),
-        ),
-        SLIDING: (("stage", "bearing_way"),),
-        DRIVE: (("stage", "tip"),),
-        GAP: (
-            ("tooth_bar", "tooth_iron"),
-            ("tooth_bar", "magnet"),
-            ("stage", "tooth_bar"),
-            ("tip", "holder"),
-            ("buffer", "tooth_iron"),
-            ("buffer", "stage"),
-            ("stop_bar", "stage"),
-        ),
-    }.items()
-    for pair in pairs
-}
-"""Intended relation of two kinds of part. `GAP`: close to each other without contact."""
-
-THREADED = {
-    "way_screw": ("screws.way.diameter", "screws.way.length", "threads.unc_3_8_tap_drill"),
-    "clamp_screw_long": ("screws.clamp_long.diameter", "screws.clamp_long.length", "threads.unc_3_8_tap_drill"),
-    "clamp_screw_short": ("screws.clamp_short.diameter", "screws.clamp_short.length", "threads.unc_3_8_tap_drill"),
-    "bar_screw": ("screws.bar.diameter", "screws.bar.length", "threads.m5_tap_drill"),
-    "stop_screw": ("screws.stop.diameter", "screws.stop.length", "threads.m6_tap_drill"),
-    "set_screw": ("set_screw.diameter", "set_screw.length", "threads.unc_1_tap_drill"),
-}
+TOUCHING = 1e-3
+"""Distance up to which two parts without a stated relation touch, mm."""
 
 
 @dataclass(frozen=True)
@@ -173,21 +117,20 @@ Measure = Callable[[Sequence[_Place]], PairValues]
 def find_interferences(
     parts: Mapping[str, BuiltPart],
     design: Any,
-    travels: Iterable[float] = TRAVEL_ENDS,
-    heights: Iterable[float] = HEIGHT_ENDS,
+    positions: Iterable[Position] | None = None,
     measure: Measure | None = None,
 ) -> list[Interference]:
-    """All pairs closer than `NEAR`, for every combination of travel and height.
+    """All pairs closer than `NEAR`, at each position.
 
     Args:
         parts: the built parts by name.
         design: the design.
-        travels, heights: positions of stage and height adjustment, -1 to 1.
+        positions: of travel and height adjustment; those of the machine when left out.
         measure: gives the values of two kinds of part at all places where they are close to each other; default:
             measures them now. Places with the same relative position are measured only once.
     """
     measure = measure or (lambda places: _measured(places, parts, design))
-    places = list(_close_places(parts, design, list(travels), list(heights)))
+    places = list(_close_places(parts, design, positions))
     pairs: dict[frozenset[str], list[_Place]] = {}
     for place in places:
         pairs.setdefault(frozenset((place.one.part, place.two.part)), []).append(place)
@@ -210,11 +153,12 @@ def find_interferences(
 
 
 def _close_places(
-    parts: Mapping[str, BuiltPart], design: Any, travels: Sequence[float], heights: Sequence[float]
+    parts: Mapping[str, BuiltPart], design: Any, positions: Iterable[Position] | None
 ) -> Iterator[_Place]:
     """Pairs of instances whose bounding boxes are closer than `NEAR`."""
-    for travel, height in product(travels, heights):
-        instances = assemble(parts, design, travel, height)
+    made = construction(design)
+    for travel, height in made.positions if positions is None else positions:
+        instances = made.assemble(parts, design, (travel, height))
         boxes = [_box(instance, parts) for instance in instances]
         for (one, box), (two, other) in combinations(zip(instances, boxes, strict=True), 2):
             if near(box, other, NEAR):
@@ -240,14 +184,14 @@ def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: 
         volumes |= dict(zip(group, common_volumes(one, others), strict=True))
     clearance = None
     free = [place for place in places if place.at_rest and volumes[place.key] <= TOUCH]
-    if free and frozenset((free[0].one.part, free[0].two.part)) in INTENDED:
+    if free and frozenset((free[0].one.part, free[0].two.part)) in construction(design).relations(design):
         clearance = least_distance(shape(free[0].one), shape(free[0].two), free[0].frame, NEAR)
     return PairValues(volumes, clearance)
 
 
 def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
     """All interference pairs at the ends and middles, from the cache or computed now, in another process."""
-    if store.find(NAME, design, (__name__,), _contents(parts)) is None:
+    if store.find(NAME, design, _modules(design), _contents(parts, design)) is None:
         # Without the loaded solids and meshes, which do not pickle.
         stored = {name: BuiltPart(name, part.entry) for name, part in parts.items()}
         in_processes(partial(_compute, store.folder, stored, design), [ASSEMBLY], design)
@@ -268,11 +212,15 @@ def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], d
             found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure)]
         (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
-    return store.make(NAME, design, (__name__,), make, _contents(parts))
+    return store.make(NAME, design, _modules(design), make, _contents(parts, design))
 
 
-def _contents(parts: Mapping[str, BuiltPart]) -> list[str]:
-    return [part.entry.content for part in parts.values()]
+def _modules(design: Any) -> tuple[str, ...]:
+    return (__name__, *construction(design).modules)
+
+
+def _contents(parts: Mapping[str, BuiltPart], design: Any) -> list[str]:
+    return [*(part.entry.content for part in parts.values()), *construction(design).depends(design)]
 
 
 def _stored_values(
@@ -287,7 +235,7 @@ def _stored_values(
     # Each place once; those at rest in their order, since the first without a common volume is measured.
     keys = [*dict.fromkeys(place.key for place in places), *(place.key for place in places if place.at_rest)]
     depends = [*(parts[name].entry.content for name in pair), "\n".join(keys)]
-    entry = store.make(f"{NAME} of {' and '.join(pair)}", design, (__name__,), make, depends)
+    entry = store.make(f"{NAME} of {' and '.join(pair)}", design, _modules(design), make, depends)
     return PairValues(**entry.document("pair.json"))
 
 
@@ -298,17 +246,22 @@ def clashes(found: Sequence[Interference]) -> list[Interference]:
 
 def _kind(one: str, two: str, volume: float, distance: float | None, design: Any) -> str | None:
     """Relation of a pair; None if it is not close."""
-    intended = INTENDED.get(frozenset((one, two)))
+    made = construction(design)
+    intended = made.relations(design).get(frozenset((one, two)))
     if intended == THREAD:
-        return intended if volume <= _ring(one if one in THREADED else two, design) + TOUCH else CLASH
-    if volume > TOUCH and intended != DRIVE:
+        return intended if volume <= _ring(one if one in made.threads else two, design) + TOUCH else CLASH
+    if volume > TOUCH and intended not in (DRIVE, OVERLAP):
         return CLASH
+    if intended == OPEN:
+        if distance is None or distance > NEAR:
+            return None
+        return CONTACT if distance <= TOUCHING else GAP
     return intended if distance is None or distance <= NEAR else None
 
 
 def _ring(screw: str, design: Any) -> float:
     """Volume between a thread's major diameter and its tap drill over the whole screw, mm^3."""
-    diameter, length, drill = (_value(design, key) for key in THREADED[screw])
+    diameter, length, drill = (_value(design, key) for key in construction(design).threads[screw])
     return math.pi / 4.0 * (diameter**2 - drill**2) * length
 
 

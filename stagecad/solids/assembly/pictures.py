@@ -9,22 +9,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_assembly import EXPLODED, meshes_of, placed_shapes, shapes_of
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
 from stagecad.solids.modelling.placed_shape import PlacedShape
-from stagecad.solids.modelling.registry import ASSEMBLY
+from stagecad.solids.modelling.registry import ASSEMBLY, construction
 
 PART_SIZE = (900, 650)
 
-FROM_BELOW = ("stage", "tip", "tooth_iron")
-"""Parts with working faces on their underside: also shown from below, as ``NAME_below``."""
-
 
 def build_pictures(
-    store: ArtefactStore, machine: Machine, advance: Callable[[str], None] = lambda name: None
+    store: ArtefactStore, machine: BuiltMachine, advance: Callable[[str], None] = lambda name: None
 ) -> dict[str, Artefact]:
     """PNG pictures by file name (``stage.png``, ``stage_below.png``, ``assembly.png``, ``assembly_exploded.png``).
 
@@ -54,13 +51,13 @@ def part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefac
         shapes = [PlacedShape(part.name, part.name, part.colour)]
         meshes = {part.name: part.mesh}
         (folder / f"{part.name}.png").write_bytes(picture(shapes, meshes, ISOMETRIC, PART_SIZE))
-        if part.name in FROM_BELOW:
+        if part.name in construction(design).below:
             (folder / f"{part.name}_below.png").write_bytes(picture(shapes, meshes, BELOW, PART_SIZE))
 
     return store.make(f"picture of {part.name}", design, (__name__,), make, [part.entry.content])
 
 
-def assembly_pictures(store: ArtefactStore, machine: Machine) -> Artefact:
+def assembly_pictures(store: ArtefactStore, machine: BuiltMachine) -> Artefact:
     """Pictures of the assembly and of the exploded view, from the cache or rendered now."""
 
     def make(_: Any, folder: Path) -> None:

@@ -1,66 +1,129 @@
-"""The parts by name, and the module that defines each; importing this module imports none of them."""
+"""What a machine states of its construction: parts, assembly, intended contacts. Found by the machine's name."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from importlib import import_module
-from typing import Any, cast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
-from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.machine import content, packaged_machine
+from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.modelling.part import Part
 
-MADE = (
-    "tip",
-    "holder",
-    "stage",
-    "bearing_way",
-    "base",
-    "height_pin_1",
-    "height_pin_2",
-    "magnet",
-    "tooth_iron",
-    "tooth_bar",
-    "stop_bar",
-    "sensor_bracket",
-)
-"""Parts that are made from a drawing."""
-
-CAP_SCREWS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "stop_screw")
-PURCHASED = ("piezo", *CAP_SCREWS, "set_screw", "spring", "buffer", "lead_clip", "interferometer", "mirror")
-"""Parts that are bought."""
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import Masses
 
 ASSEMBLY = "assembly"
 
-OF_TEETH = ("magnet", "tooth_iron", "tooth_bar", "bar_screw")
-"""Parts of a machine with magnetic teeth only."""
+CONTACT = "contact"
+FIT = "clearance fit"
+THREAD = "thread engagement"
+SLIDING = "sliding contact"
+DRIVE = "drive contact"
+OVERLAP = "overlap"
+GAP = "gap"
+OPEN = "not stated"
+CLASH = "clash"
+"""Relations of two parts: `DRIVE` and `OVERLAP` may share volume; `GAP`: close to each other without contact; `OPEN`:
+what their distance shows."""
 
-OF_END_STOPS = ("stop_bar", "sensor_bracket", "stop_screw", "buffer", "interferometer", "mirror")
-"""Parts of a machine with end stops only, which stop the tooth irons."""
+Position = tuple[float, float]
+"""Position of a machine's travel and of its height adjustment, from -1 to 1."""
+
+
+@dataclass(frozen=True)
+class PartSource:
+    """Where a part of a machine comes from.
+
+    Args:
+        name: in the machine, of its files and artefacts.
+        kind: name of its definition.
+        modules: dotted names of the modules that define it.
+        definition: gives the definition.
+        purchased: whether it is bought.
+        depends: what else it is made of than modules and parameters.
+        own_design: the design as this part reads it.
+    """
+
+    name: str
+    kind: str
+    modules: tuple[str, ...]
+    definition: Callable[[], Part]
+    purchased: bool = False
+    depends: tuple[str, ...] = ()
+    own_design: Callable[[Any], Any] | None = None
+
+    def design_of(self, design: Any) -> Any:
+        """The design as this part reads it: with its own values in a machine of the user's own."""
+        return self.own_design(design) if self.own_design else design
+
+
+def _nothing(design: Any) -> tuple[Any, ...]:
+    return ()
+
+
+@dataclass(frozen=True)
+class Construction:
+    """Parts and assembly of a kind of machine.
+
+    Args:
+        sources: the parts of a design by name, in the order of the parts list.
+        refusal: why a design lacks a part of this name; empty where there is none such.
+        modules: dotted names of the modules that assemble it.
+        assemble: all instances, of the built parts at a position.
+        depends: what the assembly depends on besides parts and parameters.
+        positions: at which interference is looked for, that at rest among them.
+        relations: intended relation of two kinds of part, given the design.
+        threads: keys of diameter, length and tap drill of each threaded part.
+        moving: parts that move.
+        carried: parts that move with them.
+        below: parts that are pictured from below as well.
+        accessories: what is needed besides the parts.
+        masses: mass properties that checks and simulation read, from as few parts as they need.
+        machine_masses: the same of a built machine.
+        documents: what the command `parts` says of a built machine besides its parts.
+    """
+
+    sources: Callable[[Any], Mapping[str, PartSource]]
+    refusal: Callable[[str, Any], str]
+    relations: Callable[[Any], Mapping[frozenset[str], str]]
+    modules: tuple[str, ...]
+    assemble: Callable[[Mapping[str, Any], Any, Position], tuple[Instance, ...]]
+    masses: Callable[[Any], Masses]
+    machine_masses: Callable[[Any], Masses]
+    documents: Callable[[Any], dict[str, Any]]
+    depends: Callable[[Any], tuple[str, ...]] = _nothing
+    positions: tuple[Position, ...] = ((0.0, 0.0),)
+    threads: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
+    moving: tuple[str, ...] = ()
+    carried: tuple[str, ...] = ()
+    below: tuple[str, ...] = ()
+    accessories: Callable[[Any], tuple[Any, ...]] = _nothing
+
+
+def construction(design: Any) -> Construction:
+    """The construction of a design's machine."""
+    return content("stagecad", design.machine, "construction").CONSTRUCTION
+
+
+def packaged() -> Construction:
+    """The construction of the packaged machine, whose parts any machine may have."""
+    return content("stagecad", packaged_machine(), "construction").CONSTRUCTION
 
 
 def part_names(design: Any) -> tuple[str, ...]:
-    """Names of the parts that this design has, made ones first."""
-    left_out = () if design.teeth.fitted else OF_TEETH
-    if not Derived(design).end_stops:
-        left_out += OF_END_STOPS
-    return tuple(name for name in (*MADE, *PURCHASED) if name not in left_out)
+    """Names of the parts that a design has, made ones first."""
+    return tuple(construction(design).sources(design))
 
 
-def module_name(name: str) -> str:
-    """Dotted name of the module that defines a part."""
-    if name in MADE:
-        return f"stagecad.friction_stage.parts.{name}"
-    return f"stagecad.friction_stage.purchased.{'screws' if name in CAP_SCREWS else name}"
+def part_source(name: str, design: Any) -> PartSource:
+    """Where a part of a design comes from."""
+    return construction(design).sources(design)[name]
 
 
-def part_definition(name: str) -> Part:
-    """The definition of a part: its module, or an entry in the `PARTS` of a module for several parts."""
-    module = import_module(module_name(name))
-    return cast(Part, getattr(module, "PARTS", {}).get(name, module))
-
-
-def chosen(names: Sequence[str], design: Any) -> tuple[str, ...]:
+def chosen(names: Sequence[str], design: Design) -> tuple[str, ...]:
     """The named parts (`assembly` possibly among them), or all parts when none is named.
 
     Raises:
@@ -68,10 +131,7 @@ def chosen(names: Sequence[str], design: Any) -> tuple[str, ...]:
     """
     known = (*part_names(design), ASSEMBLY)
     for name in names:
-        if name in OF_TEETH and name not in known:
-            raise InputError(f"part '{name}': this design has no magnetic teeth; set teeth.fitted = true")
-        if name in OF_END_STOPS and name not in known:
-            raise InputError(f"part '{name}': this design has no end stops; they need teeth.fitted = true and buffers")
         if name not in known:
-            raise InputError(f"no part '{name}'{nearest(name, known)}")
+            reason = construction(design).refusal(name, design)
+            raise InputError(f"part '{name}': {reason}" if reason else f"no part '{name}'{nearest(name, known)}")
     return tuple(name for name in known if name in names) if names else known

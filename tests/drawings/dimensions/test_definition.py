@@ -9,9 +9,9 @@ import cadquery as cq
 import pytest
 
 from drawings.dimensions.definition import Definition, Notes, definition, notes_on_shape
+from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.parameters.load import load_design
-from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, thesis
 

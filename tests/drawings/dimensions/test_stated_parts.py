@@ -7,19 +7,18 @@ from pathlib import Path
 import pytest
 
 from drawings.dimensions.definition import HEADINGS
-from tests.drawings.own_parts import PARTS, hits_of, own_part
-from workbench.machine.own_part import draw_part
+from tests.drawings.own_parts import PARTS, draw_part, hits_of
 
 
 def test_more_holes_than_the_solid_has_and_unlike_holes_are_refused(tmp_path: Path) -> None:
-    hits = hits_of(own_part("three"), tmp_path)
+    hits = hits_of(tmp_path, "three")
     assert "'hole' is given for 3 features, the solid has 2 of this diameter" in hits
-    two = hits_of(own_part("three", ("count=3", "count=2")), tmp_path)
+    two = hits_of(tmp_path, "three", ("count=3", "count=2"))
     assert "'hole' is one dimension for holes that go through and holes that do not" in two
 
 
 def test_a_slot_without_dimensions_is_named_face_by_face(tmp_path: Path) -> None:
-    hits = hits_of(own_part("undef"), tmp_path)
+    hits = hits_of(tmp_path, "undef")
     assert [hit for hit in hits if "is not defined" in hit] == hits
     assert "the place of face 13 (plane at 0, 10, 5) is not defined" in hits
     assert {int(hit.split("face ")[1].split()[0]) for hit in hits} == {9, 10, 11, 12, 13}
@@ -29,28 +28,29 @@ def test_a_slot_without_dimensions_is_named_face_by_face(tmp_path: Path) -> None
 
 @pytest.mark.parametrize(("name", "faces"), [("fx_base", {16, 17, 18, 19}), ("keyshaft", {4, 6})])
 def test_a_slot_without_a_place_along_its_row_is_named(name: str, faces: set[int], tmp_path: Path) -> None:
-    hits = hits_of(own_part(name), tmp_path)
+    hits = hits_of(tmp_path, name)
     assert {int(hit.split("face ")[1].split()[0]) for hit in hits} == faces
 
 
 def test_windows_without_size_and_place_are_named(tmp_path: Path) -> None:
-    hits = hits_of(own_part("fx_block"), tmp_path)
+    hits = hits_of(tmp_path, "fx_block")
     assert len(hits) == 8 and all(hit.startswith("the place of face") for hit in hits)
 
 
 def test_a_view_that_a_declaration_names_is_drawn(tmp_path: Path) -> None:
-    part = own_part("fx_shaft", ('"head", (0, 0, 3), Z, Y, view="front"', '"head", (0, 0, 3), Z, Y, view="right"'))
-    document = draw_part(part, tmp_path)
+    document = draw_part(
+        tmp_path, "fx_shaft", ('"head", (0, 0, 3), Z, Y, view="front"', '"head", (0, 0, 3), Z, Y, view="right"')
+    )
     (sheet,) = document["sheets"]
     assert "bottom" in sheet["views"] and sheet["hits"] == []
-    manifold = draw_part(own_part("manifold"), tmp_path)
+    manifold = draw_part(tmp_path, "manifold")
     assert {"left", "back"} <= set(manifold["sheets"][0]["views"])
 
 
 def test_a_dimension_that_its_view_does_not_show_is_reported(tmp_path: Path) -> None:
-    hits = hits_of(own_part("fx_shaft"), tmp_path)
+    hits = hits_of(tmp_path, "fx_shaft")
     assert hits == ["'head' is declared for the view 'front', which does not show it: it is in 'right'"]
-    wrong = hits_of(own_part("fx_shaft", ('view="bottom"', 'view="top"')), tmp_path)
+    wrong = hits_of(tmp_path, "fx_shaft", ('view="bottom"', 'view="top"'))
     assert "'thread drill' is not seen in the view 'top'" in wrong or any("is not seen in" in hit for hit in wrong)
 
 
@@ -58,5 +58,5 @@ def test_a_circle_of_holes_is_one_dimension(tmp_path: Path) -> None:
     lines = (PARTS / "housing.py").read_text("utf-8").splitlines()
     (linear,) = [line for line in lines if '"bolt circle"' in line]
     circle = '    d.pitch_circle("bolt circle", "pcd", (0, 0, t), (p.pcd / 2, 0, 5), 6, view="top")'
-    assert hits_of(own_part("housing"), tmp_path)
-    assert hits_of(own_part("housing", (linear, circle)), tmp_path) == []
+    assert hits_of(tmp_path, "housing")
+    assert hits_of(tmp_path, "housing", (linear, circle)) == []

@@ -19,7 +19,7 @@ from drawings.sheets.frame import frame
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import title_primitives
 from drawings.views.segment_index import Line
-from stagecad.solids.modelling.registry import MADE
+from stagecad.friction_stage.construction import MADE
 from tests.drawings.drawn import document_of, sheets
 from tests.drawings.export.dxf_reading import PaperContent, visible_entities
 from tests.drawings.export.test_lint import CLEAN

@@ -18,11 +18,12 @@ from ap242_measures import measured, off_axis
 from drawings.dimensions.dimensioning import sheet_dimensions
 from drawings.dimensions.hole_table import HoleGroup
 from drawings.dimensions.specification import CalloutSpec, FrameSpec, TagSpec, TargetSpec
-from drawings.pmi.ap242 import ap242_bytes, pmi_of, write_ap242
+from drawings.friction_stage.sheet_plans import sheet_plans
+from drawings.pmi.ap242 import ap242_bytes, pmi_of
 from drawings.pmi.step_text import with_properties
 from drawings.sheets.part import part_views
-from drawings.sheets.plans import sheet_of, sheet_of_requirement, sheet_plans
-from stagecad.friction_stage.parameters.machine import schema
+from drawings.sheets.plans import sheet_of, sheet_of_requirement
+from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -34,9 +35,9 @@ from stagecad.parameters.dimension import (
 )
 from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of
-from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
@@ -236,7 +237,7 @@ def test_the_faces_meant_are_so_far_apart(name: str, read) -> None:
 def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...], tmp_path: Path) -> None:
     design, module = load_design(overrides=overrides, rules=False), part_definition("stage")
     path = tmp_path / "stage.step"
-    write_ap242("stage", design, module.build(design), path)
+    path.write_bytes(ap242_bytes("stage", module, design, module.build(design)))
     file = read_ap242(path, pmi_of(module, design).texts)
     wanted = {d.name: d for d in module.dimensions(design) if d.kind not in TEXT_ONLY}
     assert set(by_name(file)) == set(wanted)
@@ -253,12 +254,12 @@ def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
     module, notes = part_definition(name), {}
     module.build(TrackedDesign(thesis(), notes))
     keys = sorted({".".join(str(step[1]) for step in way) for way in notes})
-    sizes = [key for key in keys if key in schema() and thesis().entry(key).unit == "mm"]
+    sizes = [key for key in keys if key in packaged_machine().schema() and thesis().entry(key).unit == "mm"]
     factors = {key: 1 + 0.002 * (1 + index / len(sizes)) for index, key in enumerate(sizes)}
     changed = [f"{key}={thesis().value(key) * factor!r} mm" for key, factor in factors.items()]
     design = load_design(overrides=changed, rules=False)
     path = tmp_path / f"{name}.step"
-    write_ap242(name, design, module.build(design), path)
+    path.write_bytes(ap242_bytes(name, module, design, module.build(design)))
     shown = by_name(read_ap242(path, pmi_of(module, design).texts))
     for dimension in module.dimensions(design):
         if dimension.kind not in TEXT_ONLY:
@@ -329,7 +330,8 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
     """Another general tolerance, another limit in the file; and only in its class."""
     tighter = load_design(overrides=["drawing.tolerance_x_xx=0.005 mm"])
     path = tmp_path / "pin.step"
-    write_ap242("height_pin_2", tighter, solid_of("height_pin_2"), path)
+    pin = part_definition("height_pin_2")
+    path.write_bytes(ap242_bytes("height_pin_2", pin, tighter, solid_of("height_pin_2")))
     shown = by_name(read_ap242(path, pmi_of(part_definition("height_pin_2"), tighter).texts))
     for dimension in declared("height_pin_2"):
         if dimension.tolerance:
@@ -348,9 +350,10 @@ def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     script = (
         "import sys; from pathlib import Path\n"
         "from stagecad.parameters.load import load_design\n"
-        "from stagecad.solids.modelling.registry import part_definition\n"
-        "from drawings.pmi.ap242 import write_ap242; design = load_design()\n"
-        "write_ap242(sys.argv[1], design, part_definition(sys.argv[1]).build(design), Path(sys.argv[2]))\n"
+        "from stagecad.friction_stage.construction import part_definition\n"
+        "from drawings.pmi.ap242 import ap242_bytes\n"
+        "design, part = load_design(), part_definition(sys.argv[1])\n"
+        "Path(sys.argv[2]).write_bytes(ap242_bytes(sys.argv[1], part, design, part.build(design)))\n"
     )
     path = tmp_path / "other.step"
     environment = os.environ | {"PYTHONHASHSEED": "7"}

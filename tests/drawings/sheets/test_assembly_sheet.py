@@ -21,7 +21,8 @@ from drawings.annotations.primitives import Text
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, machine_size
 from drawings.export.lint import lint
-from drawings.pictures.machine import ACROSS, ALONG, NOT_CUT, machine_picture
+from drawings.friction_stage.sheets import ACROSS, ALONG, NOT_CUT, VIEWS
+from drawings.pictures.machine import machine_picture
 from drawings.pictures.picture import Picture
 from drawings.pictures.scene import scene_of
 from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread, uncrossed
@@ -31,10 +32,11 @@ from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
 from drawings.views.view import Cut, Segment
 from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.machine import Machine
+from stagecad.friction_stage.assembly.bodies import CARRIED
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_assembly import shapes_of
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.modelling.frame import transformed_box
 
 ROOT = Path(__file__).parents[3]
@@ -43,7 +45,7 @@ pytestmark = pytest.mark.xdist_group("assembly sheet")
 
 
 @pytest.fixture(scope="module")
-def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
+def shown(machine: BuiltMachine, design: Design) -> Callable[..., Picture]:
     """Makes a picture of the machine."""
     instances = machine.assembly.instances
     shapes = {name: shape.wrapped for name, shape in shapes_of(instances, machine.parts, design).items()}
@@ -51,7 +53,7 @@ def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
     scene = scene_of(shapes, meshes)
 
     def make(name: str, *, exact: bool = True) -> Picture:
-        picture = machine_picture(name, instances, scene, exact=exact)
+        picture = machine_picture(name, instances, scene, VIEWS, exact=exact)
         assert picture is not None
         return picture
 
@@ -59,7 +61,7 @@ def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
 
 
 @pytest.fixture(scope="module")
-def pictures(machine: Machine, design: Design, store: ArtefactStore) -> dict[str, Picture]:
+def pictures(machine: BuiltMachine, design: Design, store: ArtefactStore) -> dict[str, Picture]:
     """The exact pictures, drawn once for these tests and the commands."""
     found = {}
     for name in PICTURES["assembly"]:
@@ -70,14 +72,16 @@ def pictures(machine: Machine, design: Design, store: ArtefactStore) -> dict[str
 
 
 @pytest.fixture(scope="module")
-def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
+def sheet(machine: BuiltMachine, design: Design, pictures: dict[str, Picture]) -> Sheet:
     size = machine_size(machine.assembly.instances, machine.parts, design)
-    return assembly_sheet(AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",)), design, pictures)
+    return assembly_sheet(
+        AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",), carried=CARRIED), design, pictures
+    )
 
 
 @pytest.mark.parametrize(("name", "cut"), [("section A-A", ALONG), ("section B-B", ACROSS)])
 def test_every_part_that_the_plane_crosses_is_hatched(
-    machine: Machine, pictures: dict[str, Picture], name: str, cut: Cut
+    machine: BuiltMachine, pictures: dict[str, Picture], name: str, cut: Cut
 ) -> None:
     view = pictures[name].view
     middles = [
@@ -102,7 +106,7 @@ def test_every_part_that_the_plane_crosses_is_hatched(
     assert crossed >= 8
 
 
-def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
+def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: BuiltMachine) -> None:
     numbers = sorted(a.number for a in sheet.annotations if isinstance(a, Balloon))
     assert numbers == [row.item for row in machine.bill_of_materials]
 
@@ -152,7 +156,7 @@ def test_the_texts_of_the_parts_list_are_legible(sheet: Sheet) -> None:
     assert min(ink.height for ink in words) > 0.9 * SMALL_HEIGHT
 
 
-def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: Machine) -> None:
+def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: BuiltMachine) -> None:
     words = [ink.text for ink in sheet.tables if isinstance(ink, Text)]
     for row in machine.bill_of_materials:
         assert row.part.replace("_", " ") in words
@@ -192,7 +196,7 @@ def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Shee
 
 
 def test_trail_lines_lead_from_each_screw_to_its_hole(
-    sheet: Sheet, machine: Machine, pictures: dict[str, Picture]
+    sheet: Sheet, machine: BuiltMachine, pictures: dict[str, Picture]
 ) -> None:
     """Upright, and on the screw's own axis; the tip below the stage is seen."""
     view = sheet.view("exploded")
@@ -232,7 +236,7 @@ def test_size_and_travel_are_those_of_the_machine(sheet: Sheet, pictures: dict[s
     assert (u1 - u0, v1 - v0) == pytest.approx((long, base.width), abs=1e-6)
 
 
-def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Machine, design: Design) -> None:
+def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: BuiltMachine, design: Design) -> None:
     """Against the machine put together there."""
     drawn = sheet.view("section A-A").curves["PHANTOM"]
     for travel in (-1.0, 1.0):
@@ -249,14 +253,14 @@ def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Mac
 
 
 def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(
-    machine: Machine, design: Design, pictures: dict[str, Picture]
+    machine: BuiltMachine, design: Design, pictures: dict[str, Picture]
 ) -> None:
     below = pictures["from below"]
     tall = replace(
         below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 1400.0)),)}), pieces=()
     )
     size = machine_size(machine.assembly.instances, machine.parts, design)
-    machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",))
+    machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",), carried=CARRIED)
     views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
     assert views["from below"].scale == views["top"].scale / 2
     assert views["from below"].label == "FROM BELOW (1:4)"
@@ -308,7 +312,7 @@ build_sheets(ArtefactStore(Path(sys.argv[1])), "assembly", load_design())
 
 
 @pytest.mark.slow
-def test_another_process_draws_the_same_bytes(machine: Machine, tmp_path: Path) -> None:
+def test_another_process_draws_the_same_bytes(machine: BuiltMachine, tmp_path: Path) -> None:
     files = []
     for seed in ("1", "2"):
         store = tmp_path / seed

@@ -12,7 +12,7 @@ from drawings.export.drawing_model import drawing_model
 from drawings.export.pdf import DPI
 from drawings.views.segment_index import curve_points
 from drawings.views.view import View
-from stagecad.solids.modelling.registry import MADE
+from stagecad.friction_stage.construction import MADE
 from tests.drawings.drawn import sheets
 from tests.drawings.rendered import assert_same_picture, picture_of
 

@@ -13,13 +13,13 @@ from drawings.artefacts.sheets import PICTURES, build_sheets
 from drawings.dimensions.definition import definition, notes_on_shape
 from drawings.export.lint import lint
 from drawings.sheets.part import part_sheets
+from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.friction_stage.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tracking import TrackedDesign, value_at
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, thesis
 from workbench.operations.drawings import procedure_values

@@ -29,10 +29,10 @@ from drawings.export.drawing_model import drawing_model
 from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
 from drawings.views.view import Arc
+from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of, treatment_of
-from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, document_of, sheets, thesis, words
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from stagecad.friction_stage.parameters.derived import COMPUTED
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, read_parameter_file
 from stagecad.parameters.iso286 import is_class
 from stagecad.parameters.load import design_from_text, diff, further_override, load_design, write_values
+from stagecad.parameters.machine import packaged_machine
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +170,7 @@ def test_every_key_of_the_schema_is_an_attribute(thesis: Design) -> None:
         for name in entry.key.split("."):
             holder = holder[name] if holder is thesis.materials else getattr(holder, name)  # type: ignore[index]
         assert holder == entry.value
-    assert len(schema()) <= len(thesis.entries)
+    assert len(packaged_machine().schema()) <= len(thesis.entries)
 
 
 def test_a_value_with_an_uncertainty() -> None:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from stagecad.friction_stage.parameters.hardware_tables import kinds
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
-from stagecad.parameters.project_tables import kinds
 from workbench.operations.hardware_table import table_text
 
 PIEZOS = """name,part_number,description,material,diameter [mm],length [mm],end_radius [mm],stroke [um],\

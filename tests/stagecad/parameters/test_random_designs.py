@@ -7,10 +7,10 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine import packaged_machine
 
 THESIS = load_design()
 LENGTHS = [entry.key for entry in THESIS.entries if entry.unit == "mm"]
@@ -74,7 +74,7 @@ def test_wild_changes_are_read_or_refused_in_a_line(factors: dict[str, float]) -
         assert design.isprintable()
         return
     for key in factors:
-        declaration = schema().get(key)
+        declaration = packaged_machine().schema().get(key)
         if declaration is not None:
             assert declaration.low <= design.value(key) <= declaration.high
 

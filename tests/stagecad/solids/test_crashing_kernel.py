@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.friction_stage.assembly.machine import Machine, build_machine
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import CRASHED, build_parts
 from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine
 from stagecad.solids.assembly.interference import build_interferences
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
@@ -23,7 +23,7 @@ import multiprocessing, os, sys, time
 if "--multiprocessing-fork" in sys.argv or "spawn_main" in " ".join(sys.orig_argv):
     import stagecad.solids.artefacts.part as part
     import stagecad.solids.assembly.interference as interference
-    import stagecad.friction_stage.assembly.machine as machine
+    import stagecad.solids.assembly.built_machine as machine
     crash = lambda *rest, **named: os.kill(os.getpid(), 11)
     machine.build_assembly = interference.find_interferences = crash
     build = lambda store, name, design: crash() if name == "tip" else time.sleep(100.0)
@@ -50,7 +50,7 @@ def test_one_part_whose_construction_crashes_is_refused(crashing: Path) -> None:
 
 
 def test_an_assembly_whose_construction_crashes_is_refused(
-    crashing: Path, machine: Machine, store: ArtefactStore
+    crashing: Path, machine: BuiltMachine, store: ArtefactStore
 ) -> None:
     own, design = ArtefactStore(crashing / "cache"), machine.design
     shutil.copytree(store.folder / "reads", own.folder / "reads", ignore=shutil.ignore_patterns(".*"))

@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 from designcalc.checks.run import run_checks
-from stagecad.friction_stage.assembly.machine import part_mass
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
 from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.assembly.built_machine import part_mass
 from workbench.cli import run as stagecad
 from workbench.operations.diff import margin_changes, mark_changes, volume_changes
 

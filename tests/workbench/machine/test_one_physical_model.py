@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import stagecad.friction_stage.assembly.machine
+import stagecad.solids.assembly.built_machine
 from designcalc.checks.analysis.report import markdown, shown
 from designcalc.checks.inputs import DesignInputs
 from designcalc.checks.run import run_checks
@@ -39,7 +39,7 @@ PULL = 78.7
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkeypatch):
-    monkeypatch.setattr(stagecad.friction_stage.assembly.machine, "body_masses", lambda design: MASSES)
+    monkeypatch.setattr(stagecad.solids.assembly.built_machine, "body_masses", lambda design: MASSES)
     run = Run(None, overrides, Path("build"), None)
     design = run.design.values
     checks = {check.name: check for check in run_checks(design, MASSES)}

@@ -9,13 +9,12 @@ import click
 
 from designcalc.checks.analysis.report import counted
 from stagecad.parameters.errors import InputError
-from workbench.cli.commands.declared import run_declared
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
-from workbench.figures.checks import FIGURES, save
-from workbench.machine.declared_machine import declared_machine
+from workbench.figures.checks import save
 from workbench.operations.checks import Checks, chains, checks, ranges_of, sweep, tolerances, trust_checks
 from workbench.report.checks import write_check_files
+from workbench.report.stored_results import figures_of
 
 
 @click.command("check")
@@ -44,10 +43,6 @@ def command(run: Run, **given: Any) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
     if given["scheduler"] is not None and not given["swept"] and not given["tolerance"]:
         raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
-    declaration = declared_machine(run)
-    if declaration is not None:
-        refused = [*given["swept"], *(word for word in ("--tolerance",) if given["tolerance"])]
-        return run_declared(run, declaration, ("checks",), given["trust"], refused=refused)
     if given["trust"]:
         trust(run)
     ranges = ranges_of(run.design, given["swept"])
@@ -87,7 +82,7 @@ def _studies(run: Run, result: Checks, ranges: Any, given: dict[str, Any]) -> An
 def _figures(result: Checks, folder: Path) -> dict[str, Path]:
     """Every figure of the checks that this design has, by title."""
     drawn: dict[str, Path] = {}
-    for title, (name, draw) in FIGURES.items():
+    for title, (name, draw) in figures_of(result.design.values).items():
         figure = draw(result.design.values, result.masses)
         if figure is not None:
             drawn[title] = folder / f"{name}.png"

@@ -7,13 +7,12 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.cli.commands.declared import run_declared
+from workbench.cli.commands.check import trust as trust_files
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
-from workbench.machine.declared_machine import declared_machine
-from workbench.machine.proposed_part import draw_file
 from workbench.operations.design import Design
 from workbench.operations.drawings import drawings
+from workbench.operations.proposed_part import draw_file
 
 
 @click.command("drawings")
@@ -57,9 +56,8 @@ def command(
             raise InputError(f"--part {part}: draws this part alone; leave out '{names[0]}'")
         return _draw_part(run, design, part, trust, lint)
     run = run.with_design(design)
-    declaration = declared_machine(run)
-    if declaration is not None:
-        return run_declared(run, declaration, ("drawings",), trust, lint, names)
+    if trust:
+        trust_files(run)
     with run.reporting() as report:
         made = drawings(design, names, run.out, report)
     if run.json_target is None:
@@ -75,7 +73,7 @@ def command(
 
 def _draw_part(run: Run, design: Design, path: Path, trust: bool, lint: bool) -> int:
     """Sheets, STEP AP242 and mass of the parts of the user's file."""
-    documents = draw_file(path, design.values, trust, run.out)
+    documents = draw_file(path, design, trust, run.out)
     hits = 0
     for document in documents:
         found = [hit for sheet in document["sheets"] for hit in sheet["hits"]]

@@ -12,9 +12,9 @@ from workbench.cli.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
-    from stagecad.friction_stage.assembly.machine import Machine
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
     from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 
 @click.command("make")
@@ -28,12 +28,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     """
     from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.cli.commands.check import trust as trust_checks
-    from workbench.cli.commands.declared import WHAT, run_declared
-    from workbench.machine.declared_machine import declared_machine
 
-    declaration = declared_machine(run)
-    if declaration is not None:
-        return run_declared(run, declaration, WHAT, trust)
     if trust:
         trust_checks(run)
     store = ArtefactStore()
@@ -45,8 +40,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     """Write all results from the store, and the report."""
     from designcalc.checks.analysis.report import counted
-    from drawings.friction_stage.procedure.procedure import procedure
-    from stagecad.parameters.mass_properties import BodyMasses
+    from drawings.sheets.machine_sheets import sheets_of
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
     from workbench.operations.drawings import drawings, stored_values
@@ -68,14 +62,14 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
         drawn = drawings(run.design, (), run.out, report)
     hits, sheets = len(drawn.hits), drawn.document
     run.echo(f"drawings: {len(sheets['changed'])} of {sheets['files']} files written, {hits} lint hits")
-    masses = BodyMasses(machine.moving_body, machine.masses["tip"])
+    masses = machine.checked_masses
     checks = stored_checks(store, run.design, design, masses)
     run.echo(f"checks: {counted(checks)}")
     check_figures = with_repair(store, lambda: _check_figures(run, store, masses))
     with_repair(store, lambda: _write_checks(run, store, checks, masses, check_figures))
     figures = with_repair(store, lambda: _simulations(run, store)) if simulations else []
     bill = machine.bill_of_materials
-    steps = procedure(design, bill, stored_values(store, design, masses))
+    steps = sheets_of(design).procedure(design, bill, stored_values(store, design, masses))
     results = MachineResults(
         parts=document,
         pictures=pictures,
@@ -91,9 +85,7 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     run.echo(f"report: {page}")
     run.emit(
         {
-            "parts": document["parts"],
-            "moving_body": document["moving_body"],
-            "measures": document["measures"],
+            **document,
             "drawings": sheets["sheets"],
             "checks": [check.as_json() for check in checks],
             "report": str(page),
@@ -101,7 +93,7 @@ def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     )
 
 
-def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Path]:
+def _pictures(run: Run, store: ArtefactStore, machine: BuiltMachine) -> dict[str, Path]:
     """Pictures of the parts and of the assembly, by name."""
     from stagecad.solids.artefacts.outputs import write_stored
     from stagecad.solids.assembly.pictures import build_pictures
@@ -113,7 +105,7 @@ def _pictures(run: Run, store: ArtefactStore, machine: Machine) -> dict[str, Pat
     return {Path(name).stem: run.out / "pictures" / name for name in files}
 
 
-def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[str, Path]:
+def _check_figures(run: Run, store: ArtefactStore, masses: Masses) -> dict[str, Path]:
     """The figures of the checks by title."""
     from workbench.report.stored_results import check_figure, figures_of
 
@@ -122,7 +114,7 @@ def _check_figures(run: Run, store: ArtefactStore, masses: BodyMasses) -> dict[s
 
 
 def _write_checks(
-    run: Run, store: ArtefactStore, checks: Sequence[Check], masses: BodyMasses, figures: Mapping[str, Path]
+    run: Run, store: ArtefactStore, checks: Sequence[Check], masses: Masses, figures: Mapping[str, Path]
 ) -> None:
     """Write the checks as files; those of a project's own are not kept in the cache."""
     from workbench.report.checks import write_check_files
@@ -137,12 +129,14 @@ def _write_checks(
 
 def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
     """Data and figures of the thesis's experiments; the figures, as PNG."""
-    from workbench.report.stored_results import SIMULATED, simulation
+    from designcalc.checks.subjects import subjects_of
+    from workbench.report.stored_results import simulation
 
+    names = subjects_of(run.design.values).experiments
     with run.progress() as progress:
-        task = progress.add_task("simulations", total=len(SIMULATED))
+        task = progress.add_task("simulations", total=len(names))
         entries = []
-        for name in SIMULATED:
+        for name in names:
             entries.append(simulation(store, run.design.values, name))
             progress.update(task, advance=1, description=name)
     files, written = _write(run.out / "simulate", entries)

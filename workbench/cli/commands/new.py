@@ -98,14 +98,16 @@ def hardware(run: Run, kind: str) -> None:
 
     `[hardware]` of the parameter file names it; a part chooses a row by its key `row`.
     """
-    from stagecad.parameters.project_tables import HARDWARE, ROW, kinds
+    from stagecad.parameters.machine import packaged_machine
+    from stagecad.parameters.project_tables import HARDWARE, ROW
     from workbench.operations.hardware_table import table_text
 
-    if kind not in kinds():
-        raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds())}")
+    kinds = packaged_machine().kinds()
+    if kind not in kinds:
+        raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds)}")
     _write(Path(f"{kind}.csv"), table_text(run.design.values, kind))
     click.echo(f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"')
-    for slot in kinds()[kind].slots[:1]:
+    for slot in kinds[kind].slots[:1]:
         click.echo(f"and the name of a row as {slot}.{ROW}")
 
 

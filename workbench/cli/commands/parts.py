@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from workbench.cli.commands.declared import run_declared
+from stagecad.solids.modelling.registry import CLASH
+from workbench.cli.commands.check import trust as trust_files
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
-from workbench.machine.declared_machine import declared_machine
 from workbench.operations.parts import parts
 
 KERNEL = "making the parts; Ctrl-C ends it after the CAD kernel's step, which may take some seconds"
@@ -19,15 +19,17 @@ KERNEL = "making the parts; Ctrl-C ends it after the CAD kernel's step, which ma
 @common_options
 def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
     """Write STEP, STL and GLB of the parts and the assembly, or of those NAMEd only, and print their mass."""
-    declaration = declared_machine(run)
-    if declaration is not None:
-        return run_declared(run, declaration, ("parts",), trust, refused=names)
+    if trust:
+        trust_files(run)
     with run.reporting(note=KERNEL) as report:
         made = parts(run.design, names, report)
     document, changed, count = made.write_changed(run.out)
     if run.json_target is None:
         show(run, made.lines())
-        moving = document["moving_body"]["mass"]["value"]
-        run.echo(f"moving body {moving:.3f} kg; {len(changed)} of {count} files written to {run.out}")
+        moving = f"moving body {document['moving_body']['mass']['value']:.3f} kg; " if "moving_body" in document else ""
+        run.echo(f"{moving}{len(changed)} of {count} files written to {run.out}")
+    for pair in document.get("interference", ()):
+        if pair["kind"] == CLASH:
+            run.note(f"clash: {pair['first']} and {pair['second']} share {1e9 * pair['common_volume']:.3g} mm^3")
     run.emit(document)
     return 0

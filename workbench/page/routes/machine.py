@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from stagecad.parameters.mass_properties import masses_from_json
 from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
 from workbench.operations.result import finite
 from workbench.page.machine_session import Changes, MachineSession
@@ -160,8 +160,7 @@ def masses(request: Request, number: int) -> dict[str, Any]:
     result, design = jobs.result(number), session.design().values
     taken = result.get("digest") == design.digest
     if taken:
-        moving, tip = (MassProperties.from_json(result[name]) for name in ("moving_body", "tip"))
-        session.checks.set_masses(design, BodyMasses(moving, tip))
+        session.checks.set_masses(design, masses_from_json(result))
     return {"taken": taken}
 
 

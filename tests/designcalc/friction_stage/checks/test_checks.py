@@ -15,9 +15,10 @@ from designcalc.checks.analysis.sweep import changing_checks, read_range, run_po
 from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
 from designcalc.checks.check import Check, Comparison
 from designcalc.checks.inputs import DesignInputs
-from designcalc.checks.run import SUBJECTS, run_checks
+from designcalc.checks.run import run_checks
 from designcalc.friction_stage.checks.alternatives import ranking
 from designcalc.friction_stage.checks.budget import budgets
+from designcalc.friction_stage.subjects import SUBJECTS
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
@@ -62,7 +63,7 @@ def test_the_misprint_itself_would_fail(case):
 def test_every_check_can_be_argued_with():
     checks = run_checks(load())
     assert len({check.name for check in checks}) == len(checks)
-    assert {check.subject for check in checks} == set(SUBJECTS)
+    assert {check.subject for check in checks} == set(SUBJECTS.checks)
     for check in checks:
         assert check.source and check.formula and check.inputs, check.name
         document = check.as_json()
@@ -155,8 +156,8 @@ def test_report_traces_the_requirements_and_names_the_corrections():
         assert f"### {check.name}: {check.verdict}" in text
     assert "## Error budget: smoothness, normal" in markdown(checks, budgets=budgets(DesignInputs(load())))
     # every entry of both tables has a check, and no check bears on an entry that is in neither
-    assert all(requirements(checks).values())
-    assert {check.requirement for check in checks} - {""} == set(requirements(checks))
+    assert all(requirements(checks, SUBJECTS.requirements).values())
+    assert {check.requirement for check in checks} - {""} == set(requirements(checks, SUBJECTS.requirements))
     assert len(corrections(checks)) >= 20
     # where the thesis is wrong and the design follows it, a change that would pass stands beside
     assert all(check.proposal for check in corrections(checks) if check.verdict == "fails")

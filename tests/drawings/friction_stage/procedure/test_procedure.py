@@ -12,11 +12,12 @@ from drawings.friction_stage.procedure.figures import CALCULATED, ProcedureValue
 from drawings.friction_stage.procedure.procedure import Procedure, procedure
 from drawings.friction_stage.procedure.steps import step_templates
 from stagecad.friction_stage.assembly.accessories import accessories
-from stagecad.friction_stage.parameters.machine import schema
+from stagecad.friction_stage.construction import MADE
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine import packaged_machine
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.modelling.registry import MADE, part_names
+from stagecad.solids.modelling.registry import part_names
 
 QUANTITIES = {
     "bearing_way": 2,
@@ -142,7 +143,7 @@ def test_sentences_contain_no_literal_numbers() -> None:
 
 
 def test_every_figure_has_an_origin() -> None:
-    keys = set(schema())
+    keys = set(packaged_machine().schema())
     for step in made().steps:
         for name, figure in step.figures.items():
             origins = figure.origin.split(", ")

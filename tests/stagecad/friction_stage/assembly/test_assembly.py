@@ -11,22 +11,25 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.friction_stage.assembly.assemble import Instance, assemble, count
-from stagecad.friction_stage.assembly.machine import Machine, build_machine, find_machine
+from stagecad.friction_stage.assembly.assemble import assemble
+from stagecad.friction_stage.assembly.bodies import measures as measured
+from stagecad.friction_stage.construction import MADE, OF_END_STOPS, OF_TEETH
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine, find_machine
 from stagecad.solids.modelling.frame import Frame, add, mate, scaled
+from stagecad.solids.modelling.instance import Instance, count
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import MADE, OF_END_STOPS, OF_TEETH, part_names
+from stagecad.solids.modelling.registry import part_names
 
 
 def by_name(instances: tuple[Instance, ...]) -> dict[str, Instance]:
     return {instance.name: instance for instance in instances}
 
 
-def world(machine: Machine, instance: Instance, datum: str) -> Datum:
+def world(machine: BuiltMachine, instance: Instance, datum: str) -> Datum:
     """A datum of an instance in the coordinates of the assembly."""
     own = machine.parts[instance.part].datums[datum]
     frame = instance.frame
@@ -50,7 +53,7 @@ def test_mate_brings_datums_face_to_face() -> None:
 
 
 @pytest.mark.parametrize("height", [-1.0, 0.0, 1.0])
-def test_tip_rises_by_slope_times_stroke(machine: Machine, design: Design, height: float) -> None:
+def test_tip_rises_by_slope_times_stroke(machine: BuiltMachine, design: Design, height: float) -> None:
     standing = by_name(assemble(machine.parts, design, height=height))
     apex = world(machine, standing["tip_1"], "apex").origin
     way, pads = design.bearing_way.height, design.pads.height
@@ -59,7 +62,7 @@ def test_tip_rises_by_slope_times_stroke(machine: Machine, design: Design, heigh
     assert apex == pytest.approx((0.0, 0.0, way + pads + rise), abs=1e-9)
 
 
-def test_all_three_piezos_meet_the_tip(machine: Machine, design: Design) -> None:
+def test_all_three_piezos_meet_the_tip(machine: BuiltMachine, design: Design) -> None:
     standing = by_name(assemble(machine.parts, design))
     for number in (1, 2, 3):
         end = world(machine, standing[f"piezo_1_{number}"], "end")
@@ -67,7 +70,7 @@ def test_all_three_piezos_meet_the_tip(machine: Machine, design: Design) -> None
         assert end.origin == pytest.approx(seat.origin, abs=1e-9)
 
 
-def test_pads_ride_on_the_ways_at_both_ends(machine: Machine, design: Design) -> None:
+def test_pads_ride_on_the_ways_at_both_ends(machine: BuiltMachine, design: Design) -> None:
     for travel in (-1.0, 0.0, 1.0):
         standing = by_name(assemble(machine.parts, design, travel))
         stage = standing["stage"]
@@ -84,7 +87,7 @@ def test_pads_ride_on_the_ways_at_both_ends(machine: Machine, design: Design) ->
             assert abs(y) + design.pads.width / 2.0 <= outer
 
 
-def test_screws_reach_their_threads(machine: Machine, design: Design) -> None:
+def test_screws_reach_their_threads(machine: BuiltMachine, design: Design) -> None:
     standing = assemble(machine.parts, design)
     holes = {(round(x, 6), round(y, 6)) for x, y in design.derived.way_screw_places}
     screws = [instance for instance in standing if instance.part == "way_screw"]
@@ -94,7 +97,7 @@ def test_screws_reach_their_threads(machine: Machine, design: Design) -> None:
         assert end == pytest.approx(-design.derived.way_screw_engagement, abs=1e-9)
 
 
-def test_counts(machine: Machine, design: Design) -> None:
+def test_counts(machine: BuiltMachine, design: Design) -> None:
     counts = count(machine.assembly.instances)
     assert set(counts) == set(machine.parts)
     assert counts["bearing_way"] == 2
@@ -105,7 +108,7 @@ def test_counts(machine: Machine, design: Design) -> None:
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: Machine, name: str) -> None:
+def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: BuiltMachine, name: str) -> None:
     part = machine.parts[name]
     body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
     assert body.is_watertight
@@ -117,7 +120,7 @@ def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: Machine, name
     )
 
 
-def test_moving_body_is_stage_irons_and_magnets(machine: Machine, design: Design) -> None:
+def test_moving_body_is_stage_irons_and_magnets(machine: BuiltMachine, design: Design) -> None:
     masses = machine.masses
     body = machine.moving_body
     assert body.mass == pytest.approx(
@@ -138,7 +141,7 @@ def test_moving_body_is_stage_irons_and_magnets(machine: Machine, design: Design
     assert body.centre_of_mass == pytest.approx(moment / total, abs=2e-5)
 
 
-def test_turning_a_body_turns_its_inertia(machine: Machine) -> None:
+def test_turning_a_body_turns_its_inertia(machine: BuiltMachine) -> None:
     own = machine.masses["tip"]
     angle = 0.7
     c, s = math.cos(angle), math.sin(angle)
@@ -149,8 +152,8 @@ def test_turning_a_body_turns_its_inertia(machine: Machine) -> None:
     assert turned.centre_of_mass == pytest.approx(expected)
 
 
-def test_measures_on_the_parts_are_the_designs(machine: Machine, design: Design) -> None:
-    measures = machine.measures
+def test_measures_on_the_parts_are_the_designs(machine: BuiltMachine, design: Design) -> None:
+    measures = measured(machine)
     assert measures.piezo_spacing == pytest.approx(design.si("actuator.piezo_spacing"))
     assert measures.tip_height == pytest.approx(design.si("actuator.tip_height"))
     assert measures.bolt_spacing == pytest.approx(design.si("bearing_way.bolt_spacing"))
@@ -162,7 +165,7 @@ def test_measures_on_the_parts_are_the_designs(machine: Machine, design: Design)
 
 
 def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
-    machine: Machine, design: Design, store: ArtefactStore, tmp_path: Path
+    machine: BuiltMachine, design: Design, store: ArtefactStore, tmp_path: Path
 ) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
     assert find_machine(thicker, ArtefactStore(tmp_path)) is None
@@ -178,7 +181,7 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     assert again.moving_body == other.moving_body
 
 
-def test_buffers_stand_before_the_irons_at_the_ends_of_the_travel(machine: Machine, design: Design) -> None:
+def test_buffers_stand_before_the_irons_at_the_ends_of_the_travel(machine: BuiltMachine, design: Design) -> None:
     """Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly."""
     for travel, bar in ((1.0, 1), (-1.0, 2)):
         standing = by_name(assemble(machine.parts, design, travel))
@@ -191,14 +194,14 @@ def test_buffers_stand_before_the_irons_at_the_ends_of_the_travel(machine: Machi
             assert face.normal == pytest.approx((-travel, 0.0, 0.0), abs=1e-12)
 
 
-def stage_end(machine: Machine, iron: Instance, side: float) -> tuple[float, float]:
+def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float, float]:
     """End of a tooth iron along the travel, and its middle across."""
     low, high = machine.parts["tooth_iron"].geometry.bounding_box
     corners = [iron.frame.point((x, y, 0.0)) for x in (low[0], high[0]) for y in (low[1], high[1])]
     return max(side * x for x, _, _ in corners) * side, sum(y for _, y, _ in corners) / 4
 
 
-def test_the_interferometer_is_a_dead_path_from_the_mirror(machine: Machine, design: Design) -> None:
+def test_the_interferometer_is_a_dead_path_from_the_mirror(machine: BuiltMachine, design: Design) -> None:
     standing = by_name(assemble(machine.parts, design, -1.0))
     beam = world(machine, standing["interferometer_1"], "beam")
     mirror = world(machine, standing["mirror_1"], "face")
@@ -207,7 +210,7 @@ def test_the_interferometer_is_a_dead_path_from_the_mirror(machine: Machine, des
     assert beam.normal == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
 
 
-def test_a_lead_clip_fills_the_end_of_its_channel(machine: Machine) -> None:
+def test_a_lead_clip_fills_the_end_of_its_channel(machine: BuiltMachine) -> None:
     clip = by_name(machine.assembly.instances)["lead_clip_1"]
     assert world(machine, clip, "seat").origin == pytest.approx((180.0 - 1.0 - 10.0, 0.0, -1.0 - 6.0), abs=1e-9)
 
@@ -223,7 +226,7 @@ def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
     assert not {*OF_TEETH, *OF_END_STOPS} & set(count(machine.assembly.instances))
 
 
-def test_three_actuators_stand_at_their_pockets(design: Design, machine: Machine) -> None:
+def test_three_actuators_stand_at_their_pockets(design: Design, machine: BuiltMachine) -> None:
     # A two-axis design has a travel of its own; only where the actuators stand is of interest here.
     full = replace(design, actuator=replace(design.actuator, fitted=3))
     standing = by_name(assemble(machine.parts, full))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stagecad.friction_stage.assembly.machine import body_masses
+from stagecad.solids.assembly.built_machine import body_masses
 
 
 def test_masses_of_single_parts_equal_those_of_the_machine(design, store, machine, monkeypatch):

@@ -7,10 +7,10 @@ import re
 
 import pytest
 
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine import packaged_machine
 
 EMPTY_UNITS = {"deg", "rad", "degC", "1/K"}
 """Units whose keys have bounds of their own, or none."""
@@ -67,7 +67,7 @@ def test_edges_that_consume_their_faces_violate_a_rule(override: str) -> None:
 
 
 def test_the_packaged_design_is_well_inside_every_range(design: Design) -> None:
-    keys = schema(tuple(sorted(design.materials)))
+    keys = packaged_machine().schema(tuple(sorted(design.materials)))
     for entry in design.entries:
         declared = keys[entry.key]
         if declared.kind == "number" and declared.why and "thread" not in declared.why and "pitch" not in entry.key:
@@ -76,7 +76,7 @@ def test_the_packaged_design_is_well_inside_every_range(design: Design) -> None:
 
 
 def test_every_number_has_a_range(design: Design) -> None:
-    keys = schema(tuple(sorted(design.materials)))
+    keys = packaged_machine().schema(tuple(sorted(design.materials)))
     for key, declared in keys.items():
         if declared.kind == "number" and declared.unit not in EMPTY_UNITS:
             assert math.isfinite(declared.high), key

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportMissingImports, reportAttributeAccessIssue]
 
+from stagecad.friction_stage.construction import part_definition
 from stagecad.friction_stage.parts.base_clamp import clamps
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
-from stagecad.solids.modelling.registry import part_definition
 
 
 @cache

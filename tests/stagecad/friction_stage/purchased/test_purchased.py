@@ -8,12 +8,12 @@ import math
 import pytest
 import trimesh
 
+from stagecad.friction_stage.construction import PURCHASED
 from stagecad.friction_stage.purchased import spring as spring_module
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.modelling.registry import PURCHASED
 
 
 def hexagon(width: float) -> float:

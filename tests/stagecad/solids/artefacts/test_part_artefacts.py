@@ -10,14 +10,14 @@ from typing import Any
 import cadquery as cq
 import pytest
 
+from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.friction_stage.parameters.derived import COMPUTED
-from stagecad.friction_stage.parameters.machine import schema
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.tracking import TrackedDesign
-from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 SWITCHES = {"teeth.fitted", "sea.whole_underside"}
@@ -91,7 +91,7 @@ def test_dimensions_agree_with_their_parameters(name: str) -> None:
         if dimension.derived_from:
             assert set(dimension.derived_from) <= read_by(name)
             continue
-        assert dimension.parameter in schema()
+        assert dimension.parameter in packaged_machine().schema()
         assert dimension.value == pytest.approx(float(thesis().value(dimension.parameter)), abs=1e-12)
 
 

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.friction_stage.assembly.machine import Machine
+from stagecad.friction_stage.construction import PURCHASED
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import csv_text
-from stagecad.solids.modelling.registry import PURCHASED
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from workbench.cli import run
 
 CATALOGUE = {
@@ -33,12 +33,12 @@ CATALOGUE = {
 
 
 @pytest.fixture
-def cached(machine: Machine, store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> ArtefactStore:
+def cached(machine: BuiltMachine, store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> ArtefactStore:
     monkeypatch.setenv("STAGECAD_CACHE", str(store.folder))
     return store
 
 
-def test_lists_each_part_once_with_its_catalogue_number(machine: Machine) -> None:
+def test_lists_each_part_once_with_its_catalogue_number(machine: BuiltMachine) -> None:
     rows = {row.part: row for row in machine.bill_of_materials}
     assert len(rows) == len(machine.bill_of_materials)
     assert sum(row.quantity for row in rows.values()) == len(machine.assembly.instances)
@@ -46,7 +46,7 @@ def test_lists_each_part_once_with_its_catalogue_number(machine: Machine) -> Non
     assert {name for name, row in rows.items() if row.purchased} == set(PURCHASED)
 
 
-def test_masses_add_up_to_the_machine(machine: Machine) -> None:
+def test_masses_add_up_to_the_machine(machine: BuiltMachine) -> None:
     total = sum(row.quantity * row.mass for row in machine.bill_of_materials)
     assert total == pytest.approx(machine.whole.mass, rel=1e-12)
     table = list(csv.reader(io.StringIO(csv_text(machine.bill_of_materials))))
@@ -55,14 +55,14 @@ def test_masses_add_up_to_the_machine(machine: Machine) -> None:
 
 
 @pytest.mark.parametrize("text", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "\t=1"])
-def test_a_part_number_that_a_spreadsheet_would_calculate_is_text(machine: Machine, text: str) -> None:
+def test_a_part_number_that_a_spreadsheet_would_calculate_is_text(machine: BuiltMachine, text: str) -> None:
     row = replace(machine.bill_of_materials[0], part_number=text)
     cells = list(csv.reader(io.StringIO(csv_text([row]))))[1]
     assert f"'{text}" in cells and text not in cells
 
 
 def test_command_writes_files_document_and_manifest(
-    cached: ArtefactStore, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    cached: ArtefactStore, machine: BuiltMachine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["parts", "--out", str(tmp_path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -92,7 +92,7 @@ def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore,
 
 
 def test_command_makes_again_what_is_damaged_in_the_cache(
-    machine: Machine,
+    machine: BuiltMachine,
     store: ArtefactStore,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

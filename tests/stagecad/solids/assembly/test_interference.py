@@ -6,17 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from stagecad.friction_stage.assembly.machine import Machine
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly import interference
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.assembly.interference import Interference, build_interferences, clashes, find_interferences
+from stagecad.solids.modelling.registry import construction
 
 pytestmark = pytest.mark.xdist_group("interference")
 
 
 @pytest.fixture(scope="module")
-def found(machine: Machine, design: Design, store: ArtefactStore) -> list[Interference]:
+def found(machine: BuiltMachine, design: Design, store: ArtefactStore) -> list[Interference]:
     return build_interferences(store, machine.parts, design)
 
 
@@ -68,19 +69,19 @@ def test_the_tip_is_clear_below_and_pressed_above(found: list[Interference], des
     assert drive[0.0].common_volume < interference.TOUCH
 
 
-def test_a_part_put_wrong_is_found(machine: Machine, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = interference.assemble
+def test_a_part_put_wrong_is_found(machine: BuiltMachine, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = construction(design)
 
     def sunk(*arguments: object, **named: object) -> tuple:
         """The stage half a millimetre too low."""
         return tuple(
             replace(instance, frame=instance.frame.shifted((0.0, 0.0, -0.5))) if instance.part == "stage" else instance
-            for instance in honest(*arguments, **named)  # type: ignore[arg-type]
+            for instance in made.assemble(*arguments, **named)  # type: ignore[arg-type]
             if instance.part in ("stage", "bearing_way", "base")
         )
 
-    monkeypatch.setattr(interference, "assemble", sunk)
-    wrong = clashes(find_interferences(machine.parts, design, (0.0,), (0.0,)))
+    monkeypatch.setattr(interference, "construction", lambda _: replace(made, assemble=sunk))
+    wrong = clashes(find_interferences(machine.parts, design, [(0.0, 0.0)]))
     pressed = {frozenset((m.first, m.second)): m.common_volume for m in wrong}
     assert set(pressed) == {frozenset(("bearing_way_left", "stage")), frozenset(("bearing_way_right", "stage"))}
     # Half a millimetre of the crowned pads: less than of flat ones, and a good part of it.

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.friction_stage.assembly.machine import Machine
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.modelling.frame import Frame
@@ -130,7 +130,7 @@ def test_geometry_against_closed_forms() -> None:
 
 
 @pytest.mark.parametrize("name", ["stage", "base", "tip", "height_pin_2", "spring"])
-def test_the_box_of_a_part_is_that_of_the_kernel(machine: Machine, name: str) -> None:
+def test_the_box_of_a_part_is_that_of_the_kernel(machine: BuiltMachine, name: str) -> None:
     from OCP.Bnd import Bnd_Box
     from OCP.BRepBndLib import BRepBndLib
 

@@ -12,9 +12,9 @@ from drawings.annotations.annotation import Balloon
 from drawings.annotations.font import SMALL_HEIGHT, text_width
 from drawings.annotations.primitives import Stroke, Text
 from drawings.friction_stage.procedure.procedure import Procedure, Step
-from drawings.friction_stage.procedure.sheet import procedure_sheet
 from drawings.pictures.picture import Picture
 from drawings.sheets.frame import drawing_space
+from drawings.sheets.procedure import procedure_sheet
 from drawings.sheets.sheet import Sheet, wrapped
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box

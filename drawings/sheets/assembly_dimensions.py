@@ -27,7 +27,7 @@ class MachineSize:
 
     Args:
         low, high: corners of its bounding box at the middle of travel, assembly coordinates, mm.
-        travel: of the stage from end to end, mm.
+        travel: of the parts that move from end to end, mm; 0 without.
     """
 
     low: Point
@@ -73,18 +73,23 @@ def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
     return TravelRange(tuple(lines), (corners[0], corners[1]))
 
 
-def overall_dimensions(size: MachineSize, top: View, front: View, ends: TravelRange) -> Iterator[LinearDimension]:
+def overall_dimensions(
+    size: MachineSize, top: View, front: View, ends: TravelRange | None
+) -> Iterator[LinearDimension]:
     """Length and width at the view from above, height and travel at the section.
 
     Args:
         top, front: placed, with all their lines.
-        ends: as drawn in the section.
+        ends: as drawn in the section; None without travel.
     """
     (x0, y0, z0), (x1, y1, z1) = size.low, size.high
     left, _, _, above = view_box(top) or (0.0, 0.0, 0.0, 0.0)
     yield _reference(top, (x0, y1), (x1, y1), 0.0, (left, above + SIDE), "overall length")
     yield _reference(top, (x0, y0), (x0, y1), 90.0, (left - SIDE, above), "overall width")
     _, _, right, above = view_box(front) or (0.0, 0.0, 0.0, 0.0)
+    if ends is None:
+        yield _reference(front, (x1, z0), (x1, z1), 90.0, (right + FIRST, above), "overall height")
+        return
     half = size.travel / 2
     (u0, v0), (u1, v1) = ends.corners
     yield _reference(front, (x1, z0), (u1 + half, z1), 90.0, (right + FIRST, above), "overall height")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
+from designcalc.checks.check import CheckFunction
+from stagecad.declared.own_part import run_file
 from stagecad.parameters.errors import InputError
-from workbench.machine.own_part import run_file
 
-_registered: dict[str, str] = {}
-"""Subject of each file that is registered in this process."""
+OWN: dict[str, tuple[str, CheckFunction]] = {}
+"""Checks of the user's own that are known in this process, with their subjects, by file; they follow the others."""
 
 
 def own_check_files(params: Path | None) -> tuple[str, ...]:
@@ -27,18 +27,11 @@ def register(files: Sequence[str], trust: bool = False) -> None:
         InputError: no consent, an error of a file, or no check in it.
     """
     for name in files:
-        if name in _registered and not trust:
+        if name in OWN and not trust:
             continue
         path = Path(name)
         module = run_file(path, trust, "this project")
         function = getattr(module, "check", None)
         if not callable(function):
             raise InputError(f"{path}: has no function check(r); `stagecad new check NAME` writes a file that has")
-        _add(str(getattr(module, "SUBJECT", "own checks")), function, name)
-
-
-def _add(subject: str, function: Any, name: str) -> None:
-    from designcalc.checks.run import OWN
-
-    OWN[name] = (subject, function)
-    _registered[name] = subject
+        OWN[name] = (str(getattr(module, "SUBJECT", "own checks")), function)

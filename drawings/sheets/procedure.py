@@ -1,4 +1,4 @@
-"""The sheet of the assembly procedure: a table of steps in two columns, and pictures next to it."""
+"""The assembly procedure: its steps, and their sheet: a table in two columns, and pictures next to it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT
 from drawings.annotations.primitives import Primitive, Stroke, Text, rectangle
-from drawings.friction_stage.procedure.procedure import PartUse, Procedure, Step
 from drawings.pictures.picture import Picture
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, PAPERS, Paper, drawing_space
@@ -31,6 +30,61 @@ NUMBER, REQUIRED = 11.0, 86.0
 """Widths of the cells for a step's number, and for its parts, tools and torque, mm."""
 HEAD = 8.0
 """Height of the row of headings, mm."""
+
+
+CALCULATED = "calculated"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number as printed, and its origin: keys of parameters, or `CALCULATED`."""
+
+    text: str
+    origin: str
+
+
+@dataclass(frozen=True)
+class PartUse:
+    """A row of the parts list that is put in by a step.
+
+    Args:
+        item: number in the parts list and of the balloon.
+        part, part_number: name, and number in the catalogue or of the drawing.
+        quantity: number of parts.
+    """
+
+    item: int
+    part: str
+    part_number: str
+    quantity: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step.
+
+    Args:
+        number: from 1, in the order of assembly.
+        sentences: instructions.
+        tools: and materials that are not in the parts list.
+        torque: of the screws of this step.
+        figures: all numbers of the step, by name.
+    """
+
+    number: int
+    title: str
+    sentences: tuple[str, ...]
+    parts: tuple[PartUse, ...]
+    tools: tuple[str, ...]
+    torque: Figure | None
+    figures: dict[str, Figure]
+
+
+@dataclass(frozen=True)
+class Procedure:
+    """The steps in their order."""
+
+    steps: tuple[Step, ...]
 
 
 @dataclass(frozen=True)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
 import pytest
 
+from stagecad.declared.construction import put_together
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import parse_parameter_text
 from stagecad.parameters.load import load_design
-from stagecad.solids.assembly.declared import put_together
-from stagecad.solids.assembly.machine_declaration import MachineDeclaration, read_machine
+from stagecad.parameters.machine import MachineDeclaration
+from stagecad.parameters.machine_declaration import placed_values, read_machine
 
 TEXT = """
 [machine]
@@ -29,13 +31,13 @@ plate = {}
 def _read(text: str) -> MachineDeclaration:
     table = parse_parameter_text(text, "mill.toml").machine
     assert table is not None
-    return read_machine(table, "mill.toml", load_design())
+    return read_machine(table, "mill.toml", Path("."))
 
 
 def test_mates_follow_the_parts_they_are_put_on() -> None:
     machine = _read(TEXT)
     assert [mate.name for mate in machine.mates] == ["plate", "one", "two"]
-    assert machine.mates[1].offset == pytest.approx((3.0, -36.0, 1.0))
+    assert placed_values(load_design(), machine.mates[1]) == (pytest.approx((3.0, -36.0, 1.0)), 0.0)
     assert machine.parts[1].parameters == {"length": "5.0 mm", "way.height": "1 mm"}
     assert machine.overlaps == {frozenset(("block", "plate"))}
 
@@ -44,13 +46,18 @@ def test_instances_are_where_mates_and_offsets_put_them() -> None:
     up, down, x = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
     block = {"bottom": Datum("bottom", (0, 0, 0), down, x), "top": Datum("top", (0.0, 0.0, 20.0), up, x)}
     plate = {"top": Datum("top", (10.0, 0.0, 8.0), up, x)}
-    instances = put_together(_read(TEXT), {"plate": plate, "block": block}, "mill.toml")
+    instances = put_together(_read(TEXT), {"plate": plate, "block": block}, load_design())
     frames = {one.name: one.frame for one in instances}
     assert frames["one"].shift == pytest.approx((13.0, -36.0, 9.0))
     assert frames["two"].shift == pytest.approx((13.0, -36.0, 29.0))
     assert frames["two"].direction(x) == pytest.approx((0.0, 1.0, 0.0))
     with pytest.raises(InputError, match=r"machine.mates.one.on: part 'plate' has no datum 'top'"):
-        put_together(_read(TEXT), {"plate": {}, "block": block}, "mill.toml")
+        put_together(_read(TEXT), {"plate": {}, "block": block}, load_design())
+
+
+def _placed(text: str) -> None:
+    for mate in _read(text).mates:
+        placed_values(load_design(), mate)
 
 
 @pytest.mark.parametrize(
@@ -69,8 +76,33 @@ def test_instances_are_where_mates_and_offsets_put_them() -> None:
 def test_mistakes(old: str, new: str, words: str) -> None:
     assert old in TEXT
     with pytest.raises(InputError, match=words):
-        _read(TEXT.replace(old, new))
+        _placed(TEXT.replace(old, new))
 
 
 def test_text_is_toml() -> None:
     assert set(tomllib.loads(TEXT)["machine"]) == {"overlaps", "parts", "mates"}
+
+
+PATTERN = """
+[machine.parts]
+plate = {file = "plate.py"}
+screw = {file = "screw.py"}
+cap = {file = "cap.py"}
+[machine.mates]
+plate = {}
+screws = {part = "screw", datum = "seat", on = "plate.hole_*"}
+cap = {datum = "bottom", on = "screws_2.top"}
+"""
+
+
+def test_one_mate_puts_a_part_on_every_datum_of_a_name() -> None:
+    up, down, x = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
+    plate = {f"hole_{i}": Datum(f"hole_{i}", (10.0 * i, 0.0, 8.0), up, x) for i in (1, 2, 3)}
+    screw = {"seat": Datum("seat", (0, 0, 0), down, x), "top": Datum("top", (0.0, 0.0, 5.0), up, x)}
+    datums = {"plate": plate, "screw": screw, "cap": {"bottom": Datum("bottom", (0, 0, 0), down, x)}}
+    places = {one.name: one.frame.shift for one in put_together(_read(PATTERN), datums, load_design())}
+    assert list(places) == ["plate", "screws_1", "screws_2", "screws_3", "cap"]
+    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0))
+    assert places["cap"] == pytest.approx((20.0, 0.0, 13.0))
+    with pytest.raises(InputError, match="part 'plate' has no datum 'hole_"):
+        put_together(_read(PATTERN), {**datums, "plate": {}}, load_design())

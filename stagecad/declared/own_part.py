@@ -1,0 +1,222 @@
+"""A part of the user's own, from a Python file.
+
+The file follows the interface of a part (`stagecad.solids.modelling.part`). Its parameters are declared in the file
+itself, as in a parameter file: ``PARAMETERS = {"length": "60 mm", "hole": "6.6 mm"}``; tolerance classes follow from
+the decimals. It may read those of the machine too. The file is Python code: it runs after `--trust`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from stagecad.consent import give_consent, require_consent
+from stagecad.parameters.errors import InputError
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+    from stagecad.parameters.dimension import Datum
+    from stagecad.parameters.machine import DeclaredPart
+
+REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+
+def run_file(path: Path, trust: bool, what: str) -> ModuleType:
+    """Run a Python file of the user's, with consent, and return it as a module.
+
+    Raises:
+        InputError: the file cannot be read, no consent, or an error in it.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if trust:
+        give_consent((path,))
+    require_consent(path, data, what)
+    module = ModuleType(path.stem)
+    module.__file__ = str(path)
+    module.SHOWN = []  # type: ignore[attr-defined]
+    # A script of cadquery's editor shows its result by a function of the editor.
+    module.show_object = lambda shown, *more, **options: module.SHOWN.append((shown, more, options))  # type: ignore[attr-defined]
+    module.debug = lambda *shown, **options: None  # type: ignore[attr-defined]
+    try:
+        exec(compile(data, str(path), "exec"), vars(module))
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: {_where(error, path)}{type(error).__name__}: {error}") from None
+    return module
+
+
+def _where(error: Exception, path: Path) -> str:
+    """Line of the file in which an error occurred."""
+    if isinstance(error, SyntaxError):
+        return f"line {error.lineno}: "
+    trace, line = error.__traceback__, None
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return f"line {line}: " if line else ""
+
+
+@dataclass(frozen=True)
+class OwnDefinition:
+    """The definition of a part in a user's file: what the file has, with its errors as one line each.
+
+    Args:
+        path: of the file.
+        module: that the file gives.
+        text: description for the list of parts; empty for the first line of the file.
+    """
+
+    path: Path
+    module: Any
+    text: str = ""
+
+    @property
+    def NAME(self) -> str:  # noqa: N802 - a word of the interface of parts
+        """Name of the part, and of the table with its parameters."""
+        return self.module.NAME
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        found = getattr(self.module, name)
+        return partial(self._called, found) if callable(found) else found
+
+    def _called(self, function: Any, design: Any) -> Any:
+        """Result of a function of the file.
+
+        Raises:
+            InputError: the function fails, with the line.
+        """
+        try:
+            return function(design)
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(f"{self.path}: {_where(error, self.path)}{type(error).__name__}: {error}") from None
+
+    def build(self, design: Any) -> Any:
+        """The one valid solid that the file builds, mm.
+
+        Raises:
+            InputError: the function fails, or gives no valid solid.
+        """
+        return _solid(self.path, self._called(self.module.build, design))
+
+    def material(self, design: Any) -> str:
+        """Name of its material.
+
+        Raises:
+            InputError: the parameter file has none of this name.
+        """
+        name = self._called(self.module.material, design)
+        if name not in design.materials:
+            raise InputError(f"{self.path}: material '{name}' is not in [materials]")
+        return name
+
+    def datums(self, design: Any) -> dict[str, Datum]:
+        """Its datums; none where the file declares none."""
+        return self._called(self.module.datums, design) if hasattr(self.module, "datums") else {}
+
+    def dimensions(self, design: Any) -> tuple[Any, ...]:
+        """Its dimensions."""
+        return tuple(self._called(self.module.dimensions, design))
+
+    def requirements(self, design: Any) -> tuple[Any, ...]:
+        """Its requirements on faces; none where the file states none."""
+        return tuple(self._called(self.module.requirements, design)) if hasattr(self.module, "requirements") else ()
+
+    def description(self, design: Any) -> str:
+        """In words: as declared, or the first line of the file."""
+        first = (self.module.__doc__ or self.NAME).strip().splitlines()[0]
+        return self.text or first.partition(":")[2].strip().rstrip(".") or first
+
+    def part_number(self, design: Any) -> str:
+        """Of a catalogue; empty for a part that is made."""
+        return getattr(self.module, "PART_NUMBER", "")
+
+
+def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset()) -> OwnDefinition:
+    """The definition in a file that the user has consented to run.
+
+    Args:
+        path: of the file.
+        text: description for the list of parts.
+        names: of the packaged machine's tables, which the part must not have.
+
+    Raises:
+        InputError: no consent, an error of the file, or something missing in it.
+    """
+    module = _module(path, file_digest(path))
+    for word in REQUIRED:
+        if not hasattr(module, word):
+            raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
+    name = module.NAME
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or name in names:
+        raise InputError(
+            f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
+        )
+    return OwnDefinition(path, module, text)
+
+
+def file_digest(path: Path) -> str:
+    """Sha256 of a file.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+_SOLID_FILE = re.compile(rb"[\"']([\w.-]+\.(?:step|stp))[\"']", re.IGNORECASE)
+
+
+def used_files(path: Path) -> tuple[Path, ...]:
+    """STEP files beside a part's file that it names."""
+    names = {match[1].decode() for match in _SOLID_FILE.finditer(path.read_bytes())}
+    return tuple(path.parent / name for name in sorted(names) if (path.parent / name).is_file())
+
+
+@lru_cache(maxsize=64)
+def _module(path: Path, digest: str) -> ModuleType:
+    return run_file(path, False, "this part")
+
+
+def own_design(part: DeclaredPart, design: Design) -> Design:
+    """The design as a part's file reads it: the parameters of the part below its own `NAME`."""
+    declaration = design.machine.declaration
+    table = declaration.tables.get(part.key, part.part) if declaration else part.part
+    if table == part.part:
+        return design
+    renamed = [
+        replace(entry, key=f"{part.part}.{entry.key.partition('.')[2]}")
+        for entry in design.entries
+        if entry.key.startswith(f"{table}.")
+    ]
+    values = getattr(design, table, SimpleNamespace())
+    own = ((part.part, values), *(item for item in design.own if item[0] != part.part))
+    kept = (entry for entry in design.entries if not entry.key.startswith(f"{part.part}."))
+    return replace(design, entries=(*kept, *renamed), own=own)
+
+
+def _solid(path: Path, found: Any) -> Any:
+    """The one solid that the file has built, also from a workplane."""
+    shape = found.val() if hasattr(found, "val") else found
+    if hasattr(shape, "Solids") and len(shape.Solids()) == 1:
+        shape = shape.Solids()[0]
+    if getattr(shape, "ShapeType", lambda: "")() != "Solid" or not shape.isValid() or shape.Volume() <= 0:
+        raise InputError(f"{path}: build(design) must return one valid closed solid")
+    return shape
