@@ -15,7 +15,7 @@ from typing import Any
 
 from benchmarks.generators.undeclared_parts import PARTS
 from stagecad.parameters.load import load_design
-from workbench.machine.proposed_part import propose_sheet
+from workbench.operations.proposed_part import propose_sheet
 
 COLUMNS, ROWS = 3, 4
 

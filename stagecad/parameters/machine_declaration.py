@@ -127,8 +127,8 @@ def parameter_entries(
 ) -> dict[str, tuple[Declaration, FileEntry]]:
     """Declarations and values of a part's own parameters: lengths, angles and whole numbers, by name.
 
-    Each is a length, possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of parameters and of
-    those before it (`"= 2*width + 5 mm"`), a whole number, or a table with `value`, `tolerance` and `origin`.
+    Each is a length, possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of parameters and
+    of those before it (`"= 2*width + 5 mm"`), a whole number, or a table with `value`, `tolerance` and `origin`.
 
     Args:
         table: of the parameters.

@@ -9,13 +9,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from stagecad.declared.own_part import REQUIRED, run_file
 from stagecad.parameters.errors import InputError
-from workbench.machine.own_part import REQUIRED, draw_part, run_file, stated_part
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
+from stagecad.parameters.machine import packaged_machine
+from workbench.operations.design import Design
+from workbench.operations.own_part import draw_part
 
 STEP = (".step", ".stp")
 MOST_SOLIDS = 200
@@ -32,7 +32,7 @@ def draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dic
         return [propose_sheet(name, solid, path.name, design, folder) for name, solid in _step_solids(path)]
     module: Any = run_file(path, trust, "this part")
     if hasattr(module, "build") or hasattr(module, "dimensions") or hasattr(module, "NAME"):
-        return [draw_part(stated_part(module, path, design), folder)]
+        return [draw_part(path, folder, design)]
     solids = _shown_solids(module, path)
     if not solids:
         raise InputError(
@@ -107,7 +107,7 @@ def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Pa
 
     if not solid.isValid() or solid.Volume() <= 0:
         raise InputError(f"{source}: the solid {name} is not valid and closed")
-    name = f"{name}_part" if hasattr(design, name) else name
+    name = f"{name}_part" if name in packaged_machine().table_names else name
     solid = in_position(solid)
     proposal = propose(DimensionVerifier(solid))
     text = part_text(name, source, proposal)
@@ -115,11 +115,7 @@ def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Pa
     file, model = folder / f"{name}_proposed.py", folder / f"{name}_solid.step"
     solid.exportStep(str(model))
     atomic_write_text(file, text)
-    module: Any = ModuleType(name)
-    module.__file__ = str(file)
-    exec(compile(text, str(file), "exec"), vars(module))
-    module.build = lambda design: solid
-    document = draw_part(stated_part(module, file, design), folder)
+    document = draw_part(file, folder, design, trust=True)
     return {
         **document,
         "files": [*document["files"], str(file), str(model)],
