@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from sim.integration.problem import Output, Problem, Tolerance
 
 
+ABSOLUTE_ZERO = -273.15
+"""degC."""
+
+
 class SimulationError(RuntimeError):
     """An integration that could not be continued: the message has the time, the state and the reason."""
 
@@ -42,7 +46,7 @@ class Settings:
         most_steps: attempts after which the integration fails.
 
     Raises:
-        InputError: a mass or tolerance out of range.
+        InputError: a mass, tolerance, load or temperature out of range.
     """
 
     mass: float = 1.0
@@ -65,6 +69,12 @@ class Settings:
             raise InputError(f"simulation: mass = {self.mass:g} kg; must be positive")
         if not 1e-13 <= self.tolerance <= 1e-2:
             raise InputError(f"simulation: tolerance = {self.tolerance:g}; must lie between 1e-13 and 1e-2")
+        for name, unit, low in (("load", "N", 0.0), ("temperature", "degC", ABSOLUTE_ZERO)):
+            values = np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
+            # NaN is a quantity that is not given.
+            wrong = values[(values < low) | np.isinf(values)]
+            if wrong.size:
+                raise InputError(f"simulation: {name} = {wrong[0]:g} {unit}; must be finite and {low:g} {unit} or more")
 
 
 @dataclass(frozen=True)

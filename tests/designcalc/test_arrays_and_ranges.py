@@ -14,7 +14,7 @@ from designcalc.errors import sensors, thermal
 from stagecad.parameters.errors import InputError
 
 RAIL = (0.28, 0.01, 0.07, 0.0254, 9.525e-3, 410e9, 141e9, 207e9, 0.14, 0.29, 10.0)
-THREAD = fastener.UnifiedThread(9.525e-3, 25.4e-3 / 16)
+THREAD = fastener.Thread(9.525e-3, 25.4e-3 / 16)
 
 
 def of_rail(*numbers):

@@ -73,15 +73,36 @@ def test_wedge_of_the_thesis_screw():
 
 def test_three_eighths_thread_has_its_tabulated_areas():
     """ASME B1.1: 3/8-16 UNC has a tensile stress area of 0.0775 in^2 and a basic pitch diameter of 0.3344 in."""
-    thread = fastener.UnifiedThread(0.375 * 25.4e-3, 25.4e-3 / 16)
+    thread = fastener.Thread(0.375 * 25.4e-3, 25.4e-3 / 16)
     assert thread.stress_area / 25.4e-3**2 == pytest.approx(0.0775, abs=1e-4)
     assert thread.pitch_diameter / 25.4e-3 == pytest.approx(0.3344, abs=1e-4)
-    # a 60-degree thread at its basic size is 7/8 pitch wide at the major, 3/4 at the internal minor diameter
-    assert fastener.strip_area_of_bed(thread, 0.01) == pytest.approx(math.pi * thread.diameter * 0.01 * 7 / 8, rel=1e-3)
-    minor = thread.internal_minor_diameter
-    assert fastener.strip_area_of_screw(thread, 0.01) == pytest.approx(math.pi * minor * 0.01 * 3 / 4, rel=1e-3)
+    assert np.array(thread.least_screw) / 25.4e-3 == pytest.approx([0.3595, 0.3287], abs=1.5e-4)
+    assert np.array(thread.largest_nut) / 25.4e-3 == pytest.approx([0.3401, 0.321], abs=6e-4)
+    # By hand with these diameters, 216 mm^2 for the way's screws; the basic profile has 290.7 mm^2.
+    assert fastener.strip_area_of_bed(thread, 11.1125e-3) == pytest.approx(216e-6, rel=0.01)
     with pytest.raises(InputError, match="engagement"):
         fastener.strip_area_of_bed(thread, 0.0)
+
+
+def test_metric_threads_have_the_areas_and_limits_of_their_tables():
+    """ISO 898-1: M10 57.99, M5 14.2, M6 20.1 mm^2. ISO 965-2: M10 6g in 6H, tolerances rounded."""
+    m10 = fastener.Thread(10e-3, 1.5e-3)
+    assert m10.stress_area == pytest.approx(57.99e-6, rel=1e-4)
+    assert fastener.Thread(5e-3, 0.8e-3).stress_area == pytest.approx(14.2e-6, abs=0.05e-6)
+    assert fastener.Thread(6e-3, 1e-3).stress_area == pytest.approx(20.1e-6, abs=0.05e-6)
+    assert np.array(m10.least_screw) * 1e3 == pytest.approx([9.732, 8.862], abs=6e-3)
+    assert np.array(m10.largest_nut) * 1e3 == pytest.approx([9.206, 8.676], abs=6e-3)
+
+
+def test_a_flange_under_a_head_with_its_hole():
+    """7874 N on a head of 14.29 mm over a hole of 10.5 mm, 20 mm of part, 14.3 mm thick: 1.45 um by hand; a cone of 45
+    degrees (whose tangent the part of 2.9e5 mm would have) leaves 803 nm."""
+    compliance = fastener.cone_compliance(14.2875e-3, 10.5e-3, 14.3e-3, 20e-3, 410e9)
+    assert 7874.0 * float(compliance) == pytest.approx(1.446e-6, rel=1e-3)
+    wide = 14.2875e-3 * math.exp((1.0 - 0.348 - 0.013 * math.log(14.3 / 14.2875)) / 0.193)
+    assert 7874.0 * float(fastener.cone_compliance(14.2875e-3, 10.5e-3, 14.3e-3, wide, 410e9)) == pytest.approx(
+        803e-9, rel=2e-3
+    )
 
 
 def test_earnshaw_by_energy_differences():

@@ -170,13 +170,13 @@ def _wedge(run: Run, v: Values) -> dict[str, Any]:
 
 def _screw(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.bearing.fastener import (
-        UnifiedThread,
+        Thread,
         preload_of_torque,
         strip_area_of_bed,
         strip_area_of_screw,
     )
 
-    thread = UnifiedThread(v["diameter"], v["pitch"])
+    thread = Thread(v["diameter"], v["pitch"])
     force = preload_of_torque(v["torque"], v["diameter"], v["nut_factor"])
     return quantities(
         preload=(force, "N"),

@@ -13,6 +13,7 @@ from designcalc.friction_stage.physics.loads import load, tip_load
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
     bent_stack,
+    driven_capacitance,
     inertia_on_piezos,
     mass_on_piezos,
     peak_tip_force,
@@ -95,15 +96,16 @@ def pushing_force(r: DesignInputs) -> Check:
 def heat(r: DesignInputs) -> Check:
     f = speed_frequency(r)
     voltage, loss = r("piezo.highest_voltage"), r("piezo.loss_factor")
-    watts = 2 * float(stack_heat(r("piezo.capacitance"), voltage, f, loss))
+    watts = 2 * float(stack_heat(driven_capacitance(r), voltage, f, loss))
     limit = r("actuator.heat_limit")
     duty = ratio(limit, watts)
     return Check(
         "heat of the piezos at full speed",
         at_most(watts, limit, "W"),
-        source="dielectric loss of a sine, two stacks",
+        source="dielectric loss of a sine, two stacks; capacitance at full stroke",
         formula="P = 2 pi f C (V/2)^2 tan(delta)",
-        substituted=f"f = {show(f, 'Hz')}, V = {show(voltage, 'V')}, tan(delta) = {loss:.3g}: {show(watts, 'W')}",
+        substituted=f"f = {show(f, 'Hz')}, V = {show(voltage, 'V')}, C = {show(driven_capacitance(r), 'F')}, "
+        f"tan(delta) = {loss:.3g}: {show(watts, 'W')}",
         proposal=f"full speed for {100 * duty:.2g} % of the time, or a holder that takes {show(watts, 'W')}",
         thesis=f"'milliwatts' is {show(watts, 'W')} at the required speed",
         requirement=_ACTUATOR,
@@ -112,14 +114,15 @@ def heat(r: DesignInputs) -> Check:
 
 def current(r: DesignInputs) -> Check:
     f = speed_frequency(r)
-    peak = float(stack_current(r("piezo.capacitance"), r("piezo.highest_voltage"), f))
+    peak = float(stack_current(driven_capacitance(r), r("piezo.highest_voltage"), f))
     available = r("amplifier.current")
     return Check(
         "peak current of one piezo at full speed",
         at_most(peak, available, "A"),
-        source="sine on a capacitor",
+        source="sine on a capacitor, that of the stack at full stroke",
         formula="I = pi f C V",
-        substituted=f"f = {show(f, 'Hz')}: {show(peak, 'A')}, {show(peak * r('piezo.highest_voltage') / np.pi, 'W')} "
+        substituted=f"f = {show(f, 'Hz')}, C = {show(driven_capacitance(r), 'F')}: {show(peak, 'A')}, "
+        f"{show(peak * r('piezo.highest_voltage') / np.pi, 'W')} "
         "drawn on the mean from a linear amplifier",
         proposal=f"more current, or {show(f * available / peak, 'Hz')} at most",
         changes=change("amplifier.current", peak, "A", up=True),

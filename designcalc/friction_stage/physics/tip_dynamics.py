@@ -30,6 +30,11 @@ def stack_stiffness(r: DesignInputs) -> float:
     return float(piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke")))
 
 
+def driven_capacitance(r: DesignInputs) -> float:
+    """Capacitance of one piezo driven over its stroke, F: catalogues state that at small signals."""
+    return r("piezo.capacitance") * r("piezo.full_stroke_capacitance")
+
+
 @remembered
 def usable_ellipse(r: DesignInputs) -> tuple[float, float]:
     """X and Y of the ellipse at the drive's own stroke, or at the piezo's where that is less, m."""

@@ -1,13 +1,14 @@
 """The Coulomb core: the level times the direction, through a bristle so stiff that its stretch stays below the
 resolution. So the force is defined at rest: it holds its last value in a dwell.
 
-The state is the bristle's force f itself. With its constant stiffness k and a relaxation time T that damps the
-oscillation after it, the bristle is the causal one of a0 = k, a1 = T k:
+The state is the bristle's force f itself; k is its stiffness, T a relaxation time that damps the oscillation after it:
 
-    phi = g (f + T k v) / (g + T k |v|),   f' = k (g v - |v| f)/(g + T k |v|),   friction = phi
+    phi = g (f + T k v)/(g + T k |v|),   f' = k (v - alpha |v| phi/g),   friction = phi
 
-|phi| never exceeds the level, and the core is passive at any speed and level. Past a reversal (direction * v < 0, where
-only the trial stages of a step ever are) the divisor is continued so that it stays positive.
+alpha = 0 up to 95 % of the level, then a cubic to 1 at the level: a load that stays below moves the bristle elastically
+and does not creep, whatever it does. |phi| never exceeds the level, and the core is passive at any speed and level:
+phi v - f f'/k >= 0. Past a reversal (direction * v < 0, where only the trial stages of a step ever are) the divisor is
+continued so that it stays positive.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from sim.numerics.compilation import compiled
 
 RELAXATION = 1e-4
 """T, s: at the default stretch about critical damping for 1 kg under 1 N."""
+ELASTIC = 0.95
+"""Part of the level below which the bristle is elastic."""
 
 
 def stiffness(p: Any) -> float:
@@ -34,7 +37,9 @@ def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple
     stiff = (p.force if p.force > 0.0 else 1.0) / p.stretch
     q = RELAXATION * stiff * direction * v / g
     below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
-    return stiff * (v - direction * v * z / g) / below, (z + RELAXATION * stiff * v) / below
+    u = (direction * z / g + q) / below
+    part = min(max((u - ELASTIC) / (1.0 - ELASTIC), 0.0), 1.0)
+    return stiff * v * (1.0 - part * part * (3.0 - 2.0 * part) * u), direction * g * u
 
 
 def slopes(
@@ -44,18 +49,22 @@ def slopes(
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     stiff = (p.force if p.force > 0.0 else 1.0) / p.stretch
     q = RELAXATION * stiff * direction * v / g
-    below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
-    steep = (1.0 if q >= 0.0 else 1.0 + 4.0 * q**3) / below
-    q_v = RELAXATION * stiff * direction / g
-    rate = stiff * (v - direction * v * z / g) / below
-    force = (z + RELAXATION * stiff * v) / below
+    below, steep = 1.0 + q, 1.0
+    if q < 0.0:
+        below, steep = below + q**4, 1.0 + 4.0 * q**3
+    u = (direction * z / g + q) / below
+    part = min(max((u - ELASTIC) / (1.0 - ELASTIC), 0.0), 1.0)
+    alpha, rise = part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part) / (1.0 - ELASTIC)
+    u_z, u_q = direction / (g * below), (1.0 - u * steep) / below
+    u_v, u_g = u_q * RELAXATION * stiff * direction / g, -z * u_z / g - u_q * q / g
+    rate_u = -stiff * v * (alpha + rise * u)
     return (
-        -stiff * direction * v / (g * below),
-        stiff * (1.0 - direction * z / g) / below - rate * steep * q_v,
-        stiff * direction * v * z / (g * g * below) + rate * steep * q / g,
+        rate_u * u_z,
+        stiff * (1.0 - alpha * u) + rate_u * u_v,
+        rate_u * u_g,
         1.0 / below,
-        RELAXATION * stiff / below - force * steep * q_v,
-        force * steep * q / g,
+        direction * g * u_v,
+        direction * (u + g * u_g),
     )
 
 

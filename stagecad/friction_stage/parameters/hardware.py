@@ -28,7 +28,10 @@ class Piezo:
     blocking_force: float = number("at the highest voltage", "N")
     highest_voltage: float = number("", "V")
     stiffness: float = number("along the axis: blocking force over free stroke", "N/m", computed=True)
-    capacitance: float = number("", "F")
+    capacitance: float = number("at small signals", "F")
+    full_stroke_capacitance: float = number(
+        "capacitance at full stroke over that at small signals", low=1, closed=True, default="1.7"
+    )
     hysteresis: float = number("width over stroke, open loop", high=1, closed=True)
     strain_limit: float = number("tensile stress that the ceramic withstands without preload", "Pa", closed=True)
     element_area: float = number("cross-section of the ceramic element in its case", "m^2")

@@ -208,3 +208,15 @@ def test_a_signal_that_stands_comes_out_as_it_stands(law: Effect):
         assert np.allclose(standing, 0.4, atol=1e-9)
     step = np.where(np.arange(20_000) < 10, 0.0, 0.4)
     assert law.signal(step, 1e-2, p)[-1] == pytest.approx(standing[-1], abs=1e-6)
+
+
+def test_a_load_below_break_away_does_not_creep():
+    """1.6 +- 0.8 N against Coulomb friction of 3.2 N for a minute: the bristle of 10 nm moves elastically, and
+    no further than at the start (it crept by 135 nm in 55 s)."""
+    time = np.linspace(0.0, 60.0, 6001)
+    load = np.minimum(1.6 * time, 1.6) + 0.8 * np.sin(2.0 * np.pi * time) * (time > 1.0)
+    run = simulate(compose(["coulomb"], {"coulomb.force": 3.2}), drive.force(time, load), time, mass=2.0)
+    late = run.position[time > 2.0]
+    assert late.min() > 0.0 and late.max() < 1e-8
+    assert np.ptp(late) == pytest.approx(1.6 / 3.2 * 1e-8, rel=1e-3)
+    assert np.max(run.position[time > 59.0]) == pytest.approx(np.max(late[: late.size // 2]), abs=1e-13)

@@ -267,3 +267,9 @@ def test_what_is_compiled_before_the_laws_are_laid_out_is_what_the_model_needs(e
     for settings in ({}, {"energy": True, "forces": False}):
         simulate(compose(effects), pull, np.linspace(0.0, 0.01, 3), **settings)
     assert len(kinds) == 4 and len(set(kinds)) == 1
+
+
+@pytest.mark.parametrize("given, words", [({"temperature": -300.0}, "temperature"), ({"load": -5.0}, "load")])
+def test_a_load_or_temperature_that_cannot_be_is_refused(given, words):
+    with pytest.raises(InputError, match=f"{words} = -"):
+        simulate(compose(["coulomb"]), drive.force([0.0, 1.0], [0.0, 1.0]), np.linspace(0.0, 1.0, 5), **given)

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
 from designcalc.bearing.fastener import (
-    UnifiedThread,
+    Thread,
+    cone_compliance,
     head_pressure,
     screw_waves,
     strip_area_of_bed,
@@ -121,8 +122,8 @@ def engagement(r: DesignInputs) -> Check:
     )
 
 
-def _thread(r: DesignInputs) -> UnifiedThread:
-    return UnifiedThread(r("screws.way.diameter"), r("screws.way.pitch"))
+def _thread(r: DesignInputs) -> Thread:
+    return Thread(r("screws.way.diameter"), r("screws.way.pitch"))
 
 
 def stripping(r: DesignInputs) -> Check:
@@ -135,7 +136,7 @@ def stripping(r: DesignInputs) -> Check:
     return Check(
         "stripping of the way's threads",
         at_most(force, hold / 2, "N"),
-        source="ASME B1.1 shear areas; factor 2",
+        source="ASME B1.1 shear areas of the least screw in the largest thread; factor 2",
         formula="F = T/(K d) <= 0.577 Sy A_s/2",
         substituted=f"F = {show(force, 'N')}; bed {show(bed, 'N')}, screw {show(screw, 'N')}",
         proposal=f"torque of at most {show(hold / 2 / force * r('screws.way.torque'), 'N*m')}",
@@ -210,17 +211,20 @@ def heat_of_joint(r: DesignInputs) -> Check:
 def bolt_dimple(r: DesignInputs) -> Check:
     way, force = rail(r), screw_preload(r, "way")
     _, tau = _ratios(r)
-    springs = joint_stiffness(way, tau)
-    dimple = force / (float(springs.flange_compression) * way.bolt_diameter)
+    head, hole = r("screws.way.head_diameter"), r("bearing_way.bolt_hole")
+    flange, edge = r("bearing_way.flange_thickness"), 2 * r("bearing_way.bolt_edge")
+    dimple = force * float(cone_compliance(head, hole, flange, edge, way.rail_modulus))
+    sheet = force / (float(joint_stiffness(way, tau).flange_compression) * way.bolt_diameter)
     limit = r("bearing.way_straightness")
     return Check(
         "dimple of the way under its screws",
         at_most(dimple, limit, "m"),
-        source="compression of the flange's cone, " + _APPENDIX,
-        formula="F/(E Db pi/ln[5(0.5+2t/Db)/(2.5+2t/Db)]) <= straightness",
+        source="compression of the flange under the head with its hole, VDI 2230-1, section 5.1.2",
+        formula="F ln[(D+d)(D+2 t tan(phi)-d)/((D-d)(D+2 t tan(phi)+d))]/(E pi d tan(phi)) <= straightness",
         substituted=f"{show(force, 'N')}: {show(dimple, 'm')} at the ledge, less on the lapped face next to it",
         proposal=f"torque of at most {show(limit / dimple * r('screws.way.torque'), 'N*m')}, and lap the way bolted "
         "down",
+        thesis=f"the sheet's cone of 45 degrees, with a hole as wide as the screw: {show(sheet, 'm')}",
         requirement="Table 1: smoothness",
         note="the same torque on every screw keeps the warp even",
     )
