@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, overload
 
+from stagecad.parameters.atomic import atomic_write_text
 from stagecad.private import cache_root, make_private
 
 KEPT_DAYS = 60
@@ -72,10 +73,46 @@ def _caching_in(folder: Path) -> Iterator[None]:
         config.CACHE_DIR = before  # type: ignore[attr-defined]
 
 
+@functools.cache
 def _numba_parts() -> Any:
     import numba
+    from numba.core import caching
 
+    class CheckedFile(caching.IndexDataCacheFile):
+        """Files of numba's cache with their hashes beside them: a damaged one would end the process as it runs."""
+
+        def _load_index(self) -> Any:
+            return super()._load_index() if _is_intact(self._index_path) else {}  # type: ignore[misc]
+
+        def _load_data(self, name: str) -> Any:
+            if not _is_intact(self._data_path(name)):
+                raise OSError  # numba then compiles anew
+            return super()._load_data(name)  # type: ignore[misc]
+
+        @contextlib.contextmanager
+        def _open_for_write(self, filepath: str) -> Iterator[Any]:
+            with super()._open_for_write(filepath) as file:  # type: ignore[misc]
+                yield file
+            with contextlib.suppress(OSError):
+                atomic_write_text(f"{filepath}{HASH}", _hash_of(filepath))
+
+    caching.IndexDataCacheFile = CheckedFile  # type: ignore[misc]
     return numba
+
+
+HASH = ".sha256"
+"""Ends the name of the file with the hash of one of numba's."""
+
+
+def _hash_of(path: str) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def _is_intact(path: str) -> bool:
+    try:
+        return Path(f"{path}{HASH}").read_text("utf-8") == _hash_of(path)
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 SUMS_IN_ANY_ORDER = {"reassoc", "contract"}

@@ -1,0 +1,91 @@
+"""A cache that the disk has changed: results and compiled kernels are made again, and are never taken as they are."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stagecad.parameters.load import load_design
+from stagecad.solids.artefacts import store as stores
+from stagecad.solids.artefacts.store import ArtefactStore
+
+
+def made_by(store: ArtefactStore) -> tuple[Any, list[int]]:
+    made: list[int] = []
+
+    def make(design: Any, folder: Path) -> None:
+        made.append(1)
+        (folder / "part.json").write_text(json.dumps({"volume": 7.43, "thickness": design.si("stage.thickness")}))
+
+    return store.make("part", load_design(), ("stagecad.parameters.units",), make), made
+
+
+@pytest.mark.parametrize("damage", ["digit", "cut", "missing", "record"])
+def test_a_damaged_result_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str) -> None:
+    entry, made = made_by(ArtefactStore(tmp_path))
+    assert made == [1]
+    file = entry.path("entry.json" if damage == "record" else "part.json")
+    text = file.read_text()
+    if damage == "missing":
+        file.unlink()
+    else:
+        file.write_text({"digit": text.replace("7.43", "9.43"), "cut": text[:9], "record": text[:20]}[damage])
+    # As in another process, which has not looked at it.
+    monkeypatch.setattr(stores, "_verified", set())
+    again, made = made_by(ArtefactStore(tmp_path))
+    assert made == [1]
+    assert again.document("part.json")["volume"] == 7.43
+
+
+def test_a_result_is_compared_once_in_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made_by(ArtefactStore(tmp_path))
+    monkeypatch.setattr(stores, "_verified", set())
+    hashed: list[bytes] = []
+    sha256 = stores.sha256
+    monkeypatch.setattr(stores, "sha256", lambda data: hashed.append(data) or sha256(data))
+    for _ in range(3):
+        assert made_by(ArtefactStore(tmp_path))[1] == []
+    assert sum(b"7.43" in data for data in hashed) == 1
+
+
+PROGRAM = """
+from sim.numerics.compilation import compile_callback
+from numba import types
+def law(x):
+    return 2.0 * x + 1.0
+import ctypes
+found = compile_callback(law, types.float64(types.float64))
+print(ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(found.address)(3.0), found.cache_hits)
+"""
+
+
+def test_a_damaged_kernel_is_compiled_again(tmp_path: Path) -> None:
+    """Machine code with flipped bytes would end the process as it runs."""
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    environment = {**os.environ, "STAGECAD_CACHE": str(tmp_path / "cache"), "PYTHONPATH": os.getcwd()}
+
+    def run() -> str:
+        done = subprocess.run([sys.executable, program], env=environment, capture_output=True, text=True, timeout=240)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    assert run() == "7.0 0"
+    assert run() == "7.0 1"
+    kept = tmp_path / "kept"
+    shutil.copytree(tmp_path / "cache", kept)
+    generator = random.Random(1)
+    for suffix in (".nbi", ".nbc", ".sha256"):
+        for file in (tmp_path / "cache" / "kernels").rglob(f"*{suffix}"):
+            data = bytearray(file.read_bytes())
+            data[generator.randrange(len(data))] ^= 0x55
+            file.write_bytes(data)
+            assert run() == "7.0 0"
