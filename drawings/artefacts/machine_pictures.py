@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drawings.sheets.machine_sheets import sheets_of
-from stagecad.friction_stage.assembly.assemble import Instance
+from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object

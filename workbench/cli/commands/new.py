@@ -51,7 +51,7 @@ def _template(kind: str, name: str) -> str:
     """Text of a template with the user's name in it."""
     if not _NAME.fullmatch(name):
         raise InputError(f"new {kind} '{name}': a name has small letters, digits and _, and begins with a letter")
-    folder = Path(__file__).parents[1] / "templates"
+    folder = Path(__file__).parents[2] / "templates"
     suffix = "toml" if kind == "machine" else "py"
     text = (folder / f"{kind}.{suffix}.txt").read_text("utf-8")
     return text.replace(f"my_{kind}", name).replace(f"my {kind}", name.replace("_", " "))
