@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drawings.sheets.machine_sheets import sheets_of
-from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
+from stagecad.solids.modelling.instance import Instance
 
 if TYPE_CHECKING:
     from drawings.pictures.picture import Picture
