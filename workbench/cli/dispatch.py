@@ -32,6 +32,7 @@ COMMANDS = {
     "diagnose": "Which physical effect is missing, ranked, and which effects are indistinguishable.",
     "add": "Add effects to an experiment's model, fit, and write the next rung of its ladder.",
     "ladder": "The error after each effect added so far.",
+    "export": "The fitted model for use elsewhere: Python, C, Modelica, FMU, MATLAB, or a table.",
     "suggest": "The next measurement that would best separate the competing effects.",
     "new": "Write a template to start from.",
     "workbench": "A local web page for machine, simulation and measurement.",

@@ -1,0 +1,170 @@
+"""Exported models give the program's forces on motions not seen before, in each language that runs here."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.effects.catalogue import find, library
+from sim.effects.effect import Axis, Effect
+from sim.effects.model import Model, compose
+from sim.export.files import Exported, files_of
+from sim.export.program import ForceFunction, program_of
+from stagecad.parameters.errors import InputError
+
+HISTORY = {"bristle_damping", "bristle_damping:spread", "frictional_lag", "dwell_strengthening:fading"}
+"""Effects that need a history of the motion: refused by name."""
+NAMES = [law.name for effect in library().values() for law in (effect, *effect.variants)]
+FORCES = [name for name in NAMES if find(name).acts_on not in ("drive", "piezo", "sensor") and not find(name).is_mode]
+
+
+def _motion(seed: int, rows: int = 400) -> tuple[np.ndarray, ...]:
+    """Time, position, velocity, load, temperature (n,) of strokes of micrometres to millimetres that begin at rest."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(rows) * 1e-3
+    sizes, rates = 10.0 ** rng.uniform(-6, -3, 4), rng.uniform(3.0, 40.0, 4)
+    position = sum(size * (1.0 - np.cos(rate * time)) for size, rate in zip(sizes, rates))
+    position[:3] = position[0]
+    rest = slice(150, 180)
+    position[rest] = position[150]
+    velocity = np.gradient(position, time)
+    velocity[rest], velocity[:2] = 0.0, 0.0
+    return time, position, velocity, 10.0 + np.cos(30.0 * time), 22.0 + 4.0 * time
+
+
+def _by_the_model(model: Model, motion: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Force (n,) of the program's own model along a motion."""
+    time, position, velocity, load, temperature = motion
+    moving = np.where(velocity != 0.0, np.sign(velocity), np.nan)
+    known = np.where(np.isnan(moving), 0, np.arange(time.size))
+    direction = moving[np.maximum.accumulate(known)]
+    direction = np.where(np.isnan(direction), 1.0, direction)
+    gone = np.abs(np.diff(position, prepend=position[0]))
+    since = np.zeros(time.size)
+    for k in range(1, time.size):
+        since[k] = gone[k] if direction[k] != direction[k - 1] else since[k - 1] + gone[k]
+    zero = np.zeros(time.size)
+    axis = Axis(
+        time,
+        position,
+        velocity,
+        np.gradient(velocity, time),
+        load,
+        temperature,
+        zero,
+        since,
+        np.cumsum(gone),
+        direction,
+    )
+    for effect, p in zip(model.effects, model.values):
+        axis = effect.memory(axis, p) if effect.memory is not None else axis
+    level = model.level(axis)
+    force = model.other_force(axis)
+    if model.state_effect is not None:
+        p = model.values[model.effects.index(model.state_effect)]
+        core = model.state_effect.friction_state
+        force = force + core.along_record(axis.position, axis.velocity, axis.time, level + zero, p)
+    return force + zero
+
+
+def _program(effects: list[Effect], values: dict[str, float]):
+    return program_of("friction_model", effects, values, {})
+
+
+@pytest.mark.parametrize("name", FORCES)
+def test_each_effect_gives_the_force_of_the_program(name: str) -> None:
+    if name in HISTORY:
+        with pytest.raises(InputError, match=f"effect '{name}'"):
+            _program([find(name)], {})
+        return
+    names = [name] if find(name).friction_state is not None else ["coulomb", name]
+    model = compose(names)
+    function = ForceFunction(_program(list(model.effects), model.parameters()).source)
+    for seed in (1, 2):
+        motion = _motion(seed)
+        expected = _by_the_model(model, motion)
+        np.testing.assert_allclose(function(*motion), expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+
+
+def _combinations() -> list[list[str]]:
+    rng = np.random.default_rng(5)
+    cores = [name for name in FORCES if find(name).friction_state is not None]
+    others = [name for name in FORCES if name not in {*HISTORY, *cores} and find(name).memory is None]
+    drawn = []
+    for _ in range(20):
+        chosen = {name.partition(":")[0]: name for name in rng.choice(others, 4, replace=False)}
+        drawn.append([str(rng.choice(cores)), *map(str, chosen.values())])
+    return drawn
+
+
+def test_combinations_in_c_and_python(tmp_path: Path) -> None:
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    for number, names in enumerate(_combinations()):
+        model = compose(names)
+        program = _program(list(model.effects), model.parameters())
+        motion = _motion(number)
+        expected = _by_the_model(model, motion)
+        found = ForceFunction(program.source)(*motion)
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)), err_msg=str(names))
+        if compiler is not None:
+            _run_c(program, tmp_path / str(number), compiler)
+
+
+def test_each_friction_state_model_in_c(tmp_path: Path) -> None:
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler is at hand")
+    for number, name in enumerate(name for name in FORCES if name not in HISTORY and find(name).friction_state):
+        model = compose([name, "viscous"])
+        _run_c(_program(list(model.effects), model.parameters()), tmp_path / str(number), compiler)
+
+
+def _run_c(program, folder: Path, compiler: str) -> None:
+    folder.mkdir()
+    for file, text in files_of(Exported(program, 1.5, ("a test",)), "c").items():
+        (folder / file).write_text(text, encoding="utf-8")
+    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused", "-DFRICTION_MODEL_SELF_TEST"]
+    words = [compiler, *flags, "friction_model.c", "-o", "check", "-lm"]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    ran = subprocess.run([str(folder / "check")], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0 and "passed" in ran.stdout, ran.stdout
+
+
+def test_the_python_module_checks_itself(tmp_path: Path) -> None:
+    model = compose(["lugre", "stribeck", "viscous", "magnetic_cogging"])
+    exported = Exported(_program(list(model.effects), model.parameters()), 2.0, ("a test",))
+    file = tmp_path / "friction_model.py"
+    file.write_text(files_of(exported, "python")["friction_model.py"], encoding="utf-8")
+    done = subprocess.run([sys.executable, str(file)], capture_output=True, text=True, check=False)
+    assert done.stdout == "self-test passed\n", done.stderr
+
+
+@pytest.mark.parametrize("language", ["matlab", "modelica", "table"])
+def test_other_languages_name_every_parameter(language: str) -> None:
+    model = compose(["lugre", "stribeck", "viscous"])
+    program = _program(list(model.effects), model.parameters())
+    text = "".join(files_of(Exported(program, 2.0, ("a test",)), language).values())
+    if language == "table":
+        rows = np.array([list(map(float, line.split(","))) for line in text.splitlines() if line[0] in "-0123456789"])
+        level = 1.0 + 0.5 * np.exp(-((rows[:, 0] / 1e-3) ** 2)) + 0.4 * np.abs(rows[:, 0])
+        np.testing.assert_allclose(np.abs(rows[:, 1]), level, rtol=2e-3)
+    else:
+        assert all(key in text for key in program.parameters)
+
+
+def test_matlab_source_runs_in_octave(tmp_path: Path) -> None:
+    octave = shutil.which("octave-cli") or shutil.which("octave")
+    if octave is None:
+        pytest.skip("Octave is not at hand")
+    model = compose(["elasto_plastic", "stribeck", "viscous"])
+    exported = Exported(_program(list(model.effects), model.parameters()), 2.0, ("a test",))
+    (tmp_path / "friction_model.m").write_text(files_of(exported, "matlab")["friction_model.m"], encoding="utf-8")
+    words = [octave, "--no-gui", "--eval", "friction_model('test');"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert "self-test passed" in done.stdout, done.stderr

@@ -1,0 +1,128 @@
+"""`export`: the fitted model of an experiment for use elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.export.files import Exported, files_of
+from sim.export.program import ForceFunction, program_of
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError, nearest
+from workbench.operations.compare import compare
+from workbench.operations.experiment import Experiment
+from workbench.operations.fitted import FittedResult
+from workbench.operations.result import Result, finite
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from workbench.operations.design import Design
+
+LANGUAGES = ("python", "c", "modelica", "fmu", "matlab", "table")
+
+
+class Export(Result):
+    """The files of a fitted model in one language.
+
+    Args:
+        exported: the model.
+        language: it is written in.
+        files: that were written.
+    """
+
+    def __init__(self, exported: Exported, language: str, files: tuple[str, ...]) -> None:
+        self.exported, self.language, self.files = exported, language, files
+
+    def function(self) -> ForceFunction:
+        """The force along a motion, as the exported step computes it."""
+        return ForceFunction(self.exported.program.source)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The parameters: value in SI and comment; index `parameter`."""
+        import pandas as pd
+
+        program = self.exported.program
+        rows = [
+            {"parameter": key, "value": v, "comment": program.comments[key]} for key, v in program.parameters.items()
+        ]
+        return pd.DataFrame(rows).set_index("parameter")
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad export --json`."""
+        program = self.exported.program
+        return finite(
+            {
+                "schema": 1,
+                "language": self.language,
+                "files": list(self.files),
+                "parameters": program.parameters,
+                "states": program.states,
+                "left_out": program.left_out,
+                "mass": {"value": self.exported.mass, "unit": "kg"},
+            }
+        )
+
+    def lines(self) -> Iterator[str]:
+        """What was written, as text."""
+        yield from (f"written: {file}" for file in self.files)
+        yield from (f"left out: {line}" for line in self.exported.program.left_out)
+
+    def __repr__(self) -> str:
+        return f"<Export to {self.language}: {len(self.exported.program.parameters)} parameters>"
+
+
+def exported_model(fitted: FittedResult, name: str = "friction_model") -> Exported:
+    """The fitted model of a comparison or an addition.
+
+    Raises:
+        InputError: an effect whose law is not arithmetic, by name.
+    """
+    model, document = fitted.fitted.model, fitted.document["parameters"]
+    comments = {key: _interval(key, entry) for key, entry in document.items()}
+    program = program_of(name, model.effects, model.values, comments)
+    experiment = fitted.problem.experiment
+    about = (
+        f"Model of {experiment.folder.resolve().name}: {', '.join(effect.name for effect in model.effects)}.",
+        *(f"record {record.file}: sha256 {record.sha256[:16]}" for record in fitted.problem.records),
+    )
+    return Exported(program, float(model.values.get("rig.mass", model.values.get("rig.inertia", 0.0))), about)
+
+
+def _interval(key: str, entry: dict[str, Any]) -> str:
+    """Unit and 95 % interval of a fitted value."""
+    if entry.get("low") is None or entry.get("high") is None:
+        return f"{entry['unit']}; no interval"
+    return f"{entry['unit']}; 95 %: {entry['low']:.6g} .. {entry['high']:.6g}"
+
+
+def export(
+    experiment: Experiment | str | Path, to: str = "python", out: str | Path = "build", design: Design | None = None
+) -> Export:
+    """Fit the model of an experiment as it stands, and write it in another language.
+
+    Args:
+        experiment: the folder, its `experiment.toml`, or an experiment.
+        to: python, c, modelica, fmu, matlab or table.
+        out: folder to write below.
+        design: for known quantities that are taken from the design.
+
+    Raises:
+        InputError: no such language, or an effect that cannot be exported, by name.
+    """
+    if to not in LANGUAGES:
+        raise InputError(f"--to {to}: is not a language{nearest(to, LANGUAGES)}; allowed: {', '.join(LANGUAGES)}")
+    comparison = compare(experiment, design)
+    exported = exported_model(comparison)
+    folder = Path(out) / comparison.problem.experiment.folder.resolve().name / "export"
+    folder.mkdir(parents=True, exist_ok=True)
+    if to == "fmu":
+        from sim.export.fmu import write_fmu
+
+        return Export(exported, to, (str(write_fmu(exported, folder)),))
+    written = []
+    for name, text in files_of(exported, to).items():
+        atomic_write_text(folder / name, text)
+        written.append(str(folder / name))
+    return Export(exported, to, tuple(written))
