@@ -49,6 +49,10 @@ _MODULES = {
     "SimulatedRecords": "workbench.operations.simulate",
     "Simulation": "workbench.operations.simulate",
     "simulate": "workbench.operations.simulate",
+    "Export": "workbench.operations.export",
+    "export": "workbench.operations.export",
+    "Look": "workbench.operations.look",
+    "look": "workbench.operations.look",
     "InputError": "stagecad.parameters.errors",
 }
 """Module of each public name, loaded when the name is first used. `__init__.pyi` declares their types."""

@@ -25,6 +25,10 @@ from workbench.operations.experiment import Model as Model
 from workbench.operations.experiment import Record as Record
 from workbench.operations.experiment import Rig as Rig
 from workbench.operations.experiment import RigKind as RigKind
+from workbench.operations.export import Export as Export
+from workbench.operations.export import export as export
+from workbench.operations.look import Look as Look
+from workbench.operations.look import look as look
 from workbench.operations.optimise import Optimisation as Optimisation
 from workbench.operations.optimise import optimize as optimize
 from workbench.operations.parts import Parts as Parts
@@ -52,8 +56,10 @@ __all__ = [
     "Drawings",
     "Effect",
     "Experiment",
+    "Export",
     "InputError",
     "Ladder",
+    "Look",
     "Model",
     "Optimisation",
     "Parameter",
@@ -72,8 +78,10 @@ __all__ = [
     "diagnose",
     "diff",
     "drawings",
+    "export",
     "ladder",
     "load_design",
+    "look",
     "optimize",
     "parts",
     "simulate",

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import math
 
+STATES = {"elasto_plastic_step": "stretch of the bristles, m"}
+"""State of a step that is not the force of its bristles."""
+
 
 def coulomb_step(z: float, dx: float, level: float, stretch: float) -> tuple[float, float]:
     """Force of the stop operator; z is that force, N."""

@@ -64,8 +64,9 @@ def _extremes(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     size = values.size // POINTS
     if size < 2:
         return time, values
-    blocks = values[: size * POINTS].reshape(POINTS, size)
-    empty = np.isnan(blocks).all(axis=1)
-    low = np.where(empty, np.nan, np.nanmin(np.where(empty[:, None], 0.0, blocks), axis=1))
-    high = np.where(empty, np.nan, np.nanmax(np.where(empty[:, None], 0.0, blocks), axis=1))
+    blocks = values[: size * POINTS].reshape(POINTS, size).copy()
+    empty = np.asarray(np.isnan(blocks).all(axis=1))
+    blocks[empty] = 0.0
+    low = np.where(empty, np.nan, np.nanmin(blocks, axis=1))
+    high = np.where(empty, np.nan, np.nanmax(blocks, axis=1))
     return np.repeat(time[: size * POINTS : size], 2), np.column_stack([low, high]).ravel()

@@ -112,7 +112,7 @@ def export(
         InputError: no such language, or an effect that cannot be exported, by name.
     """
     if to not in LANGUAGES:
-        raise InputError(f"--to {to}: is not a language{nearest(to, LANGUAGES)}; allowed: {', '.join(LANGUAGES)}")
+        raise InputError(f"--to: no language '{to}'{nearest(to, LANGUAGES)}")
     comparison = compare(experiment, design)
     exported = exported_model(comparison)
     folder = Path(out) / comparison.problem.experiment.folder.resolve().name / "export"

@@ -22,7 +22,7 @@ _SPELLINGS = {
     "lb": "lbf",
     "lbs": "lbf",
 }
-_WHOLE = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM", "Upm"), "rpm")
+_WHOLE: dict[str, str] = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM", "Upm"), "rpm")
 _WHOLE |= {"rps": "rev/s", "RPS": "rev/s", "U/s": "rev/s", "r/s": "rev/s"}
 _MASS_TIMES_LENGTH = re.compile(
     r"(?P<mass>kg|g|oz|lbs?)\*(?P<length>in|ft|mm|cm|m)|(?P<first>in|ft)\*(?P<last>oz|lbs?)"

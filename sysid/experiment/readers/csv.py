@@ -72,7 +72,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     found = None
     try:
         # Spelled numbers that begin below the head are found by the second try, other faults by the slow reader.
-        for spelled in (dialect.spelled, dict.fromkeys(set(wanted) - set(dialect.stamps), "") | dialect.spelled):
+        for spelled in (dialect.spelled, {**dict.fromkeys(set(wanted) - set(dialect.stamps), ""), **dialect.spelled}):
             found = found or _fast_columns(path, name, dialect, wanted, spelled, settings)
     except (EOFError, gzip.BadGzipFile, zlib.error):
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
@@ -86,8 +86,10 @@ def _fast_columns(
 ) -> dict[int, Column] | None:
     """The columns by index as pyarrow reads them; None where a row or a cell needs a look."""
     table = _arrow_table(path, dialect, wanted, spelled)
+    if table is None:
+        return None
     found: dict[int, Column] = {}
-    for index in wanted if table is not None else ():
+    for index in wanted:
         cells = table.column(f"c{index}")
         table = table.drop_columns([f"c{index}"])
         if index in spelled and index not in dialect.stamps:
@@ -99,7 +101,7 @@ def _fast_columns(
         if column is None:
             return None
         found[index] = column
-    return found or None
+    return found
 
 
 def row_number(path: Path, name: str, header: Header, row: int, settings: Format) -> int:

@@ -168,3 +168,40 @@ def test_matlab_source_runs_in_octave(tmp_path: Path) -> None:
     words = [octave, "--no-gui", "--eval", "friction_model('test');"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "self-test passed" in done.stdout, done.stderr
+
+
+def test_the_unit_runs_in_fmpy(tmp_path: Path) -> None:
+    fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+    from sim.export.fmu import write_fmu
+
+    model = compose(["lugre", "stribeck", "viscous", "magnetic_cogging"])
+    program = _program(list(model.effects), model.parameters())
+    file = write_fmu(Exported(program, 2.0, ("a test",)), tmp_path)
+    from fmpy.validation import validate_fmu
+
+    assert list(validate_fmu(str(file))) == []
+    time, position, velocity, load, temperature = _motion(3)
+    names = ["time", "position", "velocity", "acceleration", "load", "temperature"]
+    values = [time, position, velocity, np.gradient(velocity, time), load, temperature]
+    inputs = np.rec.fromarrays(values, names=names)
+    from fmpy.fmi2 import FMU2Slave
+
+    description = fmpy.read_model_description(str(file))
+    folder = fmpy.extract(str(file))
+    unit = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier="friction_model", instanceName="one")
+    unit.instantiate()
+    unit.setupExperiment(startTime=0.0)
+    unit.enterInitializationMode()
+    found = []
+    for k in range(time.size):
+        unit.setReal(list(range(5)), [float(inputs[name][k]) for name in names[1:]])
+        if k == 0:
+            unit.exitInitializationMode()
+        else:
+            unit.doStep(float(time[k - 1]), float(time[k] - time[k - 1]))
+        found.append(unit.getReal([5])[0])
+    unit.terminate()
+    unit.freeInstance()
+    shutil.rmtree(folder)
+    expected = ForceFunction(program.source)(time, position, velocity, load, temperature)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
