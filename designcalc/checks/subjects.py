@@ -53,6 +53,8 @@ class Subjects:
         checks: of a design by subject, in the order of the report.
         chains: tolerance chains of a design.
         scaled_masses: masses of a design, given another one that it differs from by tolerances, and that one's.
+        changed_masses: the same for a design with any other values, for a search.
+        mass_keys: beginnings of the keys that these masses depend on.
         requirements: names that checks refer to, with their text.
         not_made: subjects of alternatives that are not made: their tolerances do not matter.
         studies: for the report.
@@ -64,6 +66,8 @@ class Subjects:
     checks: Mapping[str, Callable[[Design], list[CheckFunction]]]
     chains: Callable[[Design], tuple[Chain, ...]]
     scaled_masses: Callable[[Design, Design, Any], Any]
+    changed_masses: Callable[[Design, Design, Any], Any]
+    mass_keys: tuple[str, ...] = ()
     requirements: Mapping[str, str] = field(default_factory=dict)
     not_made: tuple[str, ...] = ()
     studies: Callable[[DesignInputs], Studies] = _no_studies

@@ -10,6 +10,7 @@ import numpy as np
 from designcalc.checks.check import CheckFunction
 from designcalc.checks.inputs import DesignInputs
 from designcalc.checks.subjects import Studies, Subjects
+from designcalc.friction_stage.changed_masses import MASS_KEYS, changed_masses
 from designcalc.friction_stage.checks import (
     actuator,
     alternatives,
@@ -109,6 +110,8 @@ SUBJECTS = Subjects(
     checks=_CHECKS,
     chains=tolerance_chains,
     scaled_masses=scaled_masses,
+    changed_masses=changed_masses,
+    mass_keys=MASS_KEYS,
     requirements=_REQUIREMENTS,
     not_made=("candidates",),
     studies=_studies,

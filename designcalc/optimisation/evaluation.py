@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
-from designcalc.optimisation.masses import changed_masses
+from designcalc.checks.subjects import subjects_of
 from designcalc.optimisation.space import Free, distance, start_point, values_at
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.rules.registry import violations
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import BodyMasses
+    from stagecad.parameters.mass_properties import Masses
     from stagecad.parameters.variations import Variations
 
 Array = NDArray[np.float64]
@@ -80,11 +80,6 @@ class Evaluation:
         return not self.refused and not self.violated and self._knows(names) and self.unmet.isdisjoint(names)
 
 
-def _has_mass(key: str) -> bool:
-    """Whether `changed_masses` reads a parameter."""
-    return key.startswith(("stage.", "tip.", "teeth.", "tooth_iron.", "magnet.", "actuator.", "pads.", "bearing_way."))
-
-
 class OutOfBudgetError(Exception):
     """The evaluations, or the time, of a search are used up."""
 
@@ -102,7 +97,7 @@ class Evaluator:
 
     variations: Variations
     free: Sequence[Free]
-    masses: BodyMasses | None = None
+    masses: Masses | None = None
     safety: float = 0.0
     count: int = 0
     archive: list[Evaluation] = field(default_factory=list)
@@ -123,10 +118,16 @@ class Evaluator:
         changed = {one.key: values[one.key] for one in self.free if values[one.key] != one.start}
         return self.variations.changed(changed) if changed else self.base
 
+    def changed_masses(self, design: Design) -> Masses | None:
+        """Masses of a changed design from those of the solids of the present one."""
+        if self.masses is None:
+            return None
+        return subjects_of(design).changed_masses(design, self.base, self.masses)
+
     def checks_of(self, values: Mapping[str, Any]) -> list[Check]:
         """All checks of the design with these values."""
         design = self.design(values)
-        return run_checks(design, changed_masses(design, self.base, self.masses), advise=False)
+        return run_checks(design, self.changed_masses(design), advise=False)
 
     def at(self, point: Array, names: Collection[str] | None = None) -> Evaluation:
         """The evaluation at a point; of all checks, or of those named."""
@@ -156,7 +157,7 @@ class Evaluator:
         except InputError as error:
             return Evaluation(point, values, {}, frozenset(), (), far, str(error))
         violated = tuple(one.rule for one in violations(design))
-        masses = changed_masses(design, self.base, self.masses)
+        masses = self.changed_masses(design)
         positions = {self.positions[name] for name in names} if names is not None else None
         found = run_checks(design, masses, None, positions, advise=False)
         if names is not None and {check.name for check in found} != set(names):
@@ -186,9 +187,11 @@ class Evaluator:
         """The free parameters that a check reads, directly, by a formula or by the masses of the solids."""
         inputs = self.checks[self.positions[name]].inputs
         weighed = any("solids" in item.origin for item in inputs.values()) and self.masses is not None
+        # A weighed check reads the masses, which depend on these keys.
+        of_mass = subjects_of(self.base).mass_keys if weighed else ()
         found = []
         for axis, one in enumerate(self.free):
             moved = self.variations.dependents([one.key])
-            if moved & inputs.keys() or not inputs or (weighed and any(_has_mass(key) for key in moved)):
+            if moved & inputs.keys() or not inputs or any(key.startswith(of_mass) for key in moved):
                 found.append(axis)
         return found

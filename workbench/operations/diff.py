@@ -342,7 +342,8 @@ def mass_changes(before: BuiltMachine, after: BuiltMachine) -> list[MassChange]:
     """Parts, moving body and assembly whose mass differs."""
 
     def masses(machine: BuiltMachine) -> dict[str, MassProperties]:
-        return {**machine.masses, "moving body": machine.moving_body, "assembly": machine.whole}
+        moving = {"moving body": machine.moving_body} if machine.moving_body else {}
+        return {**machine.masses, **moving, "assembly": machine.whole}
 
     one, other = masses(before), masses(after)
     names = list(dict.fromkeys([*one, *other]))

@@ -20,16 +20,18 @@ if TYPE_CHECKING:
 MM3 = 1e-9
 
 
-def changed_masses(design: Design, base: Design, masses: BodyMasses | None) -> BodyMasses | None:
-    """Masses of a design from those of the solids of another one; None stays None.
+MASS_KEYS = ("stage.", "tip.", "teeth.", "tooth_iron.", "magnet.", "actuator.", "pads.", "bearing_way.")
+"""Beginnings of the keys that `changed_masses` reads."""
+
+
+def changed_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMasses:
+    """Masses of a design from those of the solids of another one.
 
     Args:
         design: the changed design.
         base: the design of the solids.
         masses: of its solids.
     """
-    if masses is None:
-        return None
     moving, tip = masses.moving, masses.tip
     mass = moving.mass + _moving(design) - _moving(base)
     scale = mass / moving.mass
