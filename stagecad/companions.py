@@ -26,11 +26,7 @@ class CompanionFinder:
 
 
 def use_companions() -> None:
-    """Let the packages of the program be found beside `stagecad`.
-
-    Raises:
-        ImportError: a module of that name was imported from another place before.
-    """
+    """Let the packages of the program be found beside `stagecad`."""
     for name in COMPANIONS:
         file = getattr(sys.modules.get(name), "__file__", None)
         if file is not None and PLACE not in (str(folder) for folder in Path(file).resolve().parents):

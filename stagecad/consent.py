@@ -21,11 +21,7 @@ _consented: set[str] = set()
 
 
 def give_consent(files: tuple[Path, ...]) -> None:
-    """Store the consent to run each of `files` with its present content.
-
-    Raises:
-        InputError: a file that cannot be read.
-    """
+    """Store the consent to run each of `files` with its present content."""
     for path in files:
         try:
             digest = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -54,11 +50,7 @@ def has_consent(data: bytes) -> bool:
 
 
 def require_consent(path: Path, data: bytes, what: str = "this experiment") -> None:
-    """Refuse the content `data` of a Python file, named by `what` runs it, that the user has not consented to.
-
-    Raises:
-        InputError: with what to do.
-    """
+    """Refuse the content `data` of a Python file, named by `what` runs it, that the user has not consented to."""
     if not has_consent(data):
         state = "is Python code that has changed since you consented to it" if _had_consent(path) else "is Python code"
         raise InputError(

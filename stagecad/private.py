@@ -20,10 +20,6 @@ def make_private(folder: Path) -> Path:
 
     One that others could read is closed to them; one that others could write to is refused while anything is in it,
     since they may have put it there.
-
-    Raises:
-        PermissionError: another user owns it or could write to it, or it cannot be written to.
-        OSError: it cannot be created.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     if sys.platform != "win32":
@@ -50,12 +46,7 @@ def _others_can_replace(folder: Path) -> bool:
 
 
 def user_folder(variable: str, default: str) -> Path | None:
-    """A folder of the user by the XDG base directory specification; None where there is no home folder.
-
-    Args:
-        variable: environment variable that names it, `XDG_CACHE_HOME`.
-        default: its place in the home folder, `.cache`.
-    """
+    """A folder of the user by the XDG base directory specification; None where there is no home folder."""
     if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
         return Path(os.environ["LOCALAPPDATA"]) / "stagecad"
     if os.environ.get(variable):

@@ -39,15 +39,7 @@ class Comparison:
 
 
 def compare(source: str | Path | Problem, design: DesignValues | None = None) -> Comparison:
-    """Fit the stated model of an experiment and compare it with the records.
-
-    Args:
-        source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        design: values of the design for known quantities stated as `"design"`.
-
-    Raises:
-        InputError: a fault in a file.
-    """
+    """Fit the stated model of an experiment and compare it with the records."""
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)

@@ -102,17 +102,7 @@ def diagnose(
     design: DesignValues | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """Find which effect is missing from the model of an experiment.
-
-    Args:
-        source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        all_effects: try all effects of the library, not only those with public names.
-        design: values of the design for known quantities stated as `"design"`.
-        progress: called with a name, a count and a total.
-
-    Raises:
-        InputError: a fault in a file.
-    """
+    """Find which effect is missing from the model of an experiment."""
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)

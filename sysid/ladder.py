@@ -78,17 +78,6 @@ def add_effects(
     name is preferred unless another fits clearly better, or fits as well and predicts the held-out records clearly
     better. Variants of effects that the experiment names without one are selected again. A friction state model
     replaces the previous one.
-
-    Args:
-        source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        effects: names of the effects to add.
-        design: values of the design for known quantities stated as `"design"`.
-        drop: names of effects that are removed first, in the same revision.
-        accept: called with the extended model before anything is written; nothing is where it raises.
-
-    Raises:
-        InputError: an effect that is unknown, already present (to drop: absent), or not observable on this rig; a fault
-            in a file.
     """
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)

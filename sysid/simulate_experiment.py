@@ -174,15 +174,6 @@ def simulate_experiment(
 
     Values stated in `[model.parameters]` or `[rig.known]` are used as they are; the others are fitted to the records
     first.
-
-    Args:
-        source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        design: values of the design for settings given as `"design"`.
-        motion: CSV, Parquet or MAT file, or table in memory, with the inputs of this kind of rig.
-        advance: called with the name of each step once it is done.
-
-    Raises:
-        InputError: a fault in a file, or a model that cannot be simulated on these inputs.
     """
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     experiment = problem.experiment
@@ -207,11 +198,7 @@ def simulate_experiment(
 
 
 def read_motion(experiment: Experiment, motion: str | Path | MemoryTable) -> Record:
-    """The inputs of the experiment's kind of rig: a record of the fit without measured channels.
-
-    Raises:
-        InputError: one line with file, row and column.
-    """
+    """The inputs of the experiment's kind of rig: a record of the fit without measured channels."""
     rig = experiment.rig.declaration
     rig = replace(rig, measured=(), optional_measured=())
     file = motion if isinstance(motion, MemoryTable) else Path(motion)

@@ -21,11 +21,7 @@ def own_check_files(params: Path | None) -> tuple[str, ...]:
 
 
 def register(files: Sequence[str], trust: bool = False) -> None:
-    """Add the checks of these files to those of every design in this process.
-
-    Raises:
-        InputError: no consent, an error of a file, or no check in it.
-    """
+    """Add the checks of these files to those of every design in this process."""
     for name in files:
         if name in OWN and not trust:
             continue

@@ -24,20 +24,7 @@ def run_checks(
     positions: Container[int] | None = None,
     advise: bool = True,
 ) -> list[Check]:
-    """Run every check on one design.
-
-    Args:
-        design: the design.
-        masses: of the solids; None estimates the stage from the plain volume of its plate and takes the tip at its
-            limit, and the inputs of the checks concerned state it.
-        subjects: names of subjects to run; all when left out.
-        positions: of the checks to run, counted over all checks of the subjects; all when left out.
-        advise: whether a failing check looks for a change that passes, where that takes long.
-
-    Returns:
-        the checks, in the order of the subjects. A calculator that refuses its arguments gives the verdict
-        `out_of_range`, with its message as the note.
-    """
+    """Run every check on one design."""
     stated = subjects_of(design).checks
     chosen = [name for name in stated if subjects is None or name in subjects]
     functions = [(subject, function) for subject in chosen for function in stated[subject](design)]

@@ -140,11 +140,7 @@ class Evaluator:
         point: Array | None = None,
         limited: bool = True,
     ) -> Evaluation:
-        """The evaluation of values of the free parameters; where it is not `limited`, at any time.
-
-        Raises:
-            OutOfBudgetError: see `most` and `deadline`.
-        """
+        """The evaluation of values of the free parameters; where it is not `limited`, at any time."""
         late = self.deadline is not None and time.monotonic() >= self.deadline
         if limited and (late or (self.most is not None and self.count >= self.most)):
             raise OutOfBudgetError

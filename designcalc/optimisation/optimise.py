@@ -95,9 +95,6 @@ def required_checks(checks: Sequence[Check], keep: Sequence[str]) -> tuple[str, 
 
     A word of `--keep` is a name, its beginning, a pattern with `*`, or an entry of the thesis's tables (`Table 1:
     speed`).
-
-    Raises:
-        InputError: no check of this name.
     """
     names = [check.name for check in checks]
     if not keep:
@@ -128,15 +125,6 @@ def optimise(
 
     Where the evaluations or the time end before the conflicts are found, the design is that of the best compromise,
     and the requirements that it does not meet are left out.
-
-    Args:
-        evaluator: of designs.
-        required: checks that must pass.
-        budget: evaluations of each search.
-        seed: of its random numbers.
-        evaluations, seconds: limits of the whole.
-        tell: called with what is being done.
-        progress: called with the number of evaluations.
     """
     names = tuple(name for name in required if name in evaluator.positions)
     outcome = Outcome(False, names, evaluator.at(evaluator.start))

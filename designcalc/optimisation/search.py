@@ -97,16 +97,6 @@ def search(
 
     Covariance matrix adaptation, then each change is taken back as far as the requirements allow. Where the first
     satisfying design is enough, a local search comes before: it needs a fraction of the evaluations.
-
-    Args:
-        evaluator: of designs.
-        names: checks that must pass.
-        budget: number of evaluations, without those for taking back.
-        seed: of its random numbers.
-        best: to continue from, and to keep the best in when the search is interrupted.
-        subset: run only the checks `names`.
-        progress: called with the number of evaluations.
-        first: stop at the first satisfying design.
     """
     best = best or Best(names)
     run = names if subset else None

@@ -95,9 +95,6 @@ def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
     Args:
         design: the design.
         given: texts `KEY=LOW:HIGH`, or `KEY=A|B|C` for choices; they replace the marks of the same keys.
-
-    Raises:
-        InputError: another form, an unknown key, an empty range, or no free parameter at all.
     """
     found = {
         entry.key: read_range(entry.key, entry.free, "..", design, "free") for entry in design.entries if entry.free
@@ -115,11 +112,7 @@ def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
 
 
 def read_range(key: str, text: str, separator: str, design: Design, where: str) -> Free:
-    """Read a range or choices of one parameter.
-
-    Raises:
-        InputError: see `free_parameters`.
-    """
+    """Read a range or choices of one parameter."""
     entry = design.entry(key)
     place = f"{where} {key}"
     words = [word.strip().strip("\"'").strip() for word in text.split("|")]

@@ -64,11 +64,7 @@ THICK_END, STEM = 6.0, 9.0
 
 
 def annotation_primitives(annotation: Annotation, view: View) -> Iterator[Primitive]:
-    """The primitives of an annotation in paper coordinates.
-
-    Args:
-        view: to which the annotation belongs.
-    """
+    """The primitives of an annotation in paper coordinates."""
     match annotation:
         case LinearDimension():
             yield from _linear(annotation, view)

@@ -26,11 +26,7 @@ LINE_PITCH = 1.5
 
 
 def font_path() -> Path:
-    """The font's file.
-
-    Raises:
-        FileNotFoundError: matplotlib is not installed.
-    """
+    """The font's file."""
     found = importlib.util.find_spec("matplotlib")
     if found is None or found.origin is None:
         raise FileNotFoundError("matplotlib, whose package contains the font of the sheets, is not installed")

@@ -30,16 +30,7 @@ def stored_picture(
     *,
     exact: bool = True,
 ) -> Picture | None:
-    """One picture of the machine from the store, or drawn now; None as of `drawings.pictures.machine.machine_picture`.
-
-    Args:
-        store: the cache.
-        name: of the picture.
-        instances: all parts in place.
-        parts: the built parts by name.
-        design: the design.
-        exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
-    """
+    """One picture of the machine from the store, or drawn now; None as of `machine_picture`."""
     views = sheets_of(design).views(design, instances, parts)
     moving = views.moving if name == FROM_BELOW else tuple(parts)
     shown = [instance for instance in instances if instance.part in moving]

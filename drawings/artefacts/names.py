@@ -22,11 +22,7 @@ def sheet_names(design: Any) -> dict[str, tuple[str, ...]]:
 
 
 def chosen_sheets(names: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
-    """The sheets that are named, by subject or one by one; all when none is named.
-
-    Raises:
-        InputError: a name that is neither, with the nearest that is.
-    """
+    """The sheets that are named, by subject or one by one; all when none is named."""
     known = sheet_names(design)
     if not names:
         return known

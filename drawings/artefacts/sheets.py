@@ -108,12 +108,7 @@ class BuiltSheet:
 def find_sheets(
     store: ArtefactStore, subject: str, design: Any, calculate: CalculateValues | None = None
 ) -> tuple[BuiltSheet, ...] | None:
-    """The sheets of a subject from the store, or None where they have to be drawn.
-
-    Args:
-        subject: a part, `assembly` or `procedure`.
-        calculate: for the procedure.
-    """
+    """The sheets of a subject from the store, or None where they have to be drawn."""
     parts: dict[str, BuiltPart] = {}
     for name in _required_parts(subject, design):
         found = find_part(store, name, design)
@@ -129,13 +124,7 @@ def find_sheets(
 def build_sheets(
     store: ArtefactStore, subject: str, design: Any, calculate: CalculateValues | None = None, *, exact: bool = True
 ) -> tuple[BuiltSheet, ...]:
-    """The sheets of a subject from the store, drawn now where it lacks them.
-
-    Args:
-        subject: a part, `assembly` or `procedure`.
-        calculate: for the procedure.
-        exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
-    """
+    """The sheets of a subject from the store, drawn now where it lacks them."""
     parts = {name: build_part(store, name, design) for name in _required_parts(subject, design)}
     values = _values(store, subject, design, calculate)
     read = _design_of(subject, design)
@@ -205,11 +194,7 @@ def _sheets(artefact: Artefact, subject: str) -> tuple[BuiltSheet, ...]:
 def _part_sheets(
     part: BuiltPart, source: PartSource, design: Any, plain: Any, folder: Path, *, exact: bool
 ) -> tuple[Sequence[Sheet], list[str]]:
-    """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder.
-
-    Args:
-        design, plain: as the part reads it, with and without a record of what is read.
-    """
+    """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder."""
     from drawings.pmi.ap242 import ap242_bytes
     from drawings.sheets.part import part_sheets
     from stagecad.solids.modelling.verification import DimensionVerifier
@@ -225,11 +210,7 @@ def _part_sheets(
 
 
 def require_declared(module: Any, dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> None:
-    """Check that each dimension that a user's file declares is on the solid.
-
-    Raises:
-        InputError: one that is not.
-    """
+    """Check that each dimension that a user's file declares is on the solid."""
     for dimension in dimensions if hasattr(module, "path") else ():
         try:
             verifier.measure(dimension)
@@ -262,9 +243,6 @@ def describe(
     """A part as its sheets need it, and what its notes define.
 
     A part without a plan gets one by its declarations; what it does not state is symmetric only if the solid is.
-
-    Args:
-        design, plain: as the part reads it, with and without a record of what is read.
     """
     from drawings.dimensions.definition import AXES, centred_axes, notes_on_shape
     from drawings.sheets.chosen_views import chosen_plan

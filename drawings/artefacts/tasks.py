@@ -34,15 +34,7 @@ def build_all_sheets(
     workers: int | None = None,
     calculate: CalculateValues | None = None,
 ) -> dict[str, tuple[BuiltSheet, ...]]:
-    """The sheets of parts and of the machine; those that the store lacks are drawn in several processes.
-
-    Args:
-        subjects: parts, `assembly`, `procedure`.
-        design: pickled for the processes.
-        advance: called with each subject when its sheets are there.
-        workers: number of processes; that of the processors when left out.
-        calculate: for the procedure.
-    """
+    """The sheets of parts and of the machine; those that the store lacks are drawn in several processes."""
     wanted = tuple(subjects)
     found: dict[str, tuple[BuiltSheet, ...]] = {}
     for subject in wanted:

@@ -134,15 +134,7 @@ def definition(
     views: Sequence[View] = (),
     roughness: float = 3.2,
 ) -> Definition:
-    """Definition of a part by its declarations.
-
-    Args:
-        verifier: of its solid.
-        dimensions, requirements: its declarations.
-        notes: on symmetry.
-        views: of all its sheets, with curves; without any, what they show is not looked at.
-        roughness: Ra of faces without a mark, um.
-    """
+    """Definition of a part by its declarations."""
     part = _Part(verifier, dimensions, notes) if notes.packaged else _StatedPart(verifier, dimensions, notes)
     drawn = [_drawn(view) for view in views if not view.clip]
     faces = []

@@ -94,18 +94,7 @@ def sheet_dimensions(
     *,
     stated: bool = False,
 ) -> SheetDimensions:
-    """Specifications of all declarations, each in the view that shows it best.
-
-    Args:
-        dimensions, requirements: of the part, on this sheet.
-        design: for the tolerance classes.
-        gauge: of the part's solid.
-        views: of this sheet, with curves; their places are ignored.
-        stated: whether a view that a declaration names is a statement of the user's, and no preference.
-
-    Raises:
-        ValueError: the solid differs from a declared value.
-    """
+    """Specifications of all declarations, each in the view that shows it best."""
     builder = _Builder(design, gauge, views)
     builder.stated = stated
     builder.frames = frames_of_features(requirements)

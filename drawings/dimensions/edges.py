@@ -37,12 +37,7 @@ which the declared point is."""
 
 
 def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerifier) -> EdgeOfFace | None:
-    """The line as which a face is seen in a view; None where it is not seen as a line.
-
-    Args:
-        requirement: declares points of the face.
-        gauge: of the part's solid.
-    """
+    """The line as which a face is seen in a view; None where it is not seen as a line."""
     eye = view.projection.towards_eye
     point = next((p for p in requirement.points if view.cut and view.cut.holds(p)), requirement.points[0])
     if not isinstance(requirement, SurfaceTexture) and requirement.round:

@@ -59,13 +59,7 @@ class HoleTable:
 def hole_group(
     letter: str, lines: tuple[str, ...], group: Sequence[Dimension], view: View, gauge: DimensionVerifier
 ) -> HoleGroup:
-    """The rows of equal holes, with the coordinates of the solid.
-
-    Args:
-        letter: of the names of the holes.
-        lines: callout.
-        group: declarations of the callout, one of them of a diameter or tap drill.
-    """
+    """The rows of equal holes, with the coordinates of the solid."""
     drill = next(d for d in group if d.kind in ("diameter", "tap_drill"))
     faces = gauge.holes(drill)
     places = sorted(view.projection.to_view(face.origin) for face in faces)

@@ -22,13 +22,7 @@ AXIAL = ("perpendicularity", "parallelism", "angularity", "position", "coaxialit
 
 
 def number(value: float, tolerance: str | None, plus_minus: float) -> str:
-    """A value with the decimals of its class; where these would round it, with more decimals and the tolerance.
-
-    Args:
-        value: mm or degrees.
-        tolerance: class `X`, `X.X` or `X.XX`, or of ISO 286 (`H7`); None for as many decimals as needed.
-        plus_minus: tolerance of the class, in the unit of the value.
-    """
+    """A value with the decimals of its class; where these would round it, with more decimals and the tolerance."""
     needed = next((n for n in range(MOST_DECIMALS) if abs(round(value, n) - value) < 1e-6), MOST_DECIMALS)
     if tolerance is None:
         return f"{value:.{needed}f}"
@@ -101,12 +95,7 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
 
 
 def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tuple[str, ...]:
-    """Lines of the callout of a feature: count, thread or diameter, depth, counterbore, notes.
-
-    Args:
-        dimensions: of one feature, as declared.
-        plus_minus: tolerance of the class of each.
-    """
+    """Lines of the callout of a feature: count, thread or diameter, depth, counterbore, notes."""
     value = {d.name: value_text(d, p) for d, p in zip(dimensions, plus_minus, strict=True)}
     count = max(d.count for d in dimensions)
     lines: list[str] = []

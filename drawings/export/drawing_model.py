@@ -131,9 +131,6 @@ def bezier_curves(arc: Arc) -> tuple[Point2, list[tuple[Point2, Point2, Point2]]
 
     Unlike arcs by centre and radius they stay exact in programs that calculate with single precision, however far the
     centre is.
-
-    Returns:
-        The start, and for each curve two control points and the end.
     """
     sweep = math.radians((arc.end_angle - arc.start_angle) % 360.0 or 360.0)
     count = max(1, math.ceil(sweep / _EIGHTH - 1e-9))

@@ -157,11 +157,7 @@ def _definition(d: MeasuredDimension, view: View) -> dict[str, Any]:
 
 
 def measured_text(d: MeasuredDimension) -> tuple[str, int]:
-    """A dimension's text with `<>` in place of the measured number, and the number's decimals.
-
-    Raises:
-        ValueError: the text does not contain the measured number.
-    """
+    """A dimension's text with `<>` in place of the measured number, and the number's decimals."""
     words = unframed(d.text)
     for decimals in range(4, -1, -1):
         number = f"{d.measured:.{decimals}f}"

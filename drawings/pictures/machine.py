@@ -60,15 +60,7 @@ def machine_picture(
     *,
     exact: bool = True,
 ) -> Picture | None:
-    """One picture of the machine; None for the picture from below where nothing moves with another part.
-
-    Args:
-        name: of the picture.
-        instances: all parts in place.
-        scene: shapes by `Instance.shape` (`drawings.pictures.scene.scene_of`).
-        views: how the machine is shown.
-        exact: method of hidden-line removal (`drawings.views.projection.project`).
-    """
+    """One picture of the machine; None for the picture from below where nothing moves with another part."""
     match name:
         case "top":
             pieces = [Piece(i.part, scene[i.shape], i.frame) for i in instances]

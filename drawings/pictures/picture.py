@@ -54,15 +54,7 @@ class Picture:
 def picture(
     name: str, projection: Projection, pieces: Sequence[Piece], scale: float = SCALE, *, exact: bool = True
 ) -> Picture:
-    """The visible lines of an assembly.
-
-    Args:
-        name: of the view.
-        projection: direction of view.
-        pieces: everything that is drawn.
-        scale: of the view, paper over part.
-        exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
-    """
+    """The visible lines of an assembly."""
     from drawings.pictures.scene import visible_faces
 
     chord = CHORD / scale

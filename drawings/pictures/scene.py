@@ -103,12 +103,7 @@ def depth_buffer(
 
 
 def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
-    """For each placed shape, a compound of those of its faces that are in front somewhere; None where there are none.
-
-    Args:
-        pieces: shapes, and where they are placed.
-        projection: direction of view.
-    """
+    """For each placed shape, a compound of its faces that are in front somewhere; None where there are none."""
     front = depth_buffer(pieces, projection).front
     first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
     visible = np.zeros(first_face[-1], dtype=bool)
@@ -134,10 +129,6 @@ def faces_of_view(shape: MeshedShape, projection: Projection) -> TopoDS_Shape:
     nowhere in front in the depth buffer, and each vertex and centroid of its triangles is behind all pixels around it.
     So the strip of a slightly curved face that is narrower than a pixel counts. Not found is a face of which only a
     stretch between its vertices is visible, through a gap that is narrower than a pixel.
-
-    Args:
-        shape: a solid, meshed as finely as the view is to be exact.
-        projection: direction of view.
     """
     buffer = depth_buffer([(shape, UNMOVED)], projection, PART_PIXELS)
     corners = ((shape.vertices @ buffer.axes.T - buffer.low) / buffer.pixel)[shape.triangles]
@@ -162,12 +153,7 @@ MANY_FACES = 100
 
 
 def faces_of_views(shape: TopoDS_Shape, mesh: Mesh | None) -> Callable[[Projection], TopoDS_Shape]:
-    """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`).
-
-    Args:
-        shape: the solid.
-        mesh: of it, if there is one already.
-    """
+    """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`)."""
     import cadquery as cq
 
     if sum(1 for _ in faces_of(shape)) <= MANY_FACES:

@@ -103,10 +103,6 @@ def distance_candidates(
 
     Where a measured face is seen as a line, the extension line begins at the end of that line nearest to the dimension
     line.
-
-    Args:
-        outline: bounding box of the part.
-        part: lines of the part.
     """
     levels = [0.5 * level for level in range(30)] if extended else [float(level) for level in range(9)]
     u = direction(spec.angle)
@@ -213,11 +209,7 @@ def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bo
 def callout_candidates(
     spec: CalloutSpec, view: View, outline: Box2, columns: tuple[float, float], *, extended: bool = False
 ) -> Iterator[Candidate]:
-    """Positions of a callout in all directions around the feature, and in a column at either side of the view.
-
-    Args:
-        columns: x of the left and the right column.
-    """
+    """Positions of a callout in all directions around the feature, and in a column at either side of the view."""
     directions = range(-175, 180, 5) if extended else DIRECTIONS
     steps, pitch = (range(-60, 61), 3.0) if extended else (range(-9, 10), 7.0)
     for rank, choice in enumerate((spec.at, *spec.choices)):

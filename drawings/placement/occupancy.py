@@ -198,11 +198,7 @@ class Occupancy:
         return sum(any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines)
 
     def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
-        """Number of crossings of an annotation's lines with texts, and of its dimension lines too near to another one.
-
-        Args:
-            most: number at which the count may end.
-        """
+        """Number of an annotation's lines that cross texts, and of its dimension lines too near to another one."""
         conflicts = self.near_dimension_lines(footprint)
         if conflicts < most and footprint.own_text_checked:
             own = [enlarged(box, SELF_CLEARANCE) for box in footprint.texts]

@@ -108,13 +108,7 @@ class AnnotatedView:
 
 
 def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequence[Annotation] = ()) -> AnnotatedView:
-    """Place the annotations of one view.
-
-    Args:
-        view: with curves and scale; its place is ignored.
-        specs: dimensions and tolerances to be shown in the view.
-        marks: cutting lines and circles of details, for the view at the origin.
-    """
+    """Place the annotations of one view."""
     view = replace(view, place=(0.0, 0.0))
     order = sorted(specs, key=_priority)
     best = None

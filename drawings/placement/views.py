@@ -60,12 +60,7 @@ class Arrangement:
 
 
 def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tuple[AnnotatedView, ...]:
-    """Views with their annotations.
-
-    Args:
-        views: with curves and scale; `View.aligned_with` names the view to align it with, the first is the main one.
-        specs: of all views (`drawings.dimensions.dimensioning.sheet_dimensions`).
-    """
+    """Views with their annotations."""
     views = [_labelled(view, views) for view in views]
     return tuple(
         place_annotations(view, [spec for spec in specs if spec.view == view.name], _marks(view, views))

@@ -60,12 +60,7 @@ def pmi_of_declarations(
     requirements: Iterable[FaceRequirement] = (),
     notes: Iterable[str] = (),
 ) -> PartPmi:
-    """The information in the declarations of a part.
-
-    Args:
-        design: for the tolerance classes.
-        dimensions, requirements, notes: of the part.
-    """
+    """The information in the declarations of a part."""
     tolerated: list[TolerancedDimension] = []
     texts: dict[str, str] = {}
     dimensions, requirements = tuple(dimensions), tuple(requirements)

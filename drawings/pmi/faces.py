@@ -66,11 +66,7 @@ class _End:
 
 
 def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceAssociation:
-    """Faces and edges of the solid with which a dimension is associated.
-
-    Raises:
-        LookupError: there is no such feature, or the kind (count, callout, thread depth) has no faces.
-    """
+    """Faces and edges of the solid with which a dimension is associated."""
     points, along = dimension.points, dimension.direction
     if along is None or not points:
         raise LookupError(f"dimension '{dimension.name}' has no points and direction")
@@ -96,15 +92,7 @@ def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceA
 
 
 def faces_at(verifier: DimensionVerifier, points: Iterable[Point], normal: Point) -> tuple[cq.Face, ...]:
-    """The faces of a datum or a geometrical tolerance, one for each point.
-
-    Args:
-        points: on the faces, or on the axis of a round one.
-        normal: of a flat face; along the axis of a round one.
-
-    Raises:
-        LookupError: no such face.
-    """
+    """The faces of a datum or a geometrical tolerance, one for each point."""
     return tuple(_face_at(verifier, point, normal).face for point in points)
 
 

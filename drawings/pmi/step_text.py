@@ -12,9 +12,6 @@ def typed_limits(text: str) -> str:
 
     OCCT 7.9 writes a bare number. `value_component` is a select type, whose values need the name of their type (section
     11.1.8).
-
-    Args:
-        text: a STEP file in which all such limits are lengths.
     """
     return _LIMIT.sub(r"\1LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(\2),\3)", text)
 
@@ -51,10 +48,6 @@ def with_properties(text: str, properties: dict[str, str]) -> str:
     """The file of one product with named texts as user-defined attributes.
 
     Entities and names follow the recommended practice of the CAx Implementor Forum.
-
-    Args:
-        text: a STEP file of one product that has a material.
-        properties: text by name.
     """
     product = re.search(r"(#\d+) = PRODUCT_DEFINITION\(", text)
     context = re.search(r"ADVANCED_BREP_SHAPE_REPRESENTATION\('[^']*',\([^)]*\),(#\d+)\)", text)

@@ -68,11 +68,7 @@ class AssemblyDescription:
 
 
 def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
-    """The sheet of the whole machine.
-
-    Args:
-        pictures: by name (`drawings.pictures.machine`).
-    """
+    """The sheet of the whole machine."""
     exploded = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
     cut = pictures[SECTION]
     carried = [line for part, lines in cut.pieces if part in machine.carried for line in lines]
@@ -196,11 +192,7 @@ def _marks(top: View) -> Iterator[SectionMark]:
 
 
 def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
-    """Balloons of rows of the parts list, in two columns next to a view, in the order of the heights of their parts.
-
-    Args:
-        shown: with its view placed.
-    """
+    """Balloons of rows of the parts list, in two columns next to a view, in the order of the heights of their parts."""
     view = shown.view
     x0, y0, x1, y1 = view_box(view) or (0.0, 0.0, 0.0, 0.0)
     middle = (x0 + x1) / 2
@@ -233,9 +225,6 @@ def uncrossed(ends: Sequence[Point2], centres: Sequence[Point2]) -> list[int]:
     Args:
         ends: of the leaders on the parts, in the order of their heights, mm on paper.
         centres: of the balloons, in the same order.
-
-    Returns:
-        The index of the end for each balloon.
     """
     order = list(range(len(ends)))
 

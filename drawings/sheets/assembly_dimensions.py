@@ -76,12 +76,7 @@ def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
 def overall_dimensions(
     size: MachineSize, top: View, front: View, ends: TravelRange | None
 ) -> Iterator[LinearDimension]:
-    """Length and width at the view from above, height and travel at the section.
-
-    Args:
-        top, front: placed, with all their lines.
-        ends: as drawn in the section; None without travel.
-    """
+    """Length and width at the view from above, height and travel at the section."""
     (x0, y0, z0), (x1, y1, z1) = size.low, size.high
     left, _, _, above = view_box(top) or (0.0, 0.0, 0.0, 0.0)
     yield _reference(top, (x0, y1), (x1, y1), 0.0, (left, above + SIDE), "overall length")

@@ -30,11 +30,7 @@ def chosen_plan(
     verifier: DimensionVerifier,
     stated: Sequence[str] = (),
 ) -> SheetPlan:
-    """The one sheet of a part, with every view that its declarations name.
-
-    Args:
-        stated: names of views that the part asks for; with the first of them, only these and what declarations need.
-    """
+    """The one sheet of a part, with every view that its declarations name."""
     asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
     wanted = [view for view in ALIGNED if view in stated or (view in BASE and not stated) or view in asked]
     if "front" not in wanted and len(wanted) > 1:

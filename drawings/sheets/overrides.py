@@ -63,14 +63,7 @@ class Overrides:
 
 
 def read_overrides(path: Path, sheets: Sequence[str]) -> tuple[tuple[str, str], ...]:
-    """The changes in a file, by sheet, as JSON texts for `Design.sheets`.
-
-    Args:
-        sheets: names of the sheets of the design.
-
-    Raises:
-        InputError: not TOML, an unknown sheet or key, a wrong value.
-    """
+    """The changes in a file, by sheet, as JSON texts for `Design.sheets`."""
     try:
         document = tomllib.loads(read_input(path).decode("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

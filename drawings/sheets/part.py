@@ -96,15 +96,7 @@ def part_views(
     *,
     exact: bool = True,
 ) -> tuple[tuple[View, ...], ...]:
-    """The views of each sheet of a part, not yet placed; a projection that several sheets show is computed once.
-
-    Args:
-        shape: the solid.
-        holes: its tapped holes.
-        mesh: of the solid, if there is one already.
-        circles: on which holes are spaced: centre, axis, radius.
-        exact: method of hidden-line removal (`drawings.views.projection.project`).
-    """
+    """The views of each sheet of a part, not yet placed; a projection that several sheets show is computed once."""
     axes = axes_of(shape)
     drawn = with_simple_curves(shape) if exact else shape
     outside = {(plan.projection, plan.hidden) for sheet in plans for plan in sheet.views if not plan.cut}
@@ -190,13 +182,7 @@ class PartDescription:
 def part_sheets(
     part: PartDescription, design: Any, verifier: DimensionVerifier | None = None, *, exact: bool = True
 ) -> tuple[Sheet, ...]:
-    """The sheets of a part.
-
-    Args:
-        design: for scales, tolerances and the title.
-        verifier: of the solid, if there is one already.
-        exact: method of hidden-line removal (`drawings.views.projection.project`).
-    """
+    """The sheets of a part."""
     changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in part.plans]
     plans = tuple(plan for plan, _ in changed)
     verifier = verifier or DimensionVerifier(part.solid)
@@ -307,11 +293,7 @@ def _table_corners(paper: Paper, table: HoleTable | None) -> list[Point2]:
 
 
 def _notes(paper: Paper, texts: tuple[str, ...], revisions: Box2 | None) -> list[tuple[Note, Box2]]:
-    """Two positions of the notes, in the lower left corner and above the title block, with their bounding boxes.
-
-    Args:
-        revisions: bounding box of the revision table.
-    """
+    """Two positions of the notes, in the lower left corner and above the title block, with their bounding boxes."""
     x0, y0, _, _ = sheet_area(paper).space
     title = title_box(paper)
     above = revisions[3] if revisions else title[3]

@@ -102,16 +102,7 @@ class _Line:
 def procedure_sheet(
     procedure: Procedure, title: TitleBlock, pictures: Sequence[Picture] = (), rows: Sequence[Row] = ()
 ) -> Sheet:
-    """The sheet, on the smallest paper that holds the table.
-
-    Args:
-        title: title block; its scale becomes that of the pictures.
-        pictures: of the exploded machine, in the second column where the table leaves it free.
-        rows: of the parts list, for balloons in the pictures.
-
-    Raises:
-        ValueError: the table is too long for the largest paper.
-    """
+    """The sheet, on the smallest paper that holds the table."""
     for paper in SIZES:
         table = _Table(procedure.steps, paper)
         if table.complete:

@@ -87,14 +87,7 @@ def centre_lines(
     scale: float,
     symmetry: Iterable[str] = (),
 ) -> tuple[Curve, ...]:
-    """Centre lines of a view.
-
-    Args:
-        curves: of the view, by layer.
-        axes: of the uncut part (`axes_of`).
-        projection, scale: of the view.
-        symmetry: `u`, `v` for a line of symmetry through the origin of the view along u, v.
-    """
+    """Centre lines of a view."""
     shown = [curve for layer in ("VISIBLE", "HIDDEN") for curve in curves.get(layer, ())]
     beyond = BEYOND / scale
     lines = [*_crosses(shown, beyond), *_sides(shown, axes, projection, beyond), *_symmetry(shown, symmetry, beyond)]

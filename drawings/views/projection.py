@@ -31,13 +31,6 @@ def project(
 ) -> dict[Layer, tuple[Curve, ...]]:
     """Visible and hidden lines of a shape.
 
-    Args:
-        shape: solid or compound, part coordinates.
-        projection: direction of view.
-        hidden: whether to return hidden lines.
-        exact: whether to use the exact algorithm; else that on a mesh, which always terminates and gives polylines.
-        simple: whether the shape comes from `with_simple_curves`.
-
     Returns:
         Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in a reproducible order.
     """

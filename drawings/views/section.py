@@ -24,11 +24,7 @@ _CHORD = 0.02
 
 
 def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
-    """The part of a shape behind a cutting plane.
-
-    Raises:
-        ValueError: the plane misses the shape.
-    """
+    """The part of a shape behind a cutting plane."""
     from OCP.Bnd import Bnd_Box
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
     from OCP.BRepBndLib import BRepBndLib

@@ -47,14 +47,7 @@ def thread_lines(
     cut: Cut | None,
     scale: float,
 ) -> dict[Layer, tuple[Curve, ...]]:
-    """Lines of the threads that a view shows, by layer; a thread is seen where the circle of its drill is drawn.
-
-    Args:
-        curves: of the view.
-        holes: of the part.
-        cut: plane of a section.
-        scale: of the view; if the thread is less than 0.7 mm deep on the paper, the thin line is moved outwards.
-    """
+    """Lines of the threads that a view shows, by layer; a thread is seen where the circle of its drill is drawn."""
     holes = [replace(hole, major=max(hole.major, hole.drill + 2 * LEAST / scale)) for hole in holes]
     circles = [curve for curve in curves.get("VISIBLE", ()) if isinstance(curve, Arc)]
     thin: list[Curve] = []

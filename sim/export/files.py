@@ -59,12 +59,7 @@ class Exported:
 
 
 def files_of(exported: Exported, language: str) -> dict[str, str]:
-    """Text by file name.
-
-    Args:
-        exported: the model.
-        language: python, c, modelica, matlab or table.
-    """
+    """Text by file name."""
     makers = {"python": _python, "c": _c, "matlab": _matlab, "modelica": _modelica, "table": _table}
     return makers[language](exported)
 

@@ -96,11 +96,7 @@ NOT_HERE(fmi2GetStringStatus, Component c, int k, String *v)
 
 
 def write_fmu(exported: Exported, folder: Path) -> Path:
-    """Write NAME.fmu with sources, description, and the library built by the compiler of this machine.
-
-    Raises:
-        InputError: no C compiler is found, or it fails.
-    """
+    """Write NAME.fmu with sources, description, and the library built by the compiler of this machine."""
     name = exported.program.name
     files = files_of(exported, "c")
     guid = str(uuid.uuid5(uuid.NAMESPACE_OID, files[f"{name}.c"]))

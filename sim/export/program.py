@@ -118,9 +118,6 @@ def program_of(
         effects: at most one with a friction state model.
         values: SI, by `effect.parameter`.
         comments: text for each parameter.
-
-    Raises:
-        InputError: an effect whose law is not arithmetic, by name.
     """
     program = Program(name)
     for meaning, start in FIXED.items():

@@ -41,11 +41,7 @@ def quickest_mode(machine: StageMachine) -> float:
 
 
 def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Constants:
-    """Numbers for the kernel, with the tips at the heights of `rest`.
-
-    Raises:
-        InputError: the step is too long for the machine's fastest mode.
-    """
+    """Numbers for the kernel, with the tips at the heights of `rest`."""
     quickest = quickest_mode(machine)
     if not 0.0 < step <= 1.0 / (STEPS_A_CYCLE * quickest):
         raise InputError(

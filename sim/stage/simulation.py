@@ -47,9 +47,6 @@ class StageSimulation:
         """Shift the stage back along its travel with velocities and contacts kept, to continue beyond the travel.
 
         `travel` and the record are not affected.
-
-        Args:
-            distance: m.
         """
         self.state.position[0] -= distance
         self._set_back += distance
@@ -57,15 +54,8 @@ class StageSimulation:
     def advance(self, commands: np.ndarray, stride: int = 10) -> np.ndarray:
         """Continue under the commanded voltages.
 
-        Args:
-            commands: V at the middle of each step, shape (steps, actuators, 3).
-            stride: steps to a row of the record, which divides the steps.
-
         Returns:
             the rows written, shape (steps / stride, columns); `record` has all of them by name.
-
-        Raises:
-            SimulationError: a number that is not finite.
         """
         from sim.stage.dynamics import advance
 

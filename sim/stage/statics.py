@@ -72,9 +72,6 @@ def rest_at(
         apex_heights: m, (actuators,).
         pad_height: of the pads below the drive surface, m.
         lifted: dead load upwards in the place of each tip, N.
-
-    Raises:
-        InputError: the load's centre is outside the pads: the stage tips over.
     """
     stage, bending = machine.stage, machine.stage.bending
     centre = np.asarray(stage.centre, dtype=float)

@@ -66,11 +66,7 @@ def _packaged_design(part: DeclaredPart, design: Design) -> Design:
 
 
 def assemble(parts: Mapping[str, BuiltPart], design: Any, position: Position) -> tuple[Instance, ...]:
-    """Place every instance by its mate.
-
-    Raises:
-        InputError: a part has no such datum, or a formula has no value.
-    """
+    """Place every instance by its mate."""
     declaration: MachineDeclaration = design.machine.declaration
     return put_together(declaration, {key: part.datums for key, part in parts.items()}, design)
 

@@ -28,11 +28,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 def run_file(path: Path, trust: bool, what: str) -> ModuleType:
-    """Run a Python file of the user's, with consent, and return it as a module.
-
-    Raises:
-        InputError: the file cannot be read, no consent, or an error in it.
-    """
+    """Run a Python file of the user's, with consent, and return it as a module."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -93,11 +89,7 @@ class OwnDefinition:
         return partial(self._called, found) if callable(found) else found
 
     def _called(self, function: Any, design: Any) -> Any:
-        """Result of a function of the file.
-
-        Raises:
-            InputError: the function fails, with the line.
-        """
+        """Result of a function of the file."""
         try:
             return function(design)
         except InputError:
@@ -106,19 +98,11 @@ class OwnDefinition:
             raise InputError(f"{self.path}: {_where(error, self.path)}{type(error).__name__}: {error}") from None
 
     def build(self, design: Any) -> Any:
-        """The one valid solid that the file builds, mm.
-
-        Raises:
-            InputError: the function fails, or gives no valid solid.
-        """
+        """The one valid solid that the file builds, mm."""
         return _solid(self.path, self._called(self.module.build, design))
 
     def material(self, design: Any) -> str:
-        """Name of its material.
-
-        Raises:
-            InputError: the parameter file has none of this name.
-        """
+        """Name of its material."""
         name = self._called(self.module.material, design)
         if name not in design.materials:
             raise InputError(f"{self.path}: material '{name}' is not in [materials]")
@@ -147,16 +131,7 @@ class OwnDefinition:
 
 
 def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset()) -> OwnDefinition:
-    """The definition in a file that the user has consented to run.
-
-    Args:
-        path: of the file.
-        text: description for the list of parts.
-        names: of the packaged machine's tables, which the part must not have.
-
-    Raises:
-        InputError: no consent, an error of the file, or something missing in it.
-    """
+    """The definition in a file that the user has consented to run."""
     module = _module(path, file_digest(path))
     for word in REQUIRED:
         if not hasattr(module, word):
@@ -170,11 +145,7 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
 
 
 def file_digest(path: Path) -> str:
-    """Sha256 of a file.
-
-    Raises:
-        InputError: it cannot be read.
-    """
+    """Sha256 of a file."""
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:

@@ -22,9 +22,6 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path in the folder of `path`; rename it to `path` if the block succeeds, else remove it.
 
     The temporary name keeps the suffix of `path`, since many writers choose their format by it.
-
-    Raises:
-        OSError: with the name of `path`: the folder or the file is not writable, or the disk is full.
     """
     target = Path(os.path.realpath(path))
     temporary: Path | None = None
@@ -51,12 +48,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
 
 
 def _mode(target: Path) -> int:
-    """Permissions of the present file, else those of a new one.
-
-    Raises:
-        PermissionError: the present file may not be written to, although its folder may.
-        IsADirectoryError: a folder has this name.
-    """
+    """Permissions of the present file, else those of a new one."""
     try:
         found = target.stat()
     except FileNotFoundError:

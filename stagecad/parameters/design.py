@@ -84,11 +84,7 @@ class Design:
         return found
 
     def entry(self, key: str) -> Entry:
-        """The entry of a key.
-
-        Raises:
-            InputError: no such key; names the nearest.
-        """
+        """The entry of a key."""
         try:
             return self._by_key[key]
         except KeyError:
@@ -103,11 +99,7 @@ class Design:
         return self.entry(key).value
 
     def si(self, key: str) -> float:
-        """The number of a key in SI.
-
-        Raises:
-            InputError: no such key, or the value is not a number.
-        """
+        """The number of a key in SI."""
         entry = self.entry(key)
         if isinstance(entry.value, bool | str):
             raise InputError(f"parameter '{key}' = '{entry.text}' is not a number")

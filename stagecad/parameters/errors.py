@@ -92,15 +92,7 @@ class LostProcessError(RuntimeError):
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str:
-    """Ending of an error message that names the nearest valid name, or all of them when none is near.
-
-    Args:
-        name: as written by the user.
-        allowed: the valid names.
-
-    Returns:
-        ``"; did you mean 'x'?"`` or ``"; allowed: a, b, c"``.
-    """
+    """Ending of an error message that names the nearest valid name, or all of them when none is near."""
     names = sorted(allowed)
     # Comparison with a very long text, or of one, takes seconds, and finds nothing.
     short = [one for one in names if len(one) <= LONGEST_NAME]

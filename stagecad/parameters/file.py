@@ -56,12 +56,7 @@ def packaged_text() -> str:
 
 
 def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
-    """Read a parameter file, or the packaged design where `path` is left out.
-
-    Raises:
-        InputError: the file is missing, not text, or not TOML; an entry is neither a value nor a table with value,
-            tolerance and origin.
-    """
+    """Read a parameter file, or the packaged design where `path` is left out."""
     if path is None:
         return _packaged()
     name = str(path)
@@ -86,13 +81,7 @@ def _packaged() -> ParameterFile:
 
 
 def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> ParameterFile:
-    """Like `read_parameter_file`, from text.
-
-    Args:
-        text: of the file.
-        name: of the file, for messages.
-        folder: in which its tables of hardware are; that of `name` when left out.
-    """
+    """Like `read_parameter_file`, from text."""
     try:
         document = load_toml(text, name)
     except tomllib.TOMLDecodeError as error:
@@ -132,11 +121,7 @@ def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str,
 
 
 def written_entry(place: str, table: Mapping[str, Any]) -> FileEntry:
-    """An entry that is written as a table with value, tolerance, origin and free range.
-
-    Raises:
-        InputError: an unknown field, no value, or a wrong tolerance, origin or range.
-    """
+    """An entry that is written as a table with value, tolerance, origin and free range."""
     for word in table:
         if word not in _FIELDS:
             raise InputError(f"{place}: unknown field '{word}'{nearest(word, _FIELDS)}")

@@ -12,11 +12,7 @@ LARGEST = 64_000_000
 
 
 def read_input(path: str | Path, largest: int = LARGEST) -> bytes:
-    """The content of a file. A pipe or a device, of which a read may never end, is refused.
-
-    Raises:
-        OSError: no such file, not a regular one, larger than `largest` bytes, or not readable.
-    """
+    """The content of a file. A pipe or a device, of which a read may never end, is refused."""
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     try:
         mode = os.fstat(handle).st_mode

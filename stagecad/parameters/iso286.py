@@ -51,9 +51,6 @@ def deviations(size: float, tolerance_class: str) -> tuple[float, float]:
     Args:
         size: nominal size, mm, up to 250.
         tolerance_class: `H7`.
-
-    Raises:
-        ValueError: the class or the size is not in the table.
     """
     match = _CLASS.fullmatch(tolerance_class)
     if match is None or not in_range(size):

@@ -36,9 +36,6 @@ def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *
         path: the file; the packaged thesis design when left out.
         overrides: `KEY=VALUE` texts that replace values of the file, as in `--set`.
         rules: whether the design must satisfy the rules across values; each value is checked in any case.
-
-    Raises:
-        InputError: one line with file, key, value, and what is allowed.
     """
     return _design(read_parameter_file(path), overrides, rules)
 
@@ -79,11 +76,7 @@ def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Desig
 
 
 def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> Design:
-    """The design of a machine that is one part of the user's own, with its parameters beside those of a file.
-
-    Raises:
-        InputError: a fault in the file, or in what the part's file states.
-    """
+    """The design of a machine that is one part of the user's own, with its parameters beside those of a file."""
     stated = stated_parameters(path)
     name = stated.name if stated else path.stem
     if name in packaged_machine().table_names or not name.isidentifier():
@@ -95,11 +88,7 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
 
 
 def overridden(design: Design, values: Mapping[str, str]) -> Design:
-    """A design of a machine of the user's own with other values of some keys, without regard to rules.
-
-    Raises:
-        InputError: an unknown key, or an invalid value.
-    """
+    """A design of a machine of the user's own with other values of some keys, without regard to rules."""
     if not values:
         return design
     source: Source = design.source
@@ -111,11 +100,7 @@ def overridden(design: Design, values: Mapping[str, str]) -> Design:
 
 
 def require(variations: Variations) -> None:
-    """Check that a design can be built.
-
-    Raises:
-        ViolationsError: all violations, grouped by part; its text is the line of the first.
-    """
+    """Check that a design can be built."""
     design = variations.design
     found = by_part(violations(design))
     if found:
@@ -241,16 +226,7 @@ def diff(design_a: Design, design_b: Design) -> tuple[Difference, ...]:
 
 
 def write_values(path: str | Path, changes: Mapping[str, tuple[str | float | bool, str]]) -> None:
-    """Write values into a parameter file, with their origins; comments, order and all other entries stay.
-
-    Args:
-        path: the parameter file.
-        changes: by dotted key (`bearing.dynamic_friction`): the value to be written (`"12.05 mm"`; a number
-            or truth value is written as such) and its origin (`measured: EXPERIMENT`).
-
-    Raises:
-        InputError: the file or a value is invalid; then the file is left unchanged.
-    """
+    """Write values into a parameter file, with their origins; comments, order and all other entries stay."""
     atomic_write_text(path, check_values(path, changes))
 
 

@@ -48,16 +48,7 @@ _FIT = re.compile(r"(\d+(?:\.\d+)?)(?: mm)? ([A-Za-z]{1,2}\d{1,2})")
 
 
 def declared_machine(base: Machine, table: Mapping[str, Any], file: str, folder: Path) -> Machine:
-    """The machine that a table `[machine]` states, with the parameters of its own parts.
-
-    Args:
-        base: machine whose tables, rules and parts it uses.
-        table: as parsed.
-        file, folder: of the parameter file.
-
-    Raises:
-        InputError: what is wrong, with file, key and what is allowed.
-    """
+    """The machine that a table `[machine]` states, with the parameters of its own parts."""
     declaration = read_machine(table, file, folder)
     own: dict[str, tuple[Declaration, FileEntry]] = {}
     packaged, parts, tables = base.table_names, [], {}
@@ -93,11 +84,7 @@ class Stated:
 
 
 def stated_parameters(path: Path) -> Stated | None:
-    """What a part's file states, read without running it; None where it is not Python, or lacks these words.
-
-    Raises:
-        InputError: the file cannot be read, or these two are computed.
-    """
+    """What a part's file states, read without running it; None where it is not Python, or lacks these words."""
     try:
         tree = ast.parse(path.read_bytes())
     except OSError as error:
@@ -129,14 +116,6 @@ def parameter_entries(
 
     Each is a length, possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of parameters and
     of those before it (`"= 2*width + 5 mm"`), a whole number, or a table with `value`, `tolerance` and `origin`.
-
-    Args:
-        table: of the parameters.
-        parameters: as the file states them.
-        path: of the file, for messages.
-
-    Raises:
-        InputError: a parameter that is none of these.
     """
     found: dict[str, tuple[Declaration, FileEntry]] = {}
     for key, written in parameters.items():
@@ -174,11 +153,7 @@ def _declaration(value: str | int, meaning: str, place: str) -> Declaration:
 
 
 def read_machine(table: Mapping[str, Any], file: str, folder: Path) -> MachineDeclaration:
-    """Read the table `[machine]`, without the parts' files.
-
-    Raises:
-        InputError: what is wrong, with file, key and what is allowed.
-    """
+    """Read the table `[machine]`, without the parts' files."""
     place = f"{file}: machine"
     _known(table, ("description", "overlaps", "parts", "mates"), place)
     parts = {key: _part(key, value, place) for key, value in _table(table, "parts", place).items()}
@@ -269,11 +244,7 @@ def _checked(text: Any, unit: str, place: str) -> str:
 
 
 def placed_values(design: Design, mate: Mate) -> tuple[tuple[float, float, float], float]:
-    """Offset, mm, and turn, deg, of a mate in a design.
-
-    Raises:
-        InputError: a formula without a value.
-    """
+    """Offset, mm, and turn, deg, of a mate in a design."""
     place = f"{design.file}: machine.mates.{mate.name}"
     x, y, z = (_number(text, "mm", f"{place}.offset", design) for text in mate.offset)
     return (x, y, z), _number(mate.turn, "deg", f"{place}.turn", design)
@@ -297,11 +268,7 @@ def _number(text: str, unit: str, place: str, design: Design) -> float:
 
 
 def require_mates(design: Design) -> None:
-    """Check that every formula of a mate has a value.
-
-    Raises:
-        InputError: one that has none.
-    """
+    """Check that every formula of a mate has a value."""
     for mate in design.machine.declaration.mates if design.machine.declaration else ():
         placed_values(design, mate)
 

@@ -67,11 +67,7 @@ class MassProperties:
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> MassProperties:
-        """Read what `as_json` wrote.
-
-        Raises:
-            InputError: a field is missing or no quantity.
-        """
+        """Read what `as_json` wrote."""
         try:
             fields = ("volume", "mass", "centre_of_mass", "inertia", "bounding_box")
             return cls(*(document[name]["value"] for name in fields))
@@ -116,11 +112,7 @@ def masses_from_json(document: Mapping[str, Any]) -> Masses:
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
-    """Several bodies as one: masses add, inertias add about the common centre (parallel-axis theorem).
-
-    Raises:
-        ValueError: no body, or no mass at all.
-    """
+    """Several bodies as one: masses add, inertias add about the common centre (parallel-axis theorem)."""
     parts = tuple(bodies)
     mass = math.fsum(part.mass for part in parts)
     if not mass > 0.0:

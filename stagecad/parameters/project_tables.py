@@ -80,18 +80,7 @@ class ProjectTable:
 def read_project_tables(
     named: Mapping[str, Any], folder: Path, file: str, kinds: Mapping[str, Kind]
 ) -> tuple[ProjectTable, ...]:
-    """Read the tables that a parameter file names.
-
-    Args:
-        named: its table `[hardware]`: names of files by kind.
-        folder: of the parameter file; nothing outside it is read.
-        file: the parameter file, for messages.
-        kinds: of table, by name.
-
-    Raises:
-        InputError: an unknown kind, a file outside of the folder, no such file, or a mistake in a table, with its row
-            and column.
-    """
+    """Read the tables that a parameter file names."""
     found = []
     for kind, name in named.items():
         place = f"{file}: {HARDWARE}.{kind}"

@@ -49,12 +49,7 @@ class Resolver:
         return self.entries
 
     def entry(self, key: str) -> Entry:
-        """The entry of a key.
-
-        Raises:
-            InputError: an invalid value or formula, a key that is missing, formulas that refer to each other in a
-                circle.
-        """
+        """The entry of a key."""
         if key in self.entries:
             return self.entries[key]
         if key in self._open:

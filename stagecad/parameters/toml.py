@@ -13,12 +13,7 @@ LARGEST = 2**63
 
 
 def load_toml(text: str, name: str) -> dict[str, Any]:
-    """The content of a TOML document; `name` is the file's name in messages.
-
-    Raises:
-        tomllib.TOMLDecodeError: not TOML.
-        InputError: nested too deeply, or an integer beyond 64 bits.
-    """
+    """The content of a TOML document; `name` is the file's name in messages."""
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError:

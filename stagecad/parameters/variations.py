@@ -64,15 +64,7 @@ class Variations:
         return self.changed({key: value})
 
     def changed(self, values: Mapping[str, float | str | bool], origin: str = "assumed: changed") -> Design:
-        """The design with other values; what follows from them by formulas changes with them.
-
-        Args:
-            values: by key: numbers in the unit of the attribute, or texts and truth values.
-            origin: of the changed values.
-
-        Raises:
-            InputError: a value outside of its bounds, or a formula without a value.
-        """
+        """The design with other values; what follows from them by formulas changes with them."""
         given = dict(self._source.given)
         for key, value in values.items():
             unit = self._source.keys[key].unit
@@ -83,11 +75,7 @@ class Variations:
         return self._of(replace(self._source, given=given), list(values))
 
     def of(self, source: Source) -> Design:
-        """The design of other entries of the same keys, as with one more override.
-
-        Raises:
-            InputError: an invalid value or formula, or a key that is missing.
-        """
+        """The design of other entries of the same keys, as with one more override."""
         before = self._source.given
         return self._of(source, [key for key in self._source.keys if source.given.get(key) != before.get(key)])
 

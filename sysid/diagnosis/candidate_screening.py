@@ -77,16 +77,7 @@ def screen_all(
     promising: int | None = None,
     jacobians: CandidateJacobians | None = None,
 ) -> ScreeningResult:
-    """Screen every candidate on top of a fitted model.
-
-    Args:
-        problem, base: records, and the fitted model.
-        present: names of its effects.
-        all_effects: include the effects of the library without public names.
-        progress: called after each step with the name of the effect, the number of steps before, and their total.
-        promising: largest number of short fits, made in the order of the scores; no limit where left out.
-        jacobians: sensitivities of a similar model, used for the scores; computed for effects that are not in them.
-    """
+    """Screen every candidate on top of a fitted model."""
     fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
     if jacobians is not None and (jacobians.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):

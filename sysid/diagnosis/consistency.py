@@ -36,12 +36,7 @@ EXCHANGED_ERROR = 0.05
 
 
 def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) -> list[str]:
-    """One line for each contradiction.
-
-    Args:
-        problem: with its records as logged and as prepared.
-        errors: misfit of the best model by channel, on the records of the fit.
-    """
+    """One line for each contradiction."""
     balances = [spec.balance for spec in problem.experiment.records if spec.balance is not None]
     zero = {channel for balance in balances for channel in balance.kind.zero_channels}
     measured = [c for c in problem.experiment.rig.declaration.measured_channels if c not in zero]

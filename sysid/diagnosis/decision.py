@@ -157,13 +157,7 @@ class _Comparison:
 
 
 def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decision:
-    """The decision on a stated model and its candidates.
-
-    Args:
-        models: candidate models.
-        reference: held-out residual of the stated model.
-        noise: noise level as far as it is known.
-    """
+    """The decision on a stated model and its candidates."""
     compared = _Comparison(reference, noise)
     best, curve = _plausible(models.ranked), next(iter(models.curves), None)
     shares = _best_shares(compared, best, curve)

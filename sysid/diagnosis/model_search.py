@@ -177,11 +177,7 @@ class ModelSearch:
         return self._with_best_reselected(found)
 
     def reshaped(self, option: Effect | None = None) -> list[Candidate]:
-        """One effect added, and the shape of an effect of the model searched again at the same time, best first.
-
-        Args:
-            option: the effect to add; any where left out.
-        """
+        """One effect added, and the shape of an effect of the model searched again at the same time, best first."""
         given, found = self.base.fitted.model, []
         selected = [public_name(name) for name in self.base.laws]
         for name in dict.fromkeys([*shaped_effects(given), *selected]):

@@ -65,14 +65,7 @@ class ScoredPair:
 
 
 def scored_pairs(base: ReferenceFit, screening: ScreeningResult, most: int, wanted: str = "") -> list[ScoredPair]:
-    """The pairs of effects of different families with the largest joint scores, one per pair of families.
-
-    Args:
-        base: the fitted model that the effects were screened on.
-        screening: of every effect on top of it.
-        most: number of pairs.
-        wanted: family that must be one of the two; any where left out.
-    """
+    """The pairs of effects of different families with the largest joint scores, one per pair of families."""
     parts, blocks = [], []
     start = 0
     alone = root_mean_huber(base.fitted.fit.residual)

@@ -29,13 +29,7 @@ class Replacement:
 
 
 def find_replacements(search: ModelSearch, added: Sequence[str], others_too: bool = True) -> list[Replacement]:
-    """Effects added earlier that should be removed or replaced.
-
-    Args:
-        search: candidate models.
-        added: names of the effects that were added to the model.
-        others_too: whether to search for replacements, not only for effects that are not needed.
-    """
+    """Effects added earlier that should be removed or replaced."""
     found = []
     for name in added:
         family = public_name(name)

@@ -137,12 +137,7 @@ class _WhitenedRecord:
 
 
 def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralMode | None:
-    """The structural mode above the filter band of a driven mass; None if none is significant.
-
-    Args:
-        problem: the records.
-        fitted: model of the records without a mode.
-    """
+    """The structural mode above the filter band of a driven mass; None if none is significant."""
     if any(e.is_mode for e in fitted.model.effects):
         return None
     fits = _whitened_records(problem, fitted.model, problem.fit_records)
@@ -185,14 +180,7 @@ def with_structural_mode(problem: Problem, fitted: FittedModel, found: Structura
 def structural_mode_candidate(
     reference: Reference, ranked: Sequence[Candidate], otherwise: Decision
 ) -> Decision | None:
-    """A structural mode above the filter band of the force balance as the missing effect; None without one.
-
-    Args:
-        reference: the model without the mode.
-        ranked: candidates evaluated on it.
-        otherwise: the decision from the force balance alone. Where it names another effect, that one is added first;
-            where it names the mode, the modal values above the band are more accurate than those of the balance.
-    """
+    """A structural mode above the filter band of the force balance as the missing effect; None without one."""
     problem, base = reference.problem, reference.base
     if otherwise.best is not None and not otherwise.best.effect.is_mode:
         return None

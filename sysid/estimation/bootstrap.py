@@ -101,11 +101,7 @@ def _residual(refit: Refit, model: Model, records: Sequence[PreparedRecord], poi
 
 
 def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
-    """The data that another process needs for a refit.
-
-    Raises:
-        InputError: the model has nothing to fit.
-    """
+    """The data that another process needs for a refit."""
     if not fitted.model.unknowns:
         raise InputError(f"{problem.experiment.path}: the model has no value to fit, so there is nothing to bootstrap")
     files = [source for source in problem.experiment.custom if isinstance(source, Path)]
@@ -201,11 +197,7 @@ class Bootstrap:
 
 
 def bootstrap_of(refit: Refit, found: Sequence[tuple[float, ...] | None]) -> Bootstrap:
-    """The result of all draws.
-
-    Raises:
-        InputError: too few fits converged.
-    """
+    """The result of all draws."""
     converged = [values for values in found if values is not None]
     if len(converged) < max(LEAST_DRAWS // 2, len(found) // 2):
         raise InputError(

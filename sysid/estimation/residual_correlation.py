@@ -89,15 +89,7 @@ class ResidualCorrelation:
 def residual_correlation(
     problem: Problem, model: Model, channel: str, part: str = "fit", lags: int = LAGS
 ) -> ResidualCorrelation:
-    """Correlations of the residual of a model.
-
-    Args:
-        problem: with the records.
-        model: with its values.
-        channel: a measured channel.
-        part: `fit`, or `validate` for the held-out records.
-        lags: largest lag, in samples.
-    """
+    """Correlations of the residual of a model."""
     records = problem.fit_records if part == "fit" else problem.validate_records
     spacing = _spacing(records[0])
     residuals: list[np.ndarray] = []

@@ -94,30 +94,18 @@ def parse_label(index: int, label: str) -> Column:
 
 @cache
 def conversion(unit: str, si_unit: str) -> tuple[float, float]:
-    """Factor and offset with value_si = factor * value + offset.
-
-    Raises:
-        InputError: unknown unit, or another dimension than `si_unit`.
-    """
+    """Factor and offset with value_si = factor * value + offset."""
     offset = parse_quantity(f"0 {unit}", si_unit, unit)
     return parse_quantity(f"1 {unit}", si_unit, unit) - offset, offset
 
 
 def same_dimension(unit: str, other: str) -> bool:
-    """Whether two units have the same dimension, where the radian counts as a dimension.
-
-    Raises:
-        InputError: unknown unit.
-    """
+    """Whether two units have the same dimension, where the radian counts as a dimension."""
     return unit_dimension(unit) == unit_dimension(other)
 
 
 def unit_for(unit: str, linear: str, rotary: str, where: str) -> tuple[str, bool | None]:
-    """The SI unit that `unit` converts to, and whether the axis is rotary (None if the unit does not determine it).
-
-    Raises:
-        InputError: names `where`, the unit, and the permitted units.
-    """
+    """The SI unit that `unit` converts to, and whether the axis is rotary (None if the unit does not determine it)."""
     try:
         if same_dimension(unit, linear):
             return linear, None if linear == rotary else False
@@ -138,11 +126,7 @@ def choose_columns(
     where: str,
     untimed: bool = False,
 ) -> tuple[dict[str, Source], dict[str, bool], list[str]]:
-    """Assign the columns of a file to the channels of the rig.
-
-    Raises:
-        InputError: a required channel is missing, or a column has no unit or one of another dimension.
-    """
+    """Assign the columns of a file to the channels of the rig."""
     columns = [parse_label(index, label) for index, label in enumerate(header.labels)]
     notes: list[str] = []
     names = {column.name for column in columns}

@@ -14,11 +14,7 @@ from sysid.experiment.toml_table import TomlTable, read_toml, shown
 
 
 def custom_files(model: TomlTable, folder: Path) -> tuple[Path, ...]:
-    """The Python files that `[model] custom` names.
-
-    Raises:
-        InputError: not a list of texts, or a file outside the folder, also through a link.
-    """
+    """The Python files that `[model] custom` names."""
     found = []
     for item in model.texts("custom"):
         path = folder / item
@@ -33,11 +29,7 @@ def custom_files(model: TomlTable, folder: Path) -> tuple[Path, ...]:
 
 
 def python_files(folder: Path) -> list[dict[str, Any]]:
-    """The Python files that the experiment in `folder` names: name, text, sha256, and whether they may run.
-
-    Raises:
-        InputError: a fault in `experiment.toml`, or a file that cannot be read.
-    """
+    """The Python files that the experiment in `folder` names: name, text, sha256, and whether they may run."""
     file = folder / "experiment.toml"
     found = []
     for path in custom_files(read_toml(file, shown_path(str(file)))[2].table("model"), folder):

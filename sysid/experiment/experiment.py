@@ -111,28 +111,14 @@ class Place:
 
 
 def find_experiment(path: str | Path) -> Place:
-    """Folder and file of an experiment whose file is TOML, but not necessarily a valid experiment.
-
-    Args:
-        path: the folder, or its `experiment.toml`.
-
-    Raises:
-        InputError: the file does not exist or is not TOML.
-    """
+    """Folder and file of an experiment whose file is TOML, but not necessarily a valid experiment."""
     file = _experiment_file(Path(path))
     read_toml(file, shown_path(str(file)))
     return Place(file.parent, file)
 
 
 def trust_experiment(path: str | Path) -> tuple[Path, ...]:
-    """Store the consent to run the Python files of an experiment with their present content; returns the files.
-
-    Args:
-        path: the folder, or its `experiment.toml`.
-
-    Raises:
-        InputError: a fault in the file, or a Python file that cannot be read or is outside the folder.
-    """
+    """Store the consent to run the Python files of an experiment with their present content; returns the files."""
     place = find_experiment(path)
     model = read_toml(place.path, shown_path(str(place.path)))[2].table("model")
     files = custom_files(model, place.folder)
@@ -147,9 +133,6 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
         path: the folder, or its `experiment.toml`.
         design: values of settings given as `"design"`, SI, by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a
             table, or a function that is called only for the names in the file.
-
-    Raises:
-        InputError: one line with file, key, value, and the permitted input.
     """
     file = _experiment_file(Path(path))
     data, text, top = read_toml(file, shown_path(str(file)))

@@ -22,18 +22,7 @@ LONGEST = 16
 
 @contextmanager
 def file_lock(path: Path, timeout: float, busy: str) -> Iterator[None]:
-    """Hold the lock on `path`; reentrant within a process.
-
-    Args:
-        path: lock file, beside what it protects. It is created, and removed again on release; one that another
-            program left there is never truncated, and never written to unless it holds a process number.
-        timeout: s to wait for another process.
-        busy: name of the locked object in the message.
-
-    Raises:
-        InputError: another process still holds the lock after `timeout`, the file cannot be created, or its name is
-            that of a link or of anything else than a plain file.
-    """
+    """Hold the lock on `path`; reentrant within a process."""
     key = path.absolute()
     if _held.get(key, 0):
         _held[key] += 1

@@ -44,11 +44,7 @@ class Placed(Protocol):
 
 @contextmanager
 def history_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[None]:
-    """Lock the experiment against writes of other runs; reentrant within a process.
-
-    Raises:
-        InputError: another run holds it for longer than `timeout` seconds.
-    """
+    """Lock the experiment against writes of other runs; reentrant within a process."""
     folder = experiment.folder / "ladder"
     try:
         with file_lock(folder / ".lock", timeout, str(experiment.path)):
@@ -60,11 +56,7 @@ def history_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[
 
 
 def read_history(experiment: Placed) -> list[Revision]:
-    """The rungs in order of their number; empty if no effect was added yet. Writes nothing.
-
-    Raises:
-        InputError: a rung that cannot be read, or one missing between others.
-    """
+    """The rungs in order of their number; empty if no effect was added yet. Writes nothing."""
     in_memory = getattr(experiment, "revisions", None)
     if in_memory is not None:
         return list(in_memory)
@@ -89,11 +81,7 @@ def append_revision(
     timeout: float = LOCK_SECONDS,
     known: Mapping[str, Prior] | None = None,
 ) -> Revision:
-    """Write the next rung, then `experiment.toml`.
-
-    Raises:
-        InputError: `experiment.toml` changed since it was loaded, another run holds the lock, a file cannot be written.
-    """
+    """Write the next rung, then `experiment.toml`."""
     with history_lock(experiment, timeout), _readable_errors():
         _recover(experiment)
         text = _current_text(experiment)
@@ -120,18 +108,7 @@ def append_revision(
 
 
 def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Revision, Path]:
-    """Go back to the rung before the last; the last one is kept in `ladder/undone/`.
-
-    Args:
-        experiment: its folder and file; it is not loaded, since a `[model]` edited by hand may be invalid.
-        timeout: s to wait for another run.
-
-    Returns:
-        The restored rung, and the new path of the undone one.
-
-    Raises:
-        InputError: nothing to undo, `[model]` was edited by hand since, or another run holds the lock.
-    """
+    """Go back to the rung before the last; the last one is kept in `ladder/undone/`."""
     if not (experiment.folder / "ladder").is_dir():
         raise InputError(f"{experiment.path}: nothing to undo; no effect was added yet")
     with history_lock(experiment, timeout), _readable_errors():

@@ -26,18 +26,7 @@ def experiment_in_memory(
     design: DesignValues | None = None,
     name: str = "experiment",
 ) -> Experiment:
-    """An experiment from the content that its `experiment.toml` would have, its records in memory.
-
-    Args:
-        document: the content, as plain data.
-        records: by the `file` of their `[[record]]`.
-        own: the user's own effects that `[model]` names.
-        design: values of settings given as `"design"`.
-        name: of the experiment, in place of a folder; begins each message.
-
-    Raises:
-        InputError: one line with key, value, and the permitted input.
-    """
+    """An experiment from the content that its `experiment.toml` would have, its records in memory."""
     # Imported here: tomlkit takes 0.04 s to load.
     import tomlkit
 

@@ -48,11 +48,7 @@ class Known:
 
 
 def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
-    """Whether the axis is rotary according to the unit of each known value that determines it, by place in the file.
-
-    Raises:
-        InputError: a key that this kind of rig does not have, or a dimension that fits neither kind of axis.
-    """
+    """Whether the axis is rotary according to the unit of each known value that determines it, by place in the file."""
     table.allow(kind.known)
     if "mass" in table.data and "inertia" in table.data:
         raise InputError(f"{table.where()}: 'mass' and 'inertia' are both given; one of them is required")
@@ -75,11 +71,7 @@ def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
 
 
 def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValues | None) -> dict[str, Known]:
-    """The known values in SI; `inertia` is filed under `mass`.
-
-    Raises:
-        InputError: names the key, the value and the permitted input.
-    """
+    """The known values in SI; `inertia` is filed under `mass`."""
     known: dict[str, Known] = {}
     for key, value in table.data.items():
         declared = kind.known[key]
@@ -100,11 +92,7 @@ def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValu
 
 
 def design_value(design: DesignValues | None, key: str, rotary: bool, where: str) -> DesignValue:
-    """The value of `key` in the design; `where` names its place in the file.
-
-    Raises:
-        InputError: no design is given, it is of another kind of axis, or has no such number.
-    """
+    """The value of `key` in the design; `where` names its place in the file."""
     if design is None:
         raise InputError(f"{where}: 'design' needs a parameter file, and none is given; write the quantity")
     if rotary:

@@ -88,11 +88,7 @@ def _flat(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
-    """The experiment file's text with `[model]` replaced by `model`; comments and all other content are kept.
-
-    Raises:
-        InputError: the table cannot be edited without changing other content.
-    """
+    """The experiment file's text with `[model]` replaced by `model`; comments and all other content are kept."""
     # Imported here: tomlkit takes 0.04 s to load, and only functions that write an experiment need it.
     import tomlkit
     from tomlkit.exceptions import TOMLKitError

@@ -78,9 +78,6 @@ def load_records(experiment: Experiment) -> list[Record]:
 
     Without a record of role `validate`, the last 30 % in time of each record is held out as a separate record that
     continues the first part; the notes of both records state this.
-
-    Raises:
-        InputError: one line with file, row and column.
     """
     records = load_whole_records(experiment)
     if all(record.role == "fit" for record in records):
@@ -104,17 +101,7 @@ def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str
 
 
 def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> list[Record]:
-    """Read a file with the columns that a kind of rig has: a record for each run, of which each starts the time anew.
-
-    Args:
-        spec: of the record.
-        rig: kind of rig.
-        rotary: whether the axis is rotary.
-        noise: that of the experiment.
-
-    Raises:
-        InputError: one line with file, row and column.
-    """
+    """Read a file with the columns of a kind of rig: a record for each run; each run starts the time anew."""
     name = shown_path(str(spec.path))
     opened = open_record_file(spec.path, name, spec.settings)
     notes = list(spec.notes)

@@ -69,11 +69,7 @@ class RecordSpec:
 def read_record_specs(
     top: TomlTable, kind: RigKind, file: Path, in_memory: Mapping[str, MemoryTable] | None = None
 ) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
-    """Every `[[record]]` with its columns, and whether the axis is rotary according to the units of its columns.
-
-    Raises:
-        InputError: an error in a table, or in the header of a record's file.
-    """
+    """Every `[[record]]` with its columns, and whether the axis is rotary according to the units of its columns."""
     tables = top.tables("record")
     if not tables:
         raise InputError(f"{top.file}: there is no record; write [[record]] with file and role")

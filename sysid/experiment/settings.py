@@ -46,12 +46,7 @@ class Setting:
 def check_effects(
     names: Sequence[str], custom: Sequence[Path | Effect], rig: RigKind, recorded: set[str], model: TomlTable
 ) -> dict[str, Effect]:
-    """Find every effect of the model.
-
-    Raises:
-        InputError: an unknown effect, a repeated one, two friction state models at one place, a sensor channel
-            that is not recorded, a fault in a user's file, or no consent to run it.
-    """
+    """Find every effect of the model."""
     own = load_all_custom(custom, require_consent)
     found: dict[str, Effect] = {}
     for name in names:
@@ -92,12 +87,7 @@ def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> Non
 def read_settings(
     table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool, design: DesignValues | None = None
 ) -> dict[str, Setting]:
-    """Read `[model.parameters]`; `design` has the values of settings given as `"design"`.
-
-    Raises:
-        InputError: an effect that is not in the model, a parameter that the effect does not have, a wrong unit, a
-            lower bound above the upper one, a start outside the bounds, `fixed` without a value.
-    """
+    """Read `[model.parameters]`; `design` has the values of settings given as `"design"`."""
     settings: dict[str, Setting] = {}
     for key, value in _flat(table.data, effects):
         where = table.where(key)

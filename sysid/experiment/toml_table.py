@@ -126,11 +126,7 @@ def _check_printable(text: str, where: str) -> None:
 
 
 def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
-    """Read a TOML file.
-
-    Raises:
-        InputError: unreadable, not UTF-8, or not TOML, with line and column.
-    """
+    """Read a TOML file."""
     try:
         data = read_input(path)
         text = data.decode("utf-8-sig")
@@ -145,11 +141,7 @@ def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
 
 
 def quantity(table: TomlTable, key: str, unit: str, positive: bool = False) -> float:
-    """The quantity under `key` in SI.
-
-    Raises:
-        InputError: not a text, not a quantity, of another dimension, or not positive although required.
-    """
+    """The quantity under `key` in SI."""
     value = parse_quantity(quantity_text(table, key, unit), unit, table.where(key))
     check_value(value, positive, table, key)
     return value

@@ -105,9 +105,6 @@ def suggest(
 
     If no effect is missing, the effect added last is compared with its alternatives. With a single model only the
     space-filling motion is returned.
-
-    Raises:
-        InputError: an error in a file, in one line.
     """
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     found = diagnose(problem, progress=progress)

@@ -25,11 +25,7 @@ WIDEST = 1e3
 def put_scales(
     experiment: Experiment, compared: Iterable[str], values: dict[str, float], unknowns: list[Unknown], notes: list[str]
 ) -> None:
-    """Enter the uncertain scales of the compared channels among the parameters of the rig; a note on each.
-
-    Raises:
-        InputError: a scale is left open of a channel that is not compared, or records have different ones.
-    """
+    """Enter the uncertain scales of the compared channels among the parameters of the rig; a note on each."""
     compared = tuple(compared)
     for channel in dict.fromkeys(name for record in experiment.records for name in record.sources):
         terms = [

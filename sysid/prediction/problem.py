@@ -69,11 +69,7 @@ class Problem:
 
 
 def load_problem(path: str | Path, design: DesignValues | None = None) -> Problem:
-    """Read an experiment and build its identification problem.
-
-    Raises:
-        InputError: one line on the fault in a file.
-    """
+    """Read an experiment and build its identification problem."""
     return problem_of(load_experiment(path, design))
 
 

@@ -25,9 +25,6 @@ def uniform(record: Record) -> UniformGrid:
     Returns:
         time from zero (n,), step in s, channels by name, and the mask (n,) of samples that were not measured:
         in gaps of the time axis of more than three steps, or at missing rows of a regular log.
-
-    Raises:
-        InputError: the gaps of the time axis are too long compared with its steps.
     """
     time = record.time - record.time[0]
     step = float(np.median(np.diff(time)))

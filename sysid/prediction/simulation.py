@@ -20,12 +20,7 @@ from sysid.signals.masks import filled
 def simulated_channels(
     rig: Rig, record: Record, effects: Sequence[Effect], values: Values, start: Start | None = None
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Time (n,), s, from zero at a uniform step, and the inputs and measured channels of a rig, each (n,), SI.
-
-    Raises:
-        InputError: an effect that cannot be integrated in time.
-        SimulationError: the integration could not be continued.
-    """
+    """Time (n,), s, from zero at a uniform step, and the inputs and measured channels of a rig, each (n,), SI."""
     time, _, inputs = uniform_inputs(rig, record)
     at_rows = replace(record, time=time, channels=inputs, step=float(time[1] - time[0]), uniform=True)
     return time, {**inputs, **RIG_MODELS[rig.kind].simulate(rig, at_rows, effects, values, start)}

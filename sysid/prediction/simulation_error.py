@@ -107,11 +107,7 @@ def simulation_errors(
 
 
 def free_runs(problem: Problem, model: Model) -> dict[str, FreeRun]:
-    """Simulations of all records from their inputs alone, by record; of a driven mass up to `MOST_ROWS` rows.
-
-    Raises:
-        InputError: an effect that cannot be integrated in time.
-    """
+    """Simulations of all records from their inputs alone, by record; of a driven mass up to `MOST_ROWS` rows."""
     out = {}
     for prepared in (*problem.fit_records, *problem.validate_records):
         rig, record = _logged(problem, prepared)

@@ -16,11 +16,7 @@ COLUMNS = ("position", "height")
 
 
 def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
-    """Heights, m, and their spacing, m, from columns `position [UNIT]` and `height [UNIT]`, evenly spaced.
-
-    Raises:
-        InputError: no such file, another header, a cell that is not a number, or uneven spacing (by more than 0.1 %).
-    """
+    """Heights, m, and their spacing, m, from columns `position [UNIT]` and `height [UNIT]`, evenly spaced."""
     try:
         lines = read_input(path).decode("utf-8").splitlines()
         rows = [row for row in csv.reader(lines) if row]

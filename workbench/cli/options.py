@@ -99,12 +99,7 @@ class Run:
 
     @contextmanager
     def reporting(self, words: str = "", note: str = "") -> Iterator[ProgressCallback]:
-        """A bar as the progress callback of an operation, from its first call on.
-
-        Args:
-            words: in place of the names of the steps.
-            note: printed on a terminal before the bar.
-        """
+        """A bar as the progress callback of an operation, from its first call on."""
         progress = self.progress()
 
         def report(step: str, done: int, steps: int) -> None:

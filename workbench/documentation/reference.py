@@ -77,11 +77,7 @@ def _directive(name: str) -> str:
 
 
 def commands_page(group: click.Group) -> str:
-    """The page on the commands: purpose, arguments and options of each.
-
-    Args:
-        group: `stagecad` itself.
-    """
+    """The page on the commands: purpose, arguments and options of each."""
     context = click.Context(group, info_name="stagecad")
     parts = [
         "# Commands\n",

@@ -18,11 +18,7 @@ class _Quiet(SimpleHTTPRequestHandler):
 
 
 def documentation_server(folder: Path, port: int) -> ThreadingHTTPServer:
-    """A server of the files of a folder on 127.0.0.1; `port` 0 takes a free one.
-
-    Raises:
-        InputError: the port is in use.
-    """
+    """A server of the files of a folder on 127.0.0.1; `port` 0 takes a free one."""
     try:
         return ThreadingHTTPServer(("127.0.0.1", port), partial(_Quiet, directory=str(folder)))
     except OSError as error:

@@ -51,11 +51,7 @@ suppress_warnings = ["misc.highlighting_failure", "myst.header"]
 
 
 def documentation_source() -> Path:
-    """The folder `docs` beside the packages.
-
-    Raises:
-        InputError: the program was installed without it.
-    """
+    """The folder `docs` beside the packages."""
     folder = ROOT / "docs"
     if not (folder / "index.md").is_file():
         raise InputError(
@@ -65,15 +61,7 @@ def documentation_source() -> Path:
 
 
 def build_site(folder: Path, generated: Mapping[str, str]) -> Path:
-    """Build the site; returns its folder of HTML pages.
-
-    Args:
-        folder: to build in; its `source` is written anew, pages that have not changed are not built again.
-        generated: text of the reference pages, by name.
-
-    Raises:
-        InputError: Sphinx is not installed, or a page has a fault, such as a link to nowhere.
-    """
+    """Build the site; returns its folder of HTML pages."""
     try:
         from sphinx.cmd.build import build_main
     except ImportError:
@@ -115,11 +103,7 @@ def write_source(folder: Path, generated: Mapping[str, str]) -> None:
 
 
 def contents(pages: set[str]) -> str:
-    """The tables of contents of the first page.
-
-    Raises:
-        InputError: a page in `CONTENTS` does not exist.
-    """
+    """The tables of contents of the first page."""
     listed = [page for group in CONTENTS.values() for page in group]
     missing = [page for page in listed if page not in pages]
     if missing:

@@ -93,13 +93,7 @@ def curve_of(problem: Problem, record: PreparedRecord, channel: str, models: Map
 
 
 def curves(problem: Problem, models: Mapping[str, Model], only: tuple[str, str] | None = None) -> Iterator[Curve]:
-    """Measured and predicted signal of each channel of each record; held-out records first.
-
-    Args:
-        problem: with the prepared records.
-        models: by name.
-        only: the record and the channel wanted; all of them when left out.
-    """
+    """Measured and predicted signal of each channel of each record; held-out records first."""
     samples = sum(record.size for record in problem.records) * len(models)
     for records in (problem.validate_records, problem.fit_records):
         for record in records if only or samples <= MOST_SAMPLES else records[:1]:

@@ -22,11 +22,7 @@ MOST_BARS = 40
 
 
 def margins_figure(checks: Sequence[Check]) -> Plot:
-    """Margin of each check, in percent of its limit, worst first; linear within +-100 %, logarithmic beyond.
-
-    Raises:
-        InputError: no check with a margin.
-    """
+    """Margin of each check, in percent of its limit, worst first; linear within +-100 %, logarithmic beyond."""
     drawn = sorted((c for c in checks if c.margin is not None), key=lambda c: c.margin or 0.0)[:MOST_BARS]
     if not drawn:
         raise InputError("plot: no check has a margin to draw")
@@ -47,14 +43,7 @@ def margins_figure(checks: Sequence[Check]) -> Plot:
 
 
 def changed_margins_figure(margins: pd.DataFrame) -> Plot:
-    """Margins before and after, in percent of the limit; linear within +-100 %, logarithmic beyond.
-
-    Args:
-        margins: columns `margin_before` and `margin_after`, index of checks; the first ones are drawn.
-
-    Raises:
-        InputError: no margin differs.
-    """
+    """Margins before and after, in percent of the limit; linear within +-100 %, logarithmic beyond."""
     drawn = margins.dropna(subset=["margin_before", "margin_after"])[:MOST_BARS]
     if drawn.empty:
         raise InputError("plot: no margin differs")

@@ -125,11 +125,7 @@ def _residual_panel(panel: Any, curve: Curve, span: slice, factor: float) -> Non
 
 @styled
 def loops_figure(curve: Curve, width: float = WIDTH) -> Plot:
-    """Measured and predicted force against velocity and against position.
-
-    Raises:
-        InputError: the record has no motion.
-    """
+    """Measured and predicted force against velocity and against position."""
     if not curve.motion:
         raise InputError("plot: 'loops' are drawn of a force over its motion, which this record does not have")
     factor, unit = axis_scale(curve.measured, curve.unit)
@@ -156,9 +152,6 @@ def maps_figure(maps: Sequence[ResidualMap], problem: Problem, width: float = WI
     """Mean residual, in noise deviations, over the coordinates it depends on, apart for the two directions of motion.
 
     Bars are two standard errors of the mean.
-
-    Raises:
-        InputError: there is no map.
     """
     drawn = drawn_maps(maps, MOST_MAPS)
     if not drawn:
@@ -245,13 +238,7 @@ def correlation_figure(correlation: ResidualCorrelation) -> Plot:
 
 @styled
 def ranking_figure(over_noise: Mapping[str, float], named: str | None, before: float) -> Plot:
-    """Error over noise on held-out records with each effect tried, and without any.
-
-    Args:
-        over_noise: by effect, best first.
-        named: the effect that is missing.
-        before: without any.
-    """
+    """Error over noise on held-out records with each effect tried, and without any."""
     names, over = list(over_noise)[:MOST_BARS], np.array(list(over_noise.values())[:MOST_BARS], dtype=float)
     figure, axes = new_plot(width=COLUMN * 1.5, height=0.7 + 0.2 * len(names))
     panel, at = axes[0, 0], np.arange(over.size)
@@ -274,12 +261,7 @@ def ranking_figure(over_noise: Mapping[str, float], named: str | None, before: f
 
 @styled
 def ladder_figure(changes: Sequence[str], fit: Sequence[float], held: Sequence[float]) -> Plot:
-    """Error over noise after each effect added, log axis; bars: held-out records, circles: records of the fit.
-
-    Args:
-        changes: of each rung, in words.
-        fit, held: largest error over noise of each rung; NaN where there are no such records.
-    """
+    """Error over noise after each effect added, log axis; bars: held-out records, circles: records of the fit."""
     words = [text.replace("_", " ").replace(":", ": ").split(", ") for text in changes]
     labels = ["\n".join(fill(part, LABEL_WIDTH) for part in parts) for parts in words]
     more = LINE * max(label.count("\n") for label in labels)
@@ -305,11 +287,7 @@ def ladder_figure(changes: Sequence[str], fit: Sequence[float], held: Sequence[f
 
 @styled
 def motion_figure(motions: Mapping[str, Mapping[str, np.ndarray]], name: str | None) -> Plot:
-    """The channels of a motion over its first column, the time; the first motion when `name` is left out.
-
-    Raises:
-        InputError: no such motion.
-    """
+    """The channels of a motion over its first column, the time; the first motion when `name` is left out."""
     name = next(iter(motions)) if name is None else name
     if name not in motions:
         raise InputError(f"no motion '{name}'{nearest(name, motions)}")

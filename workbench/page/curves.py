@@ -41,11 +41,7 @@ def _blocks(folder: Path, number: int) -> Path:
 
 
 def read_curves(folder: Path, number: int) -> np.ndarray:
-    """The array (k, n) that `write_curves` wrote, mapped into memory.
-
-    Raises:
-        InputError: there is none.
-    """
+    """The array (k, n) that `write_curves` wrote, mapped into memory."""
     path = folder / f"curves_{number}.npy"
     if not path.is_file():
         raise InputError(f"curves {number}: there are none")

@@ -27,11 +27,7 @@ def available() -> list[str]:
 
 
 def copied(name: str, target: Path) -> Path:
-    """Copy an example to `target`, or to the next free name; returns the folder.
-
-    Raises:
-        InputError: no such example.
-    """
+    """Copy an example to `target`, or to the next free name; returns the folder."""
     if name not in available():
         raise InputError(f"no example '{name}'{nearest(name, available())}")
     if name == "demo":

@@ -122,21 +122,13 @@ class JobRunner:
         return job
 
     def get(self, number: int) -> Job:
-        """A job by number.
-
-        Raises:
-            InputError: there is none.
-        """
+        """A job by number."""
         if number not in self.jobs:
             raise InputError(f"job {number}: there is none")
         return self.jobs[number]
 
     def result(self, number: int) -> Any:
-        """The document of a finished job.
-
-        Raises:
-            InputError: there is none.
-        """
+        """The document of a finished job."""
         path = self.folder / f"{number:05d}" / "result.json"
         if self.get(number).state != "done" or not path.is_file():
             raise InputError(f"job {number}: has no result")

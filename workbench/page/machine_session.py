@@ -82,16 +82,7 @@ class MachineSession:
             self._keep()
 
     def commit(self, changes: Changes, seen: str | None = None) -> None:
-        """Make `changes` the present ones, as a step that can be undone.
-
-        Args:
-            changes: by key.
-            seen: digest of the design that they were made to; None: the present one.
-
-        Raises:
-            InputError: a key or a value that is not allowed.
-            ChangedElsewhereError: the present design is another than `seen`.
-        """
+        """Make `changes` the present ones, as a step that can be undone."""
         with self._lock:
             if seen is not None and seen != self.design().values.digest:
                 shown = [f"{key} = {text}" for key, text in list(self.changes.items())[:MOST_SHOWN]]
@@ -108,11 +99,7 @@ class MachineSession:
                 self._keep()
 
     def step(self, by: int) -> None:
-        """Undo (-1) or redo (+1) one step; nothing happens at the ends of the history.
-
-        Raises:
-            InputError: the step was made with another version of the program, in which its values were valid.
-        """
+        """Undo (-1) or redo (+1) one step; nothing happens at the ends of the history."""
         with self._lock:
             place = min(max(self._place + by, 0), len(self._history) - 1)
             self.design(self._history[place])
@@ -153,11 +140,7 @@ class MachineSession:
         return {**live_json(result), "violations": violated(design), "changed": self._changed(design, changes)}
 
     def save(self, name: str) -> str:
-        """Write the design to a new parameter file of the project, comments kept, and continue with it.
-
-        Raises:
-            InputError: the name is taken, or the design violates a rule.
-        """
+        """Write the design to a new parameter file of the project, comments kept, and continue with it."""
         with self._lock:
             target = self.project.new_file(name, ".toml")
             text = self._text_with_changes(target.name)

@@ -58,11 +58,7 @@ class Project:
         return None if self.params is None else Design(self.params.resolve(), rules=False)
 
     def inside(self, path: str) -> Path:
-        """A path of the project as given by the page.
-
-        Raises:
-            InputError: it leads out of the folder, also by a link, or has a part that begins with a point.
-        """
+        """A path of the project as given by the page."""
         parts = Path(path).parts
         if os.path.isabs(path) or "\\" in path or "\0" in path or any(part.startswith(".") for part in parts):
             raise InputError(f"{path[:200]!r}: a path inside the project is required, like rig/fit.csv")
@@ -74,23 +70,14 @@ class Project:
         return target
 
     def experiment_folder(self, name: str) -> Path:
-        """Folder of an experiment by its path in the project.
-
-        Raises:
-            InputError: there is none.
-        """
+        """Folder of an experiment by its path in the project."""
         folder = self.inside(name)
         if not self.inside(f"{name}/{EXPERIMENT}").is_file():
             raise InputError(f"{name}: no experiment{nearest(name, [one['name'] for one in self.experiments()])}")
         return folder
 
     def experiment(self, name: str) -> Path:
-        """Folder of an experiment all of whose files are in the project, and whose code, if it has any, may be run.
-
-        Raises:
-            InputError: there is none, `experiment.toml` cannot be read, one of its records or its ladder is outside the
-                project, or its code may not be run.
-        """
+        """Folder of an experiment all of whose files are in the project, and whose code, if it has any, may be run."""
         folder = self.experiment_folder(name)
         records, code = named_files(folder)
         for file in (*records, "ladder"):
@@ -128,11 +115,7 @@ class Project:
         return found
 
     def new_file(self, name: str, suffix: str) -> Path:
-        """A file to be written directly in the project's folder, which must not exist.
-
-        Raises:
-            InputError: the name is none, or taken.
-        """
+        """A file to be written directly in the project's folder, which must not exist."""
         name = plain_name(name.removesuffix(suffix)) + suffix
         target = self.inside(name)
         if target.exists():
@@ -159,11 +142,7 @@ class Project:
 
 
 def plain_name(name: str) -> str:
-    """A name of a file or folder: letters, digits, `_`, `-` and `.`.
-
-    Raises:
-        InputError: anything else.
-    """
+    """A name of a file or folder: letters, digits, `_`, `-` and `.`."""
     if not _NAME.fullmatch(name) or ".." in name:
         raise InputError(f"{name!r}: a name of letters, digits, '_', '-' and '.' is required, at most 64 long")
     return name

@@ -194,11 +194,7 @@ def _warm_up(app: FastAPI) -> None:
 def serve(
     project: Project, host: str, port: int, token: str | None, note: Callable[[str], None], browser: bool
 ) -> None:
-    """Serve until Ctrl-C.
-
-    Raises:
-        InputError: the address cannot be used.
-    """
+    """Serve until Ctrl-C."""
     import socket
 
     import uvicorn

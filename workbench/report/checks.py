@@ -27,15 +27,7 @@ def write_check_files(
     folder: Path,
     figures: Mapping[str, Path] | None = None,
 ) -> None:
-    """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`.
-
-    Args:
-        checks: every check, in the order of the report.
-        design: the checked design; suspensions and error budgets are computed for it.
-        masses: of its solids, or None.
-        folder: destination.
-        figures: PNG by title, to be put into the page.
-    """
+    """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`."""
     from designcalc.checks.inputs import DesignInputs
     from designcalc.checks.subjects import subjects_of
 

@@ -156,12 +156,7 @@ class Making:
         )
 
     def run(self, task: Task, exact: bool = True) -> None:
-        """Make the result of a task, in this process.
-
-        Args:
-            task: of `tasks`.
-            exact: method of hidden-line removal (`drawings.views.projection.hidden_lines`).
-        """
+        """Make the result of a task, in this process."""
         if task.needs_kernel:
             load_kernel()
         _MAKERS[task.kind](self, ArtefactStore(self.folder), task.name, exact)
@@ -184,15 +179,7 @@ class Making:
         return found
 
     def make(self, tasks: Collection[Task], advance: Callable[[Task], None] = lambda task: None) -> None:
-        """Make the results of tasks side by side in one pool, since a process needs seconds to load the CAD kernel.
-
-        Args:
-            tasks: of `absent`.
-            advance: called with each task that is completed.
-
-        Raises:
-            PartError: the CAD kernel makes no valid solid of a part, or ends its process.
-        """
+        """Make the results of tasks side by side in one pool, since a process needs seconds to load the CAD kernel."""
         making = replace(self)  # without the solids that it has loaded, which do not pickle
         requires = {task: [other for other in self.tasks[task] if other in tasks] for task in tasks}
         limit = TimeLimit(TIME_LIMIT, fallback=partial(making.run, exact=False))

@@ -38,11 +38,7 @@ class GridPoint:
 
 
 def combinations(ranges: Sequence[Range]) -> list[tuple[float, ...]]:
-    """Every combination of the values, in the units of the attributes; the last range varies fastest.
-
-    Raises:
-        InputError: a key given twice, or too many combinations.
-    """
+    """Every combination of the values, in the units of the attributes; the last range varies fastest."""
     keys = [one.key for one in ranges]
     twice = next((key for key in keys if keys.count(key) > 1), None)
     if twice is not None:

@@ -45,11 +45,7 @@ class Point:
 
 
 def read_range(text: str, design: Design) -> Range:
-    """Read `KEY=LOW:HIGH[:N]`, N at least 2 (11 when left out).
-
-    Raises:
-        InputError: another form, an unknown key, a wrong quantity, or a key that is not a number.
-    """
+    """Read `KEY=LOW:HIGH[:N]`, N at least 2 (11 when left out)."""
     key, equals, rest = (part.strip() for part in text.partition("="))
     # Quotation marks left by a script that bypasses the shell are ignored.
     parts = [part.strip().strip("\"'").strip() for part in rest.split(":")]
@@ -92,9 +88,6 @@ def run_point(
         load: design with one more override, `KEY=VALUE`.
         base: the unchanged design.
         masses_of: masses of a design's own solids; None estimates them from plain volumes.
-
-    Returns:
-        the point; one that breaks a rule of the design has the reason in place of its checks.
     """
     si = to_si(value, swept.unit)
     try:

@@ -120,11 +120,7 @@ _THREADS = {"eye_bolt": "m10", "piezo_screw": "m4", "jack_screw": "m3"}
 
 
 def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dict[str, Figure]:
-    """All figures by name; those of the magnets only in a design with teeth.
-
-    Args:
-        rows: of the parts list.
-    """
+    """All figures by name; those of the magnets only in a design with teeth."""
     figures = {name: _of_parameter(design, key) for name, key in _FROM_PARAMETERS.items()}
     for name, (unit, digits) in _FROM_VALUES.items():
         value = getattr(values, name)

@@ -16,12 +16,7 @@ from stagecad.solids.assembly.bill_of_materials import Row
 
 
 def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:
-    """The assembly procedure of a design.
-
-    Args:
-        rows: of its parts list; each part is put in by exactly one step.
-        values: calculated values.
-    """
+    """The assembly procedure of a design."""
     figures = figures_of(design, rows, values)
     listed = {row.part: row for row in rows}
     steps = []

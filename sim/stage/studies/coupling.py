@@ -101,11 +101,6 @@ def faulty_run(drive: TipDrive, fault: Fault) -> StageRun:
 
 
 def coupling_study(drive: TipDrive, run_all: RunAll) -> CouplingStudy:
-    """A tenth of a second from rest with each fault.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """A tenth of a second from rest with each fault."""
     runs = run_all(partial(faulty_run, drive), list(FAULTS.values()))
     return CouplingStudy(dict(zip(FAULTS, runs)))

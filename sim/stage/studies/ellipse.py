@@ -78,12 +78,7 @@ class EllipseSearch:
 
 
 def ellipse_search(drive: TipDrive, run_all: RunAll) -> EllipseSearch:
-    """Steady speed over phase and height at one frequency.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """Steady speed over phase and height at one frequency."""
     ellipses = [two_piezo_ellipse(drive.machine, drive.amplitude, phase) for phase in PHASES]
     cases = [Setting(path, drive.frequency, height * path.normal) for height in HEIGHTS for path in ellipses]
     found = run_all(partial(steady, drive.machine, shortest=0.15), cases)

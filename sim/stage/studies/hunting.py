@@ -132,11 +132,6 @@ def held(drive: TipDrive, hold: HoldingLoop) -> HoldingRun:
 
 
 def hunting_study(drive: TipDrive, run_all: RunAll) -> HuntingStudy:
-    """Every hold of `HOLDS`.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """Every hold of `HOLDS`."""
     found = run_all(partial(held, drive), list(HOLDS.values()))
     return HuntingStudy(dict(zip(HOLDS, found)))

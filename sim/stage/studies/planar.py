@@ -84,12 +84,7 @@ def directed(machine: StageMachine, amplitude: float, phase: float, direction: f
 
 def planar_study(drive: TipDrive, run_all: RunAll) -> PlanarStudy:
     """Starts in twelve directions: at the design's frequency, and at one within the amplifier's current, the actuators
-    in step and a third of a turn apart.
-
-    Args:
-        drive: of a machine with three actuators, without guide.
-        run_all: runs a function on each of several cases.
-    """
+    in step and a third of a turn apart."""
     machine = drive.machine
     slow = min(drive.frequency, WITHIN_CURRENT * machine.piezo.unclipped_frequency(drive.amplitude))
     drives = {"in_step": (drive.frequency, IN_STEP), "slower": (slow, IN_STEP), "slower_in_thirds": (slow, IN_THIRDS)}

@@ -228,12 +228,7 @@ def move_to(drive: TipDrive, loop: Loop) -> Positioning:
 
 
 def positioning_study(drive: TipDrive, run_all: RunAll) -> PositioningStudy:
-    """A move of half a millimetre with each set of sensors.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """A move of half a millimetre with each set of sensors."""
     found = run_all(partial(move_to, drive), list(LOOPS.values()))
     sensors = drive.machine.sensors
     noise = sensors.probe_noise * math.sqrt(sensors.filter_frequency / sensors.probe_bandwidth)

@@ -105,12 +105,7 @@ class SpeedStudy:
 
 
 def speed_study(drive: TipDrive, run_all: RunAll) -> SpeedStudy:
-    """Steady speed over frequency and height of the tip, at one height from two initial speeds.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """Steady speed over frequency and height of the tip, at one height from two initial speeds."""
     ellipse = drive.path
     cases = [
         Setting(ellipse, frequency, height * ellipse.normal) for height in HEIGHTS.values() for frequency in FREQUENCIES

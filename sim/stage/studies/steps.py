@@ -142,12 +142,7 @@ def staircase(machine: StageMachine, size: float | None) -> Staircase:
 
 
 def step_study(drive: TipDrive, run_all: RunAll) -> StepStudy:
-    """Staircases of every size.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """Staircases of every size."""
     machine = drive.machine
     found = run_all(partial(staircase, machine), list(SIZES.values()))
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)

@@ -121,12 +121,7 @@ def load_centre(machine: StageMachine) -> np.ndarray:
 
 
 def travel_map(drive: TipDrive, run_all: RunAll) -> TravelMap:
-    """Lift-off and tip-over over the travel.
-
-    Args:
-        drive: of a machine with one actuator.
-        run_all: runs a function on each of several cases.
-    """
+    """Lift-off and tip-over over the travel."""
     machine, ellipse = drive.machine, drive.path
     positions = np.linspace(-0.5, 0.5, POSITIONS) * machine.travel
     heights = np.array(HEIGHTS) * ellipse.normal

@@ -48,14 +48,7 @@ EXPLODED = {
 def assemble(
     parts: Mapping[str, BuiltPart], design: Any, travel: float = 0.0, height: float = 0.0
 ) -> tuple[Instance, ...]:
-    """All instances of parts in the machine.
-
-    Args:
-        parts: the built parts by name.
-        design: the design (for travel, stroke of the height pin, and number of actuators).
-        travel: position of the stage, -1 and 1 at the ends of its travel.
-        height: position of the height adjustment, -1 lowest, 1 highest.
-    """
+    """All instances of parts in the machine."""
     return tuple(_Builder(parts, design, travel, height).all())
 
 

@@ -20,15 +20,7 @@ class DamagedError(Exception):
 
 
 def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
-    """Copy files of artefacts into `out`, and return the names of those that were missing or different.
-
-    Args:
-        out: the folder; created if necessary.
-        files: the artefact of each file name.
-
-    Raises:
-        DamagedError: a file in the cache is missing or does not match its hash; no damaged file has been written.
-    """
+    """Copy files of artefacts into `out`, and return the names of those that were missing or different."""
     written: list[str] = []
     # Hashing releases the interpreter lock: the files are read in parallel.
     with ThreadPoolExecutor() as pool:

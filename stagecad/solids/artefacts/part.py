@@ -118,11 +118,7 @@ def find_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart | None:
 
 
 def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
-    """The part from the cache, or built now.
-
-    Raises:
-        PartError: the CAD kernel makes no valid closed solid of these dimensions.
-    """
+    """The part from the cache, or built now."""
     source = part_source(name, design)
 
     def make(tracked: Any, folder: Path) -> None:
@@ -225,19 +221,7 @@ def build_parts(
     workers: int | None = None,
     isolate: bool = True,
 ) -> dict[str, BuiltPart]:
-    """All of `names`; those that the cache lacks are built in other processes.
-
-    Args:
-        store: the cache.
-        names: of the parts.
-        design: the design; it must pickle.
-        advance: called with each name once it is finished.
-        workers: number of processes; default: that of the processors.
-        isolate: build even few parts in another process, so that a crash of the CAD kernel does not end this one.
-
-    Raises:
-        PartError: the CAD kernel makes no valid solid of a part, or ends its process.
-    """
+    """All of `names`; those that the cache lacks are built in other processes."""
     found = {name: find_part(store, name, design) for name in names}
     for name in names:
         if found[name] is not None:
@@ -256,20 +240,7 @@ def in_processes(
     requires: Mapping[str, Collection[str]] | None = None,
     isolate: bool = True,
 ) -> None:
-    """`run` for each of `names` with the CAD kernel, in other processes; one is enough for few.
-
-    Args:
-        run: makes what has a name, and stores it.
-        names: of parts, of the assembly.
-        design: that they are made of.
-        advance: called with each name once it is made.
-        workers: number of processes; default: that of the processors.
-        requires: names that must be made before another.
-        isolate: in another process even where one is enough, so that a crash of the CAD kernel does not end this one.
-
-    Raises:
-        PartError: the CAD kernel makes no valid solid, or ends its process.
-    """
+    """`run` for each of `names` with the CAD kernel, in other processes; one is enough for few."""
     count = 1 if len(names) - len(requires or {}) <= FEW else workers
     try:
         parallel_map(

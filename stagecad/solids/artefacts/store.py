@@ -94,15 +94,7 @@ class ArtefactStore:
         self.folder = folder if folder is not None else cache_folder()
 
     def find(self, name: str, design: Any, modules: Sequence[str], depends: Iterable[str] = ()) -> Artefact | None:
-        """The stored artefact of `design`, or None.
-
-        Args:
-            name: of the artefact.
-            design: the design; within the making of another artefact its `TrackedDesign`, so that the other depends
-                on what this one reads.
-            modules: dotted names of the modules that make it; their imports within this project count as well.
-            depends: keys of the artefacts it depends on.
-        """
+        """The stored artefact of `design`, or None."""
         root = self._root(name, modules, depends)
         for paths in self._path_sets(root):
             values = {path: value_at(design, path) for path in paths}

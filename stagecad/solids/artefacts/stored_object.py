@@ -21,16 +21,7 @@ def stored_object(
     compute: Callable[[Any], Made],
     depends: Iterable[str] = (),
 ) -> Made:
-    """The stored result of `compute(tracked_design)`, computed now if the store lacks it or its file is damaged.
-
-    Args:
-        store: the cache.
-        name, design, modules, depends: as of `ArtefactStore.make`.
-        compute: its result must pickle.
-
-    Raises:
-        OSError: what has just been stored is damaged.
-    """
+    """The stored result of `compute(tracked_design)`, computed now if the store lacks it or its file is damaged."""
     depends = tuple(depends)
 
     def make(tracked: Any, folder: Path) -> None:

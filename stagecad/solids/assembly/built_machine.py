@@ -75,16 +75,7 @@ def find_machine(design: Any, store: ArtefactStore | None = None) -> BuiltMachin
 def build_machine(
     design: Any, store: ArtefactStore | None = None, advance: Callable[[str], None] = lambda name: None
 ) -> BuiltMachine:
-    """The machine; parts and assembly are built, in other processes, if the cache lacks them.
-
-    Args:
-        design: the design.
-        store: the cache; the user's own when left out.
-        advance: called with the name of each finished part, and finally of the assembly.
-
-    Raises:
-        PartError: the CAD kernel makes no valid solid of a part, or ends its process.
-    """
+    """The machine; parts and assembly are built, in other processes, if the cache lacks them."""
     store = store or ArtefactStore()
     found = {name: find_part(store, name, design) for name in part_names(design)}
     present = {name: part for name, part in found.items() if part is not None}

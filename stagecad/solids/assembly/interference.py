@@ -120,15 +120,7 @@ def find_interferences(
     positions: Iterable[Position] | None = None,
     measure: Measure | None = None,
 ) -> list[Interference]:
-    """All pairs closer than `NEAR`, at each position.
-
-    Args:
-        parts: the built parts by name.
-        design: the design.
-        positions: of travel and height adjustment; those of the machine when left out.
-        measure: gives the values of two kinds of part at all places where they are close to each other; default:
-            measures them now. Places with the same relative position are measured only once.
-    """
+    """All pairs closer than `NEAR`, at each position."""
     measure = measure or (lambda places: _measured(places, parts, design))
     places = list(_close_places(parts, design, positions))
     pairs: dict[frozenset[str], list[_Place]] = {}

@@ -36,12 +36,7 @@ def relative_frame(one: Frame, two: Frame) -> Frame:
 
 
 def common_volume(one: cq.Shape, two: cq.Shape, frame: Frame) -> float:
-    """Common volume of two solids, mm^3.
-
-    Args:
-        one, two: the solids.
-        frame: of the second in the coordinates of the first.
-    """
+    """Common volume of two solids, mm^3."""
     return common_volumes(one, [(two, frame)])[0]
 
 
@@ -51,10 +46,6 @@ def common_volumes(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> l
     Others whose bounding boxes are apart are intersected with the solid in one operation, since its time grows with the
     number of faces of the solid. A solid of the result belongs to the other whose box contains its centre of mass.
     Several operations are made with the piece of the solid within the box of all others.
-
-    Args:
-        one: the solid.
-        others: with their places in its coordinates.
     """
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
     from OCP.TopAbs import TopAbs_SOLID
@@ -125,11 +116,6 @@ def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> fl
 
     Only the faces of each within `gap` of the bounding box of the other are compared: exact up to `gap`; above it, the
     result is larger than `gap`.
-
-    Args:
-        one, two: the solids.
-        frame: of the second in the coordinates of the first.
-        gap: mm.
     """
     from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 

@@ -23,16 +23,7 @@ PART_SIZE = (900, 650)
 def build_pictures(
     store: ArtefactStore, machine: BuiltMachine, advance: Callable[[str], None] = lambda name: None
 ) -> dict[str, Artefact]:
-    """PNG pictures by file name (``stage.png``, ``stage_below.png``, ``assembly.png``, ``assembly_exploded.png``).
-
-    Args:
-        store: the cache.
-        machine: parts and assembly.
-        advance: called with each file name once it is finished.
-
-    Returns:
-        The artefact of each file; `stagecad.solids.artefacts.outputs.write_stored` copies them.
-    """
+    """PNG pictures by file name (``stage.png``, ``stage_below.png``, ``assembly.png``, ``assembly_exploded.png``)."""
     found: dict[str, Artefact] = {}
     for part in machine.parts.values():
         entry = part_pictures(store, part, machine.design)

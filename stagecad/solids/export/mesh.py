@@ -76,9 +76,6 @@ def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
     Args:
         shape: the solid.
         volume: its exact volume, mm^3.
-
-    Raises:
-        ValueError: a face could not be meshed, or no mesh has the volume.
     """
     error = 1.0
     for angular in ANGULAR:
@@ -102,11 +99,7 @@ def _is_wire(shape: cq.Shape) -> bool:
 
 
 def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
-    """Mesh of a shape within `linear` mm and `angular` rad, without sharp edges.
-
-    Raises:
-        ValueError: a face could not be meshed.
-    """
+    """Mesh of a shape within `linear` mm and `angular` rad, without sharp edges."""
     return _mesh(_meshed_copy(shape, linear, angular), edges=False)
 
 

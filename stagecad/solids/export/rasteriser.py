@@ -159,9 +159,6 @@ def draw(
         size: width and height in pixels.
         line_width: of the edges, pixels.
         light_sign: 1 for light from above, -1 from below, for a part seen from below.
-
-    Returns:
-        (height, width, 3) uint8.
     """
     width, height = size[0] * SAMPLES, size[1] * SAMPLES
     samples = Samples(

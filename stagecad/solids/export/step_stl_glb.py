@@ -141,16 +141,7 @@ def _unit_float(normals: np.ndarray) -> np.ndarray:
 
 
 def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoDS_Shape]) -> bytes:
-    """STEP (AP214) with names and colours, millimetres.
-
-    Args:
-        name: of the product; of the assembly when there are several shapes.
-        placed: the shapes with positions and colours; a single one with the name of the product is written as a part.
-        solids: solid of each part by `PlacedShape.part`.
-
-    Raises:
-        ValueError: OCCT could not write the solid.
-    """
+    """STEP (AP214) with names and colours, millimetres."""
     from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
     from OCP.TopLoc import TopLoc_Location
     from OCP.XCAFDoc import XCAFDoc_ColorGen, XCAFDoc_DocumentTool

@@ -36,17 +36,7 @@ def set_name(label: Any, name: str) -> None:
 
 
 def step_text(document: Any, name: str, schema: str, contents: Sequence[str]) -> str:
-    """A document as STEP with names, as OCCT writes it.
-
-    Args:
-        document: of `new_document`.
-        name: for error messages.
-        schema: OCCT's name of the application protocol: `AP214IS`, `AP242DIS`.
-        contents: further contents to be written: `Color`, `DimTol`, `Material`.
-
-    Raises:
-        ValueError: OCCT could not write the document.
-    """
+    """A document as STEP with names, as OCCT writes it."""
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static
     from OCP.STEPCAFControl import STEPCAFControl_Writer

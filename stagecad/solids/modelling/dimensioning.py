@@ -166,13 +166,7 @@ class DimensionDeclarations:
         extra: str = "",
         **fields: Any,
     ) -> None:
-        """A tapped hole: thread, its depth, tap drill and drill depth as one callout.
-
-        Args:
-            thread: name in the table of threads, `m6`.
-            depths: keys of thread depth and drill depth; None for a through hole.
-            extra: last line of the callout.
-        """
+        """A tapped hole: thread, its depth, tap drill and drill depth as one callout."""
         fields = {"view": "top", **self._common, **fields, "note": THREAD_DESIGNATION[thread], "feature": feature}
         drill, at = f"threads.{thread}_tap_drill", moved(mouth, into, 2.0)
         touch = moved(at, X if abs(into[2]) > 0.5 else Z, self._value(drill) / 2)
@@ -206,11 +200,7 @@ class FaceRequirements:
         targets: str = "",
         median: bool = False,
     ) -> None:
-        """Datum feature: a face, several faces in one plane, an axis, or the middle plane of two faces.
-
-        Args:
-            targets: view that shows datum targets.
-        """
+        """Datum feature: a face, several faces in one plane, an axis, or the middle plane of two faces."""
         self._all.append(DatumFeature(letter, points, normal, view, round, targets, median))
 
     def tolerance(

@@ -44,13 +44,7 @@ UNMOVED = Frame()
 
 
 def mate(child: Datum, frame: Frame, parent: Datum) -> Frame:
-    """Frame of the child's part such that origins coincide, normals are opposed and x directions are parallel.
-
-    Args:
-        child: datum of the part to be placed.
-        frame: of the parent part.
-        parent: datum of the parent part.
-    """
+    """Frame of the child's part such that origins coincide, normals are opposed and x directions are parallel."""
     own = (child.x_direction, cross(child.normal, child.x_direction), child.normal)
     x = frame.direction(parent.x_direction)
     normal = scaled(frame.direction(parent.normal), -1.0)

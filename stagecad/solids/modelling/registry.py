@@ -124,11 +124,7 @@ def part_source(name: str, design: Any) -> PartSource:
 
 
 def chosen(names: Sequence[str], design: Design) -> tuple[str, ...]:
-    """The named parts (`assembly` possibly among them), or all parts when none is named.
-
-    Raises:
-        InputError: an unknown part; names the nearest.
-    """
+    """The named parts (`assembly` possibly among them), or all parts when none is named."""
     known = (*part_names(design), ASSEMBLY)
     for name in names:
         if name not in known:

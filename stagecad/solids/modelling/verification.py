@@ -135,9 +135,6 @@ class DimensionVerifier:
         """Value of a dimension on the solid, mm (degrees; a number for slope and count).
 
         None for dimensions without geometry in the solid: threads, and callouts of text.
-
-        Raises:
-            LookupError: there is no such feature of the solid at a declared point.
         """
         points, along = dimension.points, dimension.direction
         if along is None or not points:
@@ -177,9 +174,6 @@ class DimensionVerifier:
 
         Where the solid has not as many parallel ones as the dimension counts (holes on a circle, radial), only the
         declared one.
-
-        Raises:
-            LookupError: there is no such hole.
         """
         axis = dimension.direction
         if axis is None:
@@ -230,11 +224,7 @@ class DimensionVerifier:
         raise LookupError(f"no round face about {axis} through {point}")
 
     def _pitch_circle(self, dimension: Dimension) -> float:
-        """Diameter of a circle of equally spaced holes, mm.
-
-        Raises:
-            LookupError: there is no hole at a place of the circle.
-        """
+        """Diameter of a circle of equally spaced holes, mm."""
         (centre, hole), axis = dimension.points, dimension.direction or (0.0, 0.0, 1.0)
         radius = self._radius_about((hole,), axis)
         like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]

@@ -138,13 +138,7 @@ class Guess(NamedTuple):
 
 
 def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> ExperimentProposal:
-    """A guess of the experiment by one of its files.
-
-    Args:
-        opened: the file.
-        numbers: its columns of numbers.
-        kind: of rig, where the user states it.
-    """
+    """A guess of the experiment by one of its files."""
     header, columns = opened.header, numbers.columns
     known = CHANNELS if kind is None else find_rig(kind, "--kind").all_channels
     guesses: dict[int, Guess] = {}

@@ -23,9 +23,6 @@ def without_repeats(
     A row that repeats the one before in all channels is left out. Others are treated by `repeated`: `first` keeps
     the first row of each time, `mean` takes the mean of its rows, `spread` places m rows of one time at
     t + k (t_next - t)/m, k = 0 .. m - 1, where the last group takes the step of the group before.
-
-    Raises:
-        RepeatedTime: rows of one time differ, and `repeated` is None.
     """
     again = np.diff(time, prepend=-np.inf) == 0.0
     if not again.any():

@@ -89,9 +89,6 @@ def read_channel_settings(table: TomlTable, kind: RigKind) -> dict[str, tuple[Co
     `position = "x"`, `position = 3`, `drive_force = {column = "i", unit = "A", scale = "0.113 N*m/A", sign = -1}`;
     `time = {column = 1, unit = "s", increments = true}`, `position = {pulses_per_turn = 3}`, `{pitch = "20 um"}`, or
     `drive_force = {value = "0 N"}`.
-
-    Raises:
-        InputError: no channel of this kind of rig, or a setting that is not allowed.
     """
     settings: dict[str, tuple[ColumnSetting, ...]] = {}
     for channel, value in table.data.items():

@@ -190,11 +190,7 @@ def _data_rows(
     path: Path, name: str, dialect: Dialect, settings: Format, notes: list[str]
 ) -> Iterator[tuple[int, list[str]]]:
     """Every row of numbers with its number in the file. Rows that repeat the header, and text or a cut row below the
-    numbers, are left out with a note.
-
-    Raises:
-        InputError: another row with more or fewer cells than the columns.
-    """
+    numbers, are left out with a note."""
     held: list[tuple[int, list[str]]] = []
     repeated = 0
     labels = [label.strip() for label in dialect.labels]

@@ -178,11 +178,7 @@ class _Way(NamedTuple):
 
 
 def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: str, complete: bool) -> Dialect:
-    """The form of a file by its first lines.
-
-    Raises:
-        InputError: no rows of numbers, or the decimal sign is ambiguous; the message names the setting to write.
-    """
+    """The form of a file by its first lines."""
     kept = [Line(k, text) for k, text in enumerate(lines, start=1) if not _LEFT_OUT.match(text)]
     kept = kept if complete else kept[:-1]
     way = _best_way(kept, settings)

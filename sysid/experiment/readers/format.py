@@ -51,11 +51,7 @@ class Format:
 
 
 def read_format(table: TomlTable) -> Format:
-    """The settings in a table `[format]`.
-
-    Raises:
-        InputError: an unknown key, or a value that is not allowed.
-    """
+    """The settings in a table `[format]`."""
     table.allow(Format.__dataclass_fields__)
     delimiter = decimal = encoding = repeated = rate = None
     if "delimiter" in table.data:

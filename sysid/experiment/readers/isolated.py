@@ -69,11 +69,7 @@ _known: dict[tuple[str, str], Header] = {}
 def _ask(
     module: str, path: Path, name: str, settings: Format, indices: list[int] | None
 ) -> tuple[dict[str, Any], list[np.ndarray]]:
-    """Labels and units, and the columns at `indices`, from a new process.
-
-    Raises:
-        InputError: its own line, or that the file is damaged, or exceeds a limit.
-    """
+    """Labels and units, and the columns at `indices`, from a new process."""
     from stagecad import blas_threads
 
     request = json.dumps([module, str(path.resolve()), name, asdict(settings), indices])

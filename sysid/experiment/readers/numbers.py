@@ -97,14 +97,7 @@ class NumberForm:
 
 
 def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: str = "") -> Any | None:
-    """A column of numbers (n,) of an array of texts, with `unit` behind each; None where a cell needs a look.
-
-    Args:
-        text: pyarrow array of strings.
-        form: how the numbers are written.
-        gaps: cells that mark a gap.
-        unit: behind the numbers; empty for none.
-    """
+    """A column of numbers (n,) of an array of texts, with `unit` behind each; None where a cell needs a look."""
     import pyarrow
     from pyarrow import compute
 

@@ -96,11 +96,7 @@ def unknown_format(name: str) -> str:
 
 
 def open_record_file(path: Path | MemoryTable, name: str, settings: Format | None = None) -> RecordFile:
-    """Open a record file by its suffix, or a table in memory.
-
-    Raises:
-        InputError: no such file, nothing in it, another format, or not readable in the format of its suffix.
-    """
+    """Open a record file by its suffix, or a table in memory."""
     settings = settings or Format()
     if isinstance(path, MemoryTable):
         reader = cast(Reader, MemoryReader())

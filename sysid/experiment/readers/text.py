@@ -32,11 +32,7 @@ def is_gzip(path: Path) -> bool:
 
 
 def open_bytes(path: Path) -> BinaryIO:
-    """The bytes of a file, decompressed.
-
-    Raises:
-        InputError: while it is read, if it has more bytes, rows, or bytes in a row than a record file may have.
-    """
+    """The bytes of a file, decompressed."""
     return cast(BinaryIO, io.BufferedReader(_Limited(path), _BLOCK))
 
 
@@ -81,11 +77,7 @@ def need_few_rows(path: Path) -> None:
 
 
 def read_head(path: Path, name: str) -> tuple[bytes, bool]:
-    """The first bytes of a file, decompressed, and whether it has more.
-
-    Raises:
-        InputError: damaged compression, or no text.
-    """
+    """The first bytes of a file, decompressed, and whether it has more."""
     try:
         with open_bytes(path) as file:
             data = file.read(HEAD)
@@ -103,11 +95,7 @@ def read_head(path: Path, name: str) -> tuple[bytes, bool]:
 
 def encoding_of(head: bytes, settings: Format, name: str) -> str:
     """The encoding of a text by its first bytes: by its byte order mark, else UTF-8, else Windows-1252, whose numbers
-    have the same bytes.
-
-    Raises:
-        InputError: not text in the encoding of `[format]`.
-    """
+    have the same bytes."""
     if settings.encoding is not None:
         try:
             head[: len(head) // 4 * 4 - 8 if len(head) == HEAD else None].decode(settings.encoding)
@@ -129,11 +117,7 @@ def encoding_of(head: bytes, settings: Format, name: str) -> str:
 
 
 def lines_of(path: Path, encoding: str, name: str) -> Iterator[str]:
-    """Every line of a file without its end.
-
-    Raises:
-        InputError: a byte that is not of the encoding, with its row; damaged compression.
-    """
+    """Every line of a file without its end."""
     with open_bytes(path) as file:
         # Bytes that cp1252 leaves undefined stand in no number.
         text = io.TextIOWrapper(file, encoding, errors="replace" if encoding == "cp1252" else "strict", newline=None)

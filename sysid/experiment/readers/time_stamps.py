@@ -15,11 +15,7 @@ DAY = 86400.0
 
 
 def seconds(column: Any, kind: str, time_format: str | None, file: str, label: str) -> Column:
-    """Seconds (n,) since the first row of a column of time stamps, exact to a nanosecond.
-
-    Raises:
-        InputError: a stamp of another form than the first.
-    """
+    """Seconds (n,) since the first row of a column of time stamps, exact to a nanosecond."""
     import pyarrow
     from pyarrow import compute
 

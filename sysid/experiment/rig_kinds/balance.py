@@ -59,11 +59,7 @@ class Balance:
     file: str
 
     def channels(self, time: np.ndarray, recorded: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The base's channels (n,), SI: recorded ones, and those of the formulas.
-
-        Raises:
-            InputError: units that do not match.
-        """
+        """The base's channels (n,), SI: recorded ones, and those of the formulas."""
         base = find_base(self.kind.base)
         found = {name: values for name, values in recorded.items() if name in base.channels}
         for channel, formula in self.kind.balance.items():
@@ -106,11 +102,7 @@ class Balance:
 
 
 def balance_of(kind: RigKind, known: Mapping[str, Known], rotary: bool, file: str) -> tuple[Balance, dict[str, Known]]:
-    """The balance of a declared kind, and the known quantities of its base.
-
-    Raises:
-        InputError: a quantity that a formula needs is not known.
-    """
+    """The balance of a declared kind, and the known quantities of its base."""
     base = find_base(kind.base)
     values = {name: quantity.value for name, quantity in known.items()}
     for name, quantity in kind.known.items():

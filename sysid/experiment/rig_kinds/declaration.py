@@ -42,11 +42,7 @@ def kinds() -> tuple[str, ...]:
 
 
 def find_rig(name: str, where: str, folder: Path | None = None) -> RigKind:
-    """The rig kind called `name`, or declared in the file `name` in `folder`.
-
-    Raises:
-        InputError: names `where`, the value and the most similar kind; or a fault in the declaration, with its file.
-    """
+    """The rig kind called `name`, or declared in the file `name` in `folder`."""
     if name in RIGS:
         return RIGS[name]
     if name.endswith(".toml") and folder is not None:
@@ -66,11 +62,7 @@ def _packaged(name: str) -> RigKind:
 
 
 def read_rig(path: Path, shown_name: str) -> RigKind:
-    """The kind of rig in a declaration file.
-
-    Raises:
-        InputError: a fault in the file, with its key.
-    """
+    """The kind of rig in a declaration file."""
     return declared_rig(read_toml(path, shown_name)[2], path.stem)
 
 

@@ -62,11 +62,7 @@ def prepare_driven_mass(
     width: float | None = None,
     least_width: float = 0.0,
 ) -> ForceBalanceRecord:
-    """A record of a driven mass: the force is balanced against mass times the measured acceleration.
-
-    Raises:
-        InputError: a constant spring force, or a record shorter than the filter.
-    """
+    """A record of a driven mass: the force is balanced against mass times the measured acceleration."""
     time, step, channels, hole = uniform(record)
     n = time.size
     channel, position, force = _signals(channels, noise, step, pull_stiffness, hold)

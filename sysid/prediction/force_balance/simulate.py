@@ -25,12 +25,7 @@ def simulate_driven_mass(
     at: Start,
     tolerance: float = 1e-7,
 ) -> dict[str, np.ndarray]:
-    """Measured channels (n,) of a driven mass: position, velocity, and the force of the pulling spring.
-
-    Raises:
-        InputError: an effect that cannot be integrated in time.
-        SimulationError: the integration could not be continued.
-    """
+    """Measured channels (n,) of a driven mass: position, velocity, and the force of the pulling spring."""
     kept = tuple(e for e in effects if e.acts_on != "sensor")
     finer, step = FINER if len(kept) < len(effects) else 1, float(time[1] - time[0])
     run = simulate(

@@ -200,11 +200,6 @@ def break_away_times(phases: SlipPhases, forces: Forces, search: float) -> np.nd
     """Times (k,) from which friction no longer holds the body, in samples.
 
     A stick phase continues at least until the push reaches the level: the smoothed velocity starts before.
-
-    Args:
-        phases: of sliding motion.
-        forces: on the mass.
-        search: largest correction of a time, in samples.
     """
     push, level, given = forces.push, forces.level, phases.break_away
     out = given.copy()

@@ -101,11 +101,7 @@ def friction_state_of(effects: Sequence[Effect]) -> Effect | None:
 
 
 def bristles_of(effect: Effect | None, values: Values) -> Elements:
-    """The elements of a friction state model; none for `coulomb`.
-
-    Raises:
-        InputError: a model whose bristles do not yield at a stretch of their own.
-    """
+    """The elements of a friction state model; none for `coulomb`."""
     if effect is None or not effect.has_presliding:
         return NO_BRISTLES
     if effect.friction_state.springs is not None:

@@ -197,11 +197,7 @@ def _sensed_from_start(
 def _planar_motion(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, stretches: Sequence[np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """Motion of the stage along and across, m, each (n,), from rest at the first row, in the frame of the sensors.
-
-    Raises:
-        InputError: a friction state model other than `coulomb`.
-    """
+    """Motion of the stage along and across, m, each (n,), from rest at the first row, in the frame of the sensors."""
     along, across, up = tip_motion(record, effects, values, stretches)
     load = 1.0 + up / values.get("rig.press", np.inf)
     pads, contact = _by_contact(effects)

@@ -26,11 +26,7 @@ KINDS = {
 
 
 def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Header:
-    """The labels of arrays by their paths in a file: the last part of the path where that is unique.
-
-    Raises:
-        InputError: there is no array.
-    """
+    """The labels of arrays by their paths in a file: the last part of the path where that is unique."""
     if not paths:
         raise InputError(f"{name}: contains no vector of numbers; required: time, position, ...")
     leaves = [path.rsplit(".", 1)[-1] for path in paths]
@@ -42,11 +38,7 @@ def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Head
 
 
 def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices: Sequence[int]) -> list[Column]:
-    """Arrays as columns.
-
-    Raises:
-        InputError: they differ in length, or hold infinite values.
-    """
+    """Arrays as columns."""
     if len({array.size for array in arrays}) > 1:
         sizes = ", ".join(f"'{header.labels[index]}' {array.size}" for index, array in zip(indices, arrays))
         raise InputError(f"{name}: variables differ in length: {sizes}")

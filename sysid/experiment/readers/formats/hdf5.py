@@ -80,11 +80,7 @@ def _open(path: Path, name: str) -> Any:
 
 
 def _data_sets(file: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out.
-
-    Raises:
-        InputError: data of another file, by an external link, external storage, or a virtual data set.
-    """
+    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out."""
     import h5py
 
     groups = set()

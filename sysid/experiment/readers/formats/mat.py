@@ -39,11 +39,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
 
 @lru_cache(maxsize=1)
 def load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Vectors (n,) by path, and units by name of the channel.
-
-    Raises:
-        InputError: no MAT file up to version 7.
-    """
+    """Vectors (n,) by path, and units by name of the channel."""
     # scipy.io takes 0.2 s to load: only a MAT file pays for it.
     from scipy.io import loadmat
 
