@@ -37,6 +37,7 @@ def rich_table(table: Table) -> RichTable:
     out = RichTable(title=table.title or None, title_justify="left")
     if table.plain:
         out.box, out.pad_edge, out.header_style = None, False, "bold"
+        out.show_header = any(title for title, _ in table.columns)
     for k in kept:
         title, kind = table.columns[k]
         out.add_column(Text(title), justify="right" if kind.startswith(NUMBER) else "left")

@@ -1,0 +1,129 @@
+"""`calc`: one design calculator by itself, its options given or taken from the parameter file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from designcalc.checks.inputs import DesignInputs
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.units import as_json, format_quantity
+from workbench.operations.calculators import bearing, contact, drive, errors
+from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
+from workbench.operations.design import Design
+from workbench.operations.lines import NUMBER, TEXT, Line, Table
+from workbench.operations.result import Result, finite
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CALCULATORS: dict[str, type] = {
+    command_name(calculator): calculator
+    for calculator in (
+        contact.Hertz,
+        contact.Rail,
+        contact.Teeth,
+        drive.Drive,
+        drive.Stack,
+        drive.TipOver,
+        drive.Clamp,
+        drive.Pads,
+        drive.Wedge,
+        drive.Screw,
+        drive.Probe,
+        bearing.Wear,
+        bearing.Smoothness,
+        bearing.AirBearing,
+        bearing.Levitation,
+        bearing.Suspensions,
+        errors.Bow,
+        errors.Vibration,
+        errors.Alignment,
+        errors.DynamicBudget,
+        errors.Budget,
+    )
+}
+"""All calculators by their name."""
+
+
+class Calculation(Result):
+    """Results of a calculator.
+
+    Attributes:
+        name: of the calculator.
+        inputs: SI values of its options.
+        results: JSON quantities by name; a list of rows is a table.
+    """
+
+    def __init__(self, name: str, inputs: Values, results: dict[str, Any]) -> None:
+        self.name, self.inputs, self.results = name, inputs, results
+
+    def _input_documents(self) -> dict[str, Any]:
+        options = options_of(CALCULATORS[self.name])
+        quantities = {key: option.unit for key, option in options.items() if option.unit is not None}
+        values = self.inputs
+        documents = {
+            key: None if values[key] is None else as_json(values[key], unit) for key, unit in quantities.items()
+        }
+        return documents | {key: values[key] for key in options if key not in quantities}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each result that is a number: value, SI, and unit; index `result`."""
+        import pandas as pd
+
+        rows = {name: item for name, item in self.results.items() if isinstance(item, dict) and "value" in item}
+        return pd.DataFrame(rows.values(), index=pd.Index(list(rows), name="result"))
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad calc --json`."""
+        return finite({"inputs": self._input_documents(), "results": self.results})
+
+    def lines(self) -> list[Line]:
+        """Inputs with their meaning, results, and tables."""
+        options = options_of(CALCULATORS[self.name])
+        rows = [
+            (key.replace("_", " "), _shown(item), options[key].meaning) for key, item in self._input_documents().items()
+        ]
+        numbers = {key: item for key, item in self.results.items() if not isinstance(item, list)}
+        rows += [("", "", "")] if rows else []
+        rows += [(key.replace("_", " "), _shown(item), "") for key, item in numbers.items()]
+        lines: list[Line] = [Table("", (("", TEXT),) * 3, tuple(rows), plain=True)] if rows else []
+        for key, items in self.results.items():
+            if isinstance(items, list):
+                columns = tuple((column.replace("_", " "), NUMBER) for column in items[0])
+                lines.append(Table(key, columns, tuple(tuple(map(_shown, item.values())) for item in items)))
+        return lines
+
+    def __repr__(self) -> str:
+        return f"<Calculation '{self.name}': {', '.join(self.results)}>"
+
+
+def _shown(item: Any) -> str:
+    if isinstance(item, dict) and "value" in item:
+        return format_quantity(item["value"], item["unit"], 5)
+    if isinstance(item, bool):
+        return "yes" if item else "no"
+    return "none" if item is None else f"{item:g}" if isinstance(item, int | float) else str(item)
+
+
+def calculate(name: str, design: Design, written: Mapping[str, str]) -> Calculation:
+    """Run a calculator.
+
+    Args:
+        name: of the calculator.
+        design: from which options that are left out are taken.
+        written: texts with their units, by option.
+
+    Raises:
+        InputError: no such calculator or option, or a wrong value.
+    """
+    if name not in CALCULATORS:
+        raise InputError(f"no calculator '{name}'{nearest(name, CALCULATORS)}")
+    calculator, r = CALCULATORS[name], DesignInputs(design.values)
+    known = [f"--{key.replace('_', '-')}" for key in options_of(calculator)]
+    for key in written:
+        flag = f"--{key.replace('_', '-')}"
+        if flag not in known:
+            raise InputError(f"calc {name}: no option '{flag}'{nearest(flag, known)}")
+    values = values_of(calculator, written, r)
+    return Calculation(name, values, calculator(**values).results(r))
