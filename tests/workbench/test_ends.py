@@ -28,10 +28,10 @@ from workbench.cli import run
 def test_one_line(
     error: Exception, line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def failing(run: object, wanted: object) -> None:
+    def failing(*arguments: object) -> None:
         raise error
 
-    monkeypatch.setattr(command, "write_parts", failing)
+    monkeypatch.setattr(command, "parts", failing)
     with monkeypatch.context() as patch:
         # A full disk closes it.
         patch.setattr(sys, "stdout", sys.stdout)
@@ -41,9 +41,9 @@ def test_one_line(
 
 
 def test_a_library_that_is_missing_is_no_lack_of_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(run: object, wanted: object) -> None:
+    def failing(*arguments: object) -> None:
         raise ImportError("No module named 'cadquery'")
 
-    monkeypatch.setattr(command, "write_parts", failing)
+    monkeypatch.setattr(command, "parts", failing)
     with pytest.raises(ImportError, match="cadquery"):
         run(["parts"])

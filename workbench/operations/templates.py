@@ -1,0 +1,55 @@
+"""`new`: templates of what a user makes."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from pathlib import Path
+
+from sim.effects.catalogue import library
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+FOLDER = Path(__file__).parents[1] / "templates"
+
+
+def template(kind: str, name: str) -> str:
+    """Text of a template with the user's name in it.
+
+    Raises:
+        InputError: a name that is not allowed, or that an effect of the library has.
+    """
+    if kind == "effect" and name in library():
+        raise InputError(f"new effect '{name}': is an effect of the library; choose another name")
+    if not _NAME.fullmatch(name):
+        raise InputError(f"new {kind} '{name}': a name has small letters, digits and _, and begins with a letter")
+    text = (FOLDER / f"{kind}.{'toml' if kind == 'machine' else 'py'}.txt").read_text("utf-8")
+    return text.replace(f"my_{kind}", name).replace(f"my {kind}", name.replace("_", " "))
+
+
+def write_new(path: Path, text: str) -> Path:
+    """Write a file that is not there yet; its folder is made."""
+    if path.exists():
+        raise InputError(f"{path}: is there already; choose another name")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    atomic_write_text(path, text)
+    return path
+
+
+def write_machine(name: str) -> list[Path]:
+    """Write a project folder with stage.toml, a check and a part; it appears complete, by renaming."""
+    folder = Path(name)
+    texts = {
+        "stage.toml": template("machine", name),
+        f"checks/{name}_check.py": template("check", f"{name}_check"),
+        f"{name}_part.py": template("part", f"{name}_part"),
+    }
+    if folder.exists():
+        raise InputError(f"{folder}: is there already; choose another name")
+    with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.absolute().parent) as temporary:
+        made = Path(temporary) / name
+        for file, text in texts.items():
+            atomic_write_text(made / file, text)
+        made.rename(folder)
+    return [folder / file for file in texts]
