@@ -47,18 +47,6 @@ def rich_table(table: Table) -> RichTable:
     return out
 
 
-def steps_in(progress: Progress) -> Callable[[str, int, int], None]:
-    """A callback (name, done, total) that shows each name as a bar of its own."""
-    tasks = {}
-
-    def show_step(name: str, done: int, total: int) -> None:
-        if name not in tasks:
-            tasks[name] = progress.add_task(name, total=total)
-        progress.update(tasks[name], completed=done)
-
-    return show_step
-
-
 def search_progress(
     progress: Progress, afterwards: str = "comparing the candidates"
 ) -> Callable[[str, int, int], None]:

@@ -265,7 +265,7 @@ def ladder_figure(changes: Sequence[str], fit: Sequence[float], held: Sequence[f
     words = [text.replace("_", " ").replace(":", ": ").split(", ") for text in changes]
     labels = ["\n".join(fill(part, LABEL_WIDTH) for part in parts) for parts in words]
     more = LINE * max(label.count("\n") for label in labels)
-    figure, axes = new_plot(width=min(2 * WIDTH, max(COLUMN, 1.0 + 1.15 * len(labels))), height=2.5 + more)
+    figure, axes = new_plot(width=min(2 * WIDTH, max(1.6 * COLUMN, 1.6 + 1.5 * len(labels))), height=2.5 + more)
     panel, x = axes[0, 0], np.arange(len(labels))
     panel.set_yscale("log")
     panel.axhspan(0.5, 1.0, color=FAINT, alpha=0.8, linewidth=0)

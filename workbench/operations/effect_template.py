@@ -31,7 +31,7 @@ effect = Effect(
 """Start, low and high bound follow a parameter's unit; then its meaning, and where the numbers come from."""
 
 
-def write_own_effect(path: Path) -> str:
+def write_effect_template(path: Path) -> str:
     """Write the file and return the name of its effect, which is the file's.
 
     Raises:

@@ -158,8 +158,8 @@ class Model:
         return tuple(effect if isinstance(effect, str) else effect.name for effect in self.effects)
 
     @property
-    def own(self) -> tuple[Effect, ...]:
-        """Effects of the user's own, in the model or not."""
+    def declared(self) -> tuple[Effect, ...]:
+        """The user's effects, in the model or not."""
         return (*(effect for effect in self.effects if isinstance(effect, Effect)), *self.custom)
 
     def table(self) -> dict[str, Any]:
@@ -313,7 +313,7 @@ class Experiment(Result):
             "noise": dict(noise or {}),
         }
         arrays = {label: record.arrays(label) for label, record in stated.items()}
-        return cls(experiment_in_memory(document, arrays, model.own, as_design_values(design), name), design)
+        return cls(experiment_in_memory(document, arrays, model.declared, as_design_values(design), name), design)
 
     @property
     def name(self) -> str:
@@ -345,11 +345,11 @@ class Experiment(Result):
         """The model as stated."""
         stated = model_of(self.stated.text)
         names = list(stated.get("effects", ()))
-        own = {effect.name: effect for effect in self.stated.custom if isinstance(effect, Effect)}
-        rest = [effect for name, effect in own.items() if name not in names]
+        declared = {effect.name: effect for effect in self.stated.custom if isinstance(effect, Effect)}
+        rest = [effect for name, effect in declared.items() if name not in names]
         effects: list[str | Effect] = list(names)
         for place, name in enumerate(names):
-            effects[place] = own.get(name, effects[place])
+            effects[place] = declared.get(name, effects[place])
         return Model(effects, stated.get("parameters", {}), rest)
 
     @cached_property
@@ -428,11 +428,11 @@ class Experiment(Result):
         folder = Path(folder)
         if self.in_files:
             raise InputError(f"{self.stated.path}: is in a folder already")
-        own = [effect.name for effect in self.stated.custom if isinstance(effect, Effect)]
-        if own:
+        declared = [effect.name for effect in self.stated.custom if isinstance(effect, Effect)]
+        if declared:
             raise InputError(
-                f"{folder}: effect '{own[0]}' is declared in memory; put it into a Python file, save without it, and "
-                "name the file under [model] custom"
+                f"{folder}: effect '{declared[0]}' is declared in memory; put it into a Python file, save without it, "
+                "and name the file under [model] custom"
             )
         target = folder / "experiment.toml"
         if target.exists():

@@ -12,8 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.experiments.friction_models import MODELS, TITLES, Friction
-from sim.experiments.passivity import passive_below
-from sim.experiments.tip import tip_ellipse
+from sim.experiments.hysteresis import CASES, hysteresis
+from sim.experiments.passivity import MOTIONS, audit, passive_below
+from sim.experiments.presliding import presliding
+from sim.experiments.stick_slip import stick_slip
+from sim.experiments.tip import PHASES, STROKES, tip_ellipse
 from sim.integration.simulate import SimulationError
 from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
@@ -27,7 +30,7 @@ from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
 from workbench.operations.experiment import Experiment, as_experiment, columns_of
 from workbench.operations.lines import CODE, STRONG, TEXT, Line, Note
-from workbench.operations.progress import ProgressCallback
+from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result, finite
 from workbench.operations.simulation_tables import Columns, feature_table, stage_tables, tables_of, write_table
 from workbench.operations.tables import make_table, quantity_text
@@ -161,76 +164,68 @@ def simulate_experiment(
         mass: kg.
         advance: called after each model.
     """
-    if name == "tip":
-        from sim.experiments.tip import PHASES, STROKES
-
-        spacing, height = design.actuator.piezo_spacing * 1e-3, design.actuator.tip_height * 1e-3
-        ellipses = {
-            stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
-            for stroke, size in STROKES.items()
-        }
-        advance()
-        return ellipses
-    friction = friction_of(design)
     results: dict[str, Any] = {}
+    if name == "tip":
+        spacing, height = design.actuator.piezo_spacing * 1e-3, design.actuator.tip_height * 1e-3
+        for stroke, size in STROKES.items():
+            results[stroke] = {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
+        advance()
+        return results
+    friction = friction_of(design)
     for model in models:
         if name == "presliding":
-            from sim.experiments.presliding import presliding
-
             results[model] = presliding(friction, model, mass)
         elif name == "stick-slip":
-            from sim.experiments.stick_slip import stick_slip
-
             results[model] = stick_slip(friction, model, mass)
         elif name == "hysteresis":
-            from sim.experiments.hysteresis import CASES, hysteresis
-
             results[model] = {case: hysteresis(friction, model, case) for case in CASES}
         else:
-            from sim.experiments.passivity import MOTIONS, audit
-
             results[model] = {motion: audit(friction, model, motion) for motion in MOTIONS}
         advance()
     return results
 
 
 def simulate_studies(
-    design: Values, studies: Sequence[str], scheduler: str | None, progress: ProgressCallback | None
+    design: Values, studies: Sequence[str], masses: BodyMasses | None, run_all: Callable[..., list[Any]]
 ) -> dict[str, Any]:
-    """Results of studies of the driven stage, their cases in parallel on the local cores or on a cluster."""
+    """Results of studies of the driven stage; `run_all(study, function, cases)` runs the cases of one."""
     from sim.friction_stage.studies import STUDIES, stage_drive
     from stagecad.solids.assembly.built_machine import body_masses
 
-    drive = stage_drive(design, body_masses(design))
-    # A forked process has the compiled kernels; a new one would load them, for each study.
-    forking = scheduler is None and sys.platform == "linux"
-    map_cases: Callable[..., list[Any]] = fork_map if forking else partial(parallel_map, scheduler=scheduler)
-    results = {}
-    for study in studies:
-        words = f"stage: {study.replace('_', ' ')}"
+    drive = stage_drive(design, masses or body_masses(design))
+    return {study: STUDIES[study](drive, partial(run_all, study)) for study in studies}
 
-        def run_cases(function: Callable[[Any], Any], cases: Sequence[Any], words: str = words) -> list[Any]:
-            steps = Steps(progress, words, len(cases))
-            return map_cases(function, cases, progress=steps)
 
-        results[study] = STUDIES[study](drive, run_cases)
-    return results
+def run_serially(study: str, function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:
+    """One case of a study after another."""
+    return [function(case) for case in cases]
+
+
+def run_parallel(
+    scheduler: str | None,
+    progress: ProgressCallback | None,
+    study: str,
+    function: Callable[[Any], Any],
+    cases: Sequence[Any],
+) -> list[Any]:
+    """The cases of a study in parallel, on the local cores or on a cluster."""
+    steps = Steps(progress, f"stage: {study.replace('_', ' ')}", len(cases))
+    if scheduler is None and sys.platform == "linux":
+        # A forked process has the compiled kernels; a new one would load them, for each study.
+        return fork_map(function, cases, progress=steps)
+    return parallel_map(function, cases, progress=steps, scheduler=scheduler)
 
 
 class Steps:
     """Counts calls, and reports them as steps."""
 
     def __init__(self, progress: ProgressCallback | None, words: str, total: int) -> None:
-        self.progress, self.words, self.total, self.done = progress, words, total, 0
-        self._report()
+        self.progress, self.words, self.total, self.done = progress or silent, words, total, 0
+        self.progress(words, 0, total)
 
     def __call__(self, *_: Any, count: int = 1) -> None:
         self.done += count
-        self._report()
-
-    def _report(self) -> None:
-        if self.progress is not None:
-            self.progress(self.words, self.done, self.total)
+        self.progress(self.words, self.done, self.total)
 
 
 def simulate_selection(design: Values, selection: Selection, masses: Masses | None = None) -> dict[str, Any]:
@@ -242,17 +237,12 @@ def simulate_selection(design: Values, selection: Selection, masses: Masses | No
         masses: of the moving bodies, for the stage; computed from the solids when left out.
     """
     mass = moving_mass(design, selection.mass) if selection.friction_experiments else 1.0
-    results: dict[str, Any] = {}
-    for name in selection.names:
-        if name == "stage":
-            from sim.friction_stage.studies import STUDIES, run_serially, stage_drive
-            from stagecad.solids.assembly.built_machine import body_masses
-
-            drive = stage_drive(design, masses or body_masses(design))
-            results[name] = {study: STUDIES[study](drive, run_serially) for study in selection.studies}
-        else:
-            results[name] = simulate_experiment(design, name, selection.models, mass)
-    return results
+    return {
+        name: simulate_studies(design, selection.studies, masses, run_serially)
+        if name == "stage"
+        else simulate_experiment(design, name, selection.models, mass)
+        for name in selection.names
+    }
 
 
 def features_of(results: Mapping[str, Any]) -> dict[str, Any]:
@@ -567,7 +557,8 @@ def simulate_one(
     """
     try:
         if name == "stage":
-            return Simulation(name, simulate_studies(design, selection.studies, scheduler, progress))
+            run_all = partial(run_parallel, scheduler, progress)
+            return Simulation(name, simulate_studies(design, selection.studies, None, run_all))
         mass = 1.0 if name == "tip" else moving_mass(design, selection.mass)
         steps = Steps(progress, name, 1 if name == "tip" else len(selection.models))
         return Simulation(name, simulate_experiment(design, name, selection.models, mass, steps))

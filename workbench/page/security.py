@@ -7,13 +7,13 @@ A page of another site that runs in the same browser can send requests to 127.0.
 from __future__ import annotations
 
 import hmac
-import json
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from http.cookies import CookieError, SimpleCookie
-from urllib.parse import parse_qs, quote, urlencode
 
+from starlette.datastructures import MutableHeaders
+from starlette.requests import Request
+from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 EVERY_ADDRESS = ("0.0.0.0", "::")
@@ -80,52 +80,43 @@ class Guard:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
-            return
-        if scope["type"] != "http":
-            return
-        headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
-        refused = self._refusal(scope, headers)
-        if refused is not None:
-            await _answer(send, *refused)
-            return
-        if self.token is not None and not self._cookie(headers):
-            given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
-            if not hmac.compare_digest(given.encode(), self.token.encode()):
-                await _answer(send, 401, "the address that 'stagecad workbench' printed, with its token, is required")
-                return
-            await _set_cookie(send, scope, self.token)
-            return
-        limit = self.upload_limit if scope["path"].startswith(UPLOAD_PATH) else JSON_LIMIT
-        length = headers.get("content-length", "0")
-        if not length.isdigit() or int(length) > limit:
-            await _answer(send, 413, f"the body is larger than {limit / 1e6:g} MB")
-            return
-        await self._guarded(scope, receive, send, limit)
+        elif scope["type"] == "http":
+            request = Request(scope)
+            upload = scope["path"].startswith(UPLOAD_PATH)
+            limit = self.upload_limit if upload else JSON_LIMIT
+            answer = self._refusal(request, upload) or self._entrance(request) or _size_refusal(request, limit)
+            if answer is not None:
+                await answer(scope, receive, send)
+            else:
+                await self._guarded(scope, receive, send, limit)
 
-    def _refusal(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
-        host = headers.get("host", "").lower()
-        if host not in self.hosts and not (self.every_address and host == _own_address(scope)):
-            return 421, "the Host of the request is not this server"
-        origin = headers.get("origin")
-        if origin is not None and origin.lower() not in (f"http://{host}", f"https://{host}"):
-            return 403, "the request comes from another site"
-        if headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
-            return 403, "the request comes from another site"
-        if scope["method"] not in ("GET", "HEAD"):
-            kind = headers.get("content-type", "").partition(";")[0].strip()
-            wanted = "application/octet-stream" if scope["path"].startswith(UPLOAD_PATH) else "application/json"
-            if kind != wanted:
-                # A form of another site can send neither kind.
-                return 415, f"Content-Type {wanted} is required"
+    def _refusal(self, request: Request, upload: bool) -> Response | None:
+        """The answer to a request of another host or another site."""
+        host = request.headers.get("host", "").lower()
+        if host not in self.hosts and not (self.every_address and host == _own_address(request)):
+            return _refused(421, "the Host of the request is not this server")
+        origin = request.headers.get("origin", f"http://{host}").lower()
+        site = request.headers.get("sec-fetch-site", "same-origin")
+        if origin not in (f"http://{host}", f"https://{host}") or site not in ("same-origin", "none"):
+            return _refused(403, "the request comes from another site")
+        wanted = "application/octet-stream" if upload else "application/json"
+        kind = request.headers.get("content-type", "").partition(";")[0].strip()
+        if request.method not in ("GET", "HEAD") and kind != wanted:
+            # A form of another site can send neither kind.
+            return _refused(415, f"Content-Type {wanted} is required")
         return None
 
-    def _cookie(self, headers: dict[str, str]) -> bool:
-        assert self.token is not None
-        try:
-            cookie = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
-        except CookieError:
-            return False
-        return cookie is not None and hmac.compare_digest(cookie.value.encode(), self.token.encode())
+    def _entrance(self, request: Request) -> Response | None:
+        """The answer to a browser without the token as a cookie: with it in the address, it gets the cookie."""
+        if self.token is None or hmac.compare_digest(request.cookies.get(COOKIE, "").encode(), self.token.encode()):
+            return None
+        if not hmac.compare_digest(request.query_params.get("token", "").encode(), self.token.encode()):
+            return _refused(401, "the address that 'stagecad workbench' printed, with its token, is required")
+        rest = request.url.remove_query_params("token").query
+        place = f"/{request.scope['path'].lstrip(WITHOUT_HOST)}" + (f"?{rest}" if rest else "")
+        answer = RedirectResponse(place, 303, headers=HEADERS)
+        answer.set_cookie(COOKIE, self.token, httponly=True, samesite="strict")
+        return answer
 
     async def _guarded(self, scope: Scope, receive: Receive, send: Send, limit: int) -> None:
         received, started = 0, False
@@ -145,15 +136,28 @@ class Guard:
                 return
             if message["type"] == "http.response.start":
                 started = True
-                present = {name for name, _ in message["headers"]}
-                extra = [(k.encode(), v.encode()) for k, v in HEADERS.items() if k.encode() not in present]
-                message = {**message, "headers": [*message["headers"], *extra]}
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers.setdefault(name, value)
             await send(message)
 
         with suppress(TooLargeError):
             await self.app(scope, counted, with_headers)
         if received > limit and not started:
-            await _answer(send, 413, f"the body is larger than {limit / 1e6:g} MB")
+            await _too_large(limit)(scope, receive, send)
+
+
+def _size_refusal(request: Request, limit: int) -> Response | None:
+    length = request.headers.get("content-length", "0")
+    return None if length.isdigit() and int(length) <= limit else _too_large(limit)
+
+
+def _too_large(limit: int) -> Response:
+    return _refused(413, f"the body is larger than {limit / 1e6:g} MB")
+
+
+def _refused(status: int, message: str) -> Response:
+    return JSONResponse({"error": message}, status, {**HEADERS, "connection": "close"})
 
 
 def allowed_hosts(host: str, port: int, more: Iterable[str] = ()) -> frozenset[str]:
@@ -168,32 +172,8 @@ def allowed_hosts(host: str, port: int, more: Iterable[str] = ()) -> frozenset[s
     return frozenset(f"{name}:{port}".lower() for name in names)
 
 
-def _own_address(scope: Scope) -> str:
+def _own_address(request: Request) -> str:
     """Address of this computer that a request reached, as its `Host` gives it."""
-    host, port = scope.get("server") or ("", 0)
+    host, port = request.scope.get("server") or ("", 0)
     host = host.removeprefix("::ffff:")
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-
-
-async def _answer(send: Send, status: int, message: str) -> None:
-    body = json.dumps({"error": message}).encode()
-    headers = {**HEADERS, "content-type": "application/json", "content-length": str(len(body)), "connection": "close"}
-    raw = [(name.encode(), value.encode()) for name, value in headers.items()]
-    await send({"type": "http.response.start", "status": status, "headers": raw})
-    await send({"type": "http.response.body", "body": body})
-
-
-async def _set_cookie(send: Send, scope: Scope, token: str) -> None:
-    """Store the token as a cookie, and lead to the address without it."""
-    query = parse_qs(scope["query_string"].decode("latin-1"))
-    query.pop("token", None)
-    rest = f"?{urlencode(query, doseq=True)}" if query else ""
-    headers = {
-        **HEADERS,
-        "location": f"/{quote(scope['path'].lstrip(WITHOUT_HOST))}{rest}",
-        "set-cookie": f"{COOKIE}={token}; HttpOnly; SameSite=Strict; Path=/",
-        "content-length": "0",
-    }
-    raw = [(name.encode(), value.encode("latin-1")) for name, value in headers.items()]
-    await send({"type": "http.response.start", "status": 303, "headers": raw})
-    await send({"type": "http.response.body", "body": b""})

@@ -55,7 +55,7 @@ from workbench.report.html import render
 SCHEMA = 5
 REPORT = "report.html"
 """Name of the report in its folder."""
-WIDTH = 9.6
+WIDTH = 8.4
 """Inches of a figure of the report."""
 MOST_CORRELATED = 14
 """Parameters up to which the matrix of correlations is shown."""

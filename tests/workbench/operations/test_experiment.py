@@ -95,7 +95,7 @@ def test_a_fault_is_one_line_that_names_the_key(change, message) -> None:
 def test_a_model_is_put_together_of_effects_and_models() -> None:
     own = stagecad.Effect("hook", "spring", force=lambda axis, p: p.k * axis.position)
     model = Model(["coulomb"], {"coulomb.force": "1 N"}) + own + Model(["viscous"])
-    assert model.names == ("coulomb", "hook", "viscous") and model.own == (own,)
+    assert model.names == ("coulomb", "hook", "viscous") and model.declared == (own,)
     assert repr(model) == "Model(['coulomb', 'hook', 'viscous'], parameters={'coulomb.force': '1 N'})"
 
 

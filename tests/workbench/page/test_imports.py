@@ -1,4 +1,4 @@
-"""The page is made of the Python interface: no route, and no job, calls a layer below `workbench.api`."""
+"""The page is made of the Python interface: no route, and no job, calls a layer below the operations."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import workbench.page
 
 PAGE = Path(workbench.page.__file__).parent
 PROJECT = ("stagecad", "designcalc", "drawings", "sim", "sysid", "workbench")
-ALLOWED = ("workbench.api", "workbench.operations", "workbench.figures", "workbench.page", "stagecad.parameters")
+ALLOWED = ("workbench.operations", "workbench.figures", "workbench.page", "stagecad.parameters")
 """The parameter file is the input of the interface, and its errors are those of all layers."""
 EXCEPTIONS = {
     "stagecad.__version__": "shown on the page",

@@ -27,7 +27,7 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show on what its residual depends."""
     if scheduler is not None and bootstrap is None:
         raise InputError("--scheduler: only --bootstrap has many independent runs")
-    from workbench.cli.console import show, steps_in
+    from workbench.cli.console import show
     from workbench.operations.compare import compare
 
     with run.busy("fitting the model as it stands"):
@@ -35,8 +35,8 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     document = comparison.document
     show(run, comparison.lines())
     if bootstrap is not None:
-        with run.progress() as progress:
-            refits = comparison.bootstrap(bootstrap, seed, scheduler, steps_in(progress))
+        with run.reporting("refits") as progress:
+            refits = comparison.bootstrap(bootstrap, seed, scheduler, progress)
         document = refits.document
         show(run, [refits.table()])
         if figures:

@@ -34,9 +34,9 @@ def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: 
     from sim.effects.custom import load_all_custom
 
     if target is not None:
-        from workbench.operations.effect_template import write_own_effect
+        from workbench.operations.effect_template import write_effect_template
 
-        name = write_own_effect(target)
+        name = write_effect_template(target)
         run.note(
             f'written: {target}; to have it tried, put custom = ["{target.name}"] under [model] in experiment.toml '
             "and give --trust after each change"

@@ -118,15 +118,14 @@ def _simulate_records(run: Run, names: tuple[str, ...], options: dict[str, Any])
 def _simulate(run: Run, names: tuple[str, ...], options: dict[str, Any]) -> None:
     """The selected experiments: at the design's own values, over a range of a parameter, or of sampled machines."""
     from designcalc.checks.analysis.sweep import read_range
-    from workbench.cli.console import show, steps_in
+    from workbench.cli.console import show
     from workbench.operations import simulation_study
     from workbench.operations.simulate import EXPERIMENTS, read_selection, simulate_one
 
     given = {name: options[name] for name in ("models", "mass", "studies", "scheduler", "swept", "draws")}
     selection = read_selection(names, **given)
     folder, formats, scheduler = run.out / "simulate", _formats(options), options["scheduler"]
-    with run.progress() as progress:
-        steps = steps_in(progress)
+    with run.reporting() as steps:
         if options["swept"] is not None:
             swept = read_range(options["swept"], run.design.values)
             sweep = simulation_study.sweep(run.design, swept, selection, scheduler, steps)
