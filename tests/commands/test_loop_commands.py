@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import workbench
 from workbench import cli
 from workbench.operations.demonstration import free_folder, fresh_copy
 
-PACKAGED = Path(cli.__file__).parent / "demo_records"
+PACKAGED = Path(workbench.__file__).parent / "demo_records"
 
 
 @pytest.fixture(scope="module")

@@ -186,7 +186,7 @@ def simulate_experiment(
 
 
 def simulate_studies(
-    design: Values, studies: Sequence[str], masses: BodyMasses | None, run_all: Callable[..., list[Any]]
+    design: Values, studies: Sequence[str], masses: Any, run_all: Callable[..., list[Any]]
 ) -> dict[str, Any]:
     """Results of studies of the driven stage; `run_all(study, function, cases)` runs the cases of one."""
     from sim.friction_stage.studies import STUDIES, stage_drive
