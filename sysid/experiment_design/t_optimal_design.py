@@ -5,13 +5,13 @@ refitted to the other (Atkinson and Fedorov, Biometrika 62 (1975) 57):
 
     distance^2 = min over j, k of min over theta_k of sum_i (y_j(t_i) - y_k(t_i; theta_k))^2 / sigma_i^2
 
-with all parameters of model k free. The sum is scaled to the number of independent samples. Squared distances add over
-experiments, so motions are ordered by their smallest squared distance per second.
+with all parameters of model k free, refitted from several starts. The sum is scaled to the number of independent
+samples. Squared distances add over experiments, so motions are ordered by their smallest squared distance per second.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,15 +20,16 @@ import numpy as np
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
-from sysid.estimation.least_squares import least_squares
+from sysid.estimation.least_squares import FitResult, least_squares
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
+from sysid.experiment.unknowns import Unknown
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Model, predict
+from sysid.prediction.model import Model, predict, scales_of, shape_grid
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
@@ -37,6 +38,12 @@ from sysid.signals.masks import dilated
 MOST_MODELS = 4
 COMPETING_ERROR = 2.0
 """Largest ratio of the held-out error of a competing model to that of the best candidate."""
+
+SHAPES, COARSE_STEPS, REFINED = 16, 4, 3
+"""Of the fit of one model to the predictions of another: shapes that it starts from, steps of each start, and starts
+that are refined."""
+REFIT_STEPS, REFIT_TOLERANCE = 60, 1e-8
+"""Of each refinement: the distance is exact at the minimum only."""
 
 SCORED = 4000
 """Largest number of samples from which the distance on the present records is computed."""
@@ -181,8 +188,23 @@ def _distance_after_refit(
             rival, posed, weights, {**rival.values, **dict(zip(keys, point.tolist(), strict=True))}
         )
 
-    fitted = least_squares(residual, rival.unknowns, robust=False, iterations=12)
-    return float(np.linalg.norm(fitted.residual))
+    def fitted(unknowns: Sequence[Unknown], steps: int) -> FitResult:
+        return least_squares(residual, unknowns, robust=False, iterations=steps, tolerance=REFIT_TOLERANCE)
+
+    # From the present values, without the effect that the rival adds, and over its shapes: a record may leave several
+    # minima, and at an amplitude of zero the shapes have no gradient.
+    own = [effect for effect in rival.effects if effect.name not in {other.name for other in truth.effects}]
+    amplitudes = [(e.name, q) for e in own for q in e.parameters if q.role == "amplitude"]
+    absent = {f"{name}.{q.name}": min(max(0.0, q.low), q.high) for name, q in amplitudes}
+    scales = scales_of(records)
+    starts: list[Mapping[str, float]] = [{}, absent, *(shapes for e in own for shapes in shape_grid(e, scales, SHAPES))]
+
+    def begun(values: Mapping[str, float]) -> list[Unknown]:
+        return [replace(u, start=values.get(u.key, u.start)) for u in rival.unknowns]
+
+    coarse = [fitted(begun(one), COARSE_STEPS) for one in starts]
+    best = sorted(coarse, key=lambda fit: float(np.linalg.norm(fit.residual)))[:REFINED]
+    return min(float(np.linalg.norm(fitted(begun(one.values), REFIT_STEPS).residual)) for one in best)
 
 
 def _independent(problem: Problem, record: PreparedRecord, step: float) -> float:
@@ -302,6 +324,7 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
         inputs={"pull_position": position, "spring_force": np.zeros(n)},
         applied=None,
         stick_phases=None,
+        redrawn=None,
     )
     record.valid[channel] = inside & ~_near_reversals(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(problem, first, motion.step)
