@@ -192,6 +192,7 @@ class _Part:
                 name in notes.symmetric,
                 partial(self._feature_at, axis),
                 datum=notes.packaged or name in notes.symmetric or self._on_axis(axis),
+                halved=() if notes.packaged else [d for d in dimensions if self._is_slot(d)],
             )
             for name, axis in AXES.items()
         }
@@ -201,6 +202,18 @@ class _Part:
         self._distances = [d for d in dimensions if d.kind == "linear"]
         self._slopes = [d for d in dimensions if d.kind in ("slope", "angle")]
         self._tabulated = {d.value for d in dimensions if d.table and d.kind in ("diameter", "tap_drill")}
+
+    def _is_slot(self, d: Dimension) -> bool:
+        """Whether a distance is the width of a slot: its middle is the axis of the half cylinder at an end."""
+        if d.kind != "linear" or d.direction is None:
+            return False
+        middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
+        return any(
+            s.is_round(d.value / 2)
+            and abs(dot(s.axis, d.direction)) < SQUARE
+            and abs(dot(s.origin, d.direction) - middle) < NEAR
+            for s in self._surfaces
+        )
 
     def _on_axis(self, along: Point) -> bool:
         """Whether the origin of the part is on the axis of its largest outer round face, across a direction."""
@@ -305,7 +318,7 @@ class _StatedPart(_Part):
         super().__init__(verifier, dimensions, notes)
         self._verifier = verifier
         self._sizes: dict[int, str] = {}
-        self._cones: list[tuple[Point, Point, str]] = []
+        self._cones: list[Dimension] = []
         self._depths = [d for d in dimensions if d.kind == "depth"]
         self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
         for d in dimensions:
@@ -317,7 +330,7 @@ class _StatedPart(_Part):
             try:
                 holes = self._verifier.holes(d)
             except (LookupError, StopIteration):
-                self._cones.append((d.points[0], d.direction, d.name))
+                self._cones.append(d)
                 return
             for number, surface in enumerate(self._surfaces):
                 if surface.is_round(holes[0].radius) and (
@@ -398,6 +411,9 @@ class _StatedPart(_Part):
         return "; ".join(dict.fromkeys(names)) and f"corners: {'; '.join(dict.fromkeys(names))}"
 
     def _joins(self, surface: Surface) -> str:
+        if surface.kind == "SPHERE":
+            names = [self.levels[name].located_by(dot(surface.origin, unit)) for name, unit in AXES.items()]
+            return "; ".join(dict.fromkeys(names)) if all(names) else ""
         if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
             return self._notes.defines(_middle(surface))
         return super()._joins(surface)
@@ -407,11 +423,14 @@ class _StatedPart(_Part):
         along = next((name for name in AXES if _parallel(surface, AXES[name])), None)
         if along is None:
             return ""
-        for at, axis, name in self._cones:
-            if _parallel(surface, axis) and surface.off_axis(at) < NEAR and "countersink" in name:
+        for d in self._cones:
+            if d.direction and _parallel(surface, d.direction) and "countersink" in d.name:
                 low, high = surface.extent(AXES[along])
-                if low - NEAR <= dot(at, AXES[along]) <= high + NEAR:
-                    return name
+                own = surface.off_axis(d.points[0]) < NEAR or d.count > 1
+                wide = max(map(surface.off_axis, surface.vertices), default=0.0)
+                level = low - NEAR <= dot(d.points[0], AXES[along]) <= high + NEAR
+                if own and level and abs(2 * wide - d.value) < NEAR:
+                    return d.name
         rims = {round(dot(v, AXES[along]), 4): surface.off_axis(v) for v in surface.vertices}
         ends = {level: radius for level, radius in rims.items() if radius > NEAR}
         for level, radius in ends.items():
@@ -421,7 +440,8 @@ class _StatedPart(_Part):
                 if other.kind == "CYLINDER"
             )
             stated = any(
-                surface.off_axis(at) < NEAR and abs(dot(at, AXES[along]) - level) < NEAR for at, _, _ in self._cones
+                surface.off_axis(d.points[0]) < NEAR and abs(dot(d.points[0], AXES[along]) - level) < NEAR
+                for d in self._cones
             )
             if not (known or stated) or not self.levels[along].locates_end(level):
                 return ""

@@ -32,6 +32,7 @@ class Levels:
         symmetric: whether the middle plane of the axis is a plane of symmetry.
         feature_at: identifies the plane face, by a number, or the axis of a round face, at a point of a dimension.
         datum: whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part.
+        halved: dimensions whose middle is an axis, as the width of a slot.
 
     Attributes:
         superfluous: names of dimensions between faces that other dimensions tie together already.
@@ -45,6 +46,7 @@ class Levels:
         feature_at: Callable[[Point], Hashable],
         *,
         datum: bool = True,
+        halved: Sequence[Dimension] = (),
     ) -> None:
         self._datum = datum
         own = [d for d in dimensions if _is_along(d, axis)]
@@ -64,6 +66,15 @@ class Levels:
                 self._names.setdefault(number, d.name)
             rows.append(row)
         rows += self._outlines(dimensions, axis)
+        for d in halved:
+            if _is_along(d, axis):
+                low, high = (dot(point, axis) for point in d.points[:2])
+                row = {}
+                for level, factor in ((low, 1.0), (high, 1.0), ((low + high) / 2, -2.0)):
+                    number, side = self._unknown(level, private=False)
+                    row[number] = row.get(number, 0.0) + factor * side
+                    self._names.setdefault(number, d.name)
+                rows.append(row)
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
         rows += self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)

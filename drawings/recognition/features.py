@@ -125,6 +125,13 @@ def along_of(axis: Point) -> str | None:
     return next((name for name, unit in AXES.items() if abs(abs(dot(axis, unit)) - 1.0) < SQUARE), None)
 
 
+def is_usual(axis: Point) -> bool:
+    """Whether a direction points towards the eye of the top, front or right view rather than of their opposites."""
+    return axis[2] > SQUARE or (
+        abs(axis[2]) <= SQUARE and (axis[0] > SQUARE or (abs(axis[0]) <= SQUARE and axis[1] < 0))
+    )
+
+
 def span_of(surface: Surface) -> float:
     """Angle of a cylinder that a face covers, radians."""
     u0, u1, _, _ = surface.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
@@ -242,7 +249,7 @@ def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: Dim
         open_ends.append(not verifier.is_inside(around) and not _tip_is_closed(tips.get(end), section.radius))
     # The mouth is the wider open end; of two equal ones that towards the eye of the top, front or right view.
     radii = [chain[0].radius, chain[-1].radius]
-    upward = axis > (0.0, 0.0, 0.0)
+    upward = is_usual(axis)
     first = (
         1
         if open_ends[1] and (not open_ends[0] or radii[1] > radii[0] + NEAR or (radii[1] > radii[0] - NEAR and upward))

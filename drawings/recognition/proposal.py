@@ -22,11 +22,12 @@ from drawings.recognition.features import (
     Hole,
     along_of,
     features_of,
+    is_usual,
     middle_of_face,
 )
 from drawings.views.projection import project
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
-from drawings.views.view import PROJECTIONS, dot
+from drawings.views.view import PROJECTIONS, Point2, dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
@@ -49,12 +50,19 @@ PREFERRED = {
     "z": ("front", "right", "left", "back"),
 }
 """Views that show lengths along an axis, the usual ones first."""
+PASSING, ANOTHER_VIEW = 60.0, 25.0
+"""Cost of a point through which lines only pass, and of each less usual view, mm."""
+NEIGHBOURS = (-0.01, 0.0, 0.01)
 FACE, AXIS = "face", "axis"
 
 
 @dataclass(frozen=True)
 class Proposed:
-    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key."""
+    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key.
+
+    Args:
+        order: of several that say the same, the one of the highest order is left out.
+    """
 
     method: str
     name: str
@@ -62,6 +70,7 @@ class Proposed:
     value: float
     arguments: tuple[Any, ...]
     fields: dict[str, Any] = field(default_factory=dict)
+    order: int = 0
 
 
 @dataclass(frozen=True)
@@ -126,7 +135,7 @@ def _without_superfluous(
 ) -> list[Proposed]:
     """The proposals without those that the definition does not need, the last ones first."""
     left = {line for line in problems(proposed) if "follows from" not in line}
-    for one in reversed(proposed):
+    for one in sorted(proposed[::-1], key=lambda one: -one.order):
         rest = [other for other in proposed if other is not one]
         if all(line in left for line in problems(rest) if "follows from" not in line):
             proposed = rest
@@ -153,7 +162,7 @@ class _Builder:
         self._low = [min(s.low[n] for s in surfaces) for n in range(3)]
         self._high = [max(s.high[n] for s in surfaces) for n in range(3)]
 
-    def add(self, method: str, name: str, value: float, *arguments: Any, **fields: Any) -> None:
+    def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
         """Add a proposal under a name and key of its own."""
         used = {one.name for one in self.proposed}
         number = 2
@@ -161,12 +170,16 @@ class _Builder:
         while unique in used:
             unique, number = f"{name} {number}", number + 1
         key = unique.replace(" ", "_").replace("-", "_")
-        self.proposed.append(Proposed(method, unique, key, round(value, 9), arguments, fields))
+        self.proposed.append(Proposed(method, unique, key, round(value, 9), arguments, fields, order))
 
-    def seen(self, point: Point, view: str) -> bool:
-        """Whether a line of the part is drawn at a point in a view."""
+    def seen(self, point: Point, view: str) -> float | None:
+        """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
         u, v = PROJECTIONS[view].to_view(point)
-        return bool(self._lines[view].count_in((u - LINE_NEAR, v - LINE_NEAR, u + LINE_NEAR, v + LINE_NEAR)))
+        lines, ends = self._lines[view]
+        if (round(u, 2) + 0.0, round(v, 2) + 0.0) in ends:
+            return 0.0
+        box = (u - LINE_NEAR, v - LINE_NEAR, u + LINE_NEAR, v + LINE_NEAR)
+        return PASSING if lines.count_in(box) else None
 
     # Holes
 
@@ -190,7 +203,7 @@ class _Builder:
 
     def _view_of(self, hole: Hole) -> str:
         """View from the side of the mouth of a hole; the section for a slanting one."""
-        return VIEW_OF.get(_negative(hole.into), "front")
+        return VIEW_OF.get(_tidy(_negative(hole.into)), "front")
 
     def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
         return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
@@ -198,7 +211,7 @@ class _Builder:
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)
         common: dict[str, Any] = {"view": view, "count": count, "feature": name}
-        along = tuple(abs(a) for a in hole.into)
+        along = _tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
         last = len(hole.steps) - 1
         start = 0.0
         for number, (radius, end) in reversed(list(enumerate(hole.steps))):
@@ -210,8 +223,8 @@ class _Builder:
             at, direction = (on[0], on[1]) if on else (at, None)
             self.add("diameter", step, 2 * radius, _tidy(at), along, direction, **common, **note)
             if number < last or not hole.through:
-                end_point = moved(hole.mouth, hole.into, end)
-                self.add("depth", f"{step} depth", end, _tidy(hole.mouth), _tidy(end_point), hole.into, **common)
+                end_point, into = moved(hole.mouth, hole.into, end), _tidy(hole.into)
+                self.add("depth", f"{step} depth", end, _tidy(hole.mouth), _tidy(end_point), into, **common)
         if hole.sink[0]:
             text = {"note": f"x {hole.sink[1]:.0f}°"}
             self.add("diameter", f"{name} countersink", hole.sink[0], _tidy(hole.mouth), along, **common, **text)
@@ -256,7 +269,7 @@ class _Builder:
         radius = math.dist(hole.mouth, centre)
         at = moved(hole.mouth, hole.into, hole.steps[-1][1] * 0.5)
         middle = moved(centre, hole.into, hole.steps[-1][1] * 0.5)
-        along = tuple(abs(a) for a in hole.into)
+        along = _tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
         view = self._view_of(hole)
         self.add("pitch_circle", name, 2 * radius, _tidy(middle), _tidy(at), len(group), along, view=view)
 
@@ -264,29 +277,36 @@ class _Builder:
 
     def slots(self) -> None:
         """Widths of slots, and the levels of the axes of their ends."""
-        for number, slot in enumerate(self.features.slots, start=1):
+        groups: dict[tuple[object, ...], list[tuple[Point, Point, str]]] = defaultdict(list)
+        for slot in self.features.slots:
             (first, second), axis = slot.centres, slot.axis
             run = tuple(b - a for a, b in zip(first, second, strict=True))
             size = math.hypot(*run)
-            across = _cross(axis, tuple(r / size for r in run))  # type: ignore[arg-type]
+            across = _positive(_cross(axis, tuple(r / size for r in run)))  # type: ignore[arg-type]
             middle: Point = tuple((a + b) / 2 for a, b in zip(first, second, strict=True))  # type: ignore[assignment]
             view = self._open_view(axis, middle)
-            ends = [_tidy(moved(middle, across, side * slot.radius)) for side in (-1.0, 1.0)]
-            self.add("linear", f"slot {number} width", 2 * slot.radius, *ends, _positive(across), view=view)
+            groups[(round(slot.radius, 4), across, view, round(dot(middle, _tidy(axis)), 3))].append(
+                (middle, across, view)
+            )
             for centre in slot.centres:
                 for name, at in self._across(axis, centre):
                     self._levels[name].append(_Level(at, (_tidy(centre),), view, AXIS))
+        for number, (key, group) in enumerate(groups.items(), start=1):
+            (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
+            ends = [_tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
+            count = {"count": len(group)} if len(group) > 1 else {}
+            self.add("linear", f"slot {number} width", 2 * radius, *ends, across, view=view, **count)
 
     def _open_view(self, axis: Point, point: Point) -> str:
         """View along an axis from the side on which a point is not covered."""
-        for sign in (1.0, -1.0):
-            eye = tuple(sign * a + 0.0 for a in axis)
-            view = VIEW_OF.get(_tidy(eye))  # type: ignore[arg-type]
+        usual = _tidy(axis) if is_usual(axis) else _tidy(_negative(axis))
+        for eye in (usual, _negative(usual)):
+            view = VIEW_OF.get(eye)
             reach = max(self._high[n] - self._low[n] for n in range(3))
-            steps = [moved(point, eye, reach * part / 40) for part in range(40)]  # type: ignore[arg-type]
+            steps = [moved(point, eye, reach * part / 40) for part in range(40)]
             if view and not any(map(self.verifier.is_inside, steps)):
                 return view
-        return VIEW_OF.get(_tidy(_positive(axis)), "front")
+        return VIEW_OF.get(usual, "front")
 
     def round_features(self) -> None:
         """Diameters of shafts and bosses, radii of fillets and balls."""
@@ -346,7 +366,7 @@ class _Builder:
             eye = PROJECTIONS[view].towards_eye
             if abs(dot(eye, axis)) < 1e-6:
                 across = _cross(eye, axis)
-                if all(self.seen(moved(at, across, side * radius), view) for side in (-1.0, 1.0)):
+                if all(self.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
                     return view
         return VIEW_OF.get(_tidy(_positive(axis)), "top")
 
@@ -378,7 +398,13 @@ class _Builder:
             name = along_of(surface.axis) if surface.kind == "PLANE" else None
             if name is not None:
                 at = dot(surface.origin, AXES[name])
-                self._levels[name].append(_Level(at, surface.vertices or (_tidy(middle_of_face(surface)),)))
+                points = (*surface.vertices, *_extremes(surface))
+                self._levels[name].append(_Level(at, points or (_tidy(middle_of_face(surface)),)))
+        for surface in self.features.spheres:
+            for name, unit in AXES.items():
+                out = next(axis for axis in AXES.values() if axis != unit)
+                point = _tidy(moved(surface.origin, out, surface.radius))
+                self._levels[name].append(_Level(dot(surface.origin, unit), (point,)))
         for surface in self.features.slanted:
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
@@ -411,7 +437,7 @@ class _Builder:
         ends = [row for row in (by_level.get(round(low, 3)), by_level.get(round(high, 3))) if row is not None]
         size = {"x": "length", "y": "width", "z": "height"}[name]
         if len(ends) == 2 and ends[0] is not ends[1]:
-            self._between(size, name, *ends)
+            self._between(size, name, *ends, order=0)
         if name in self.centred:
             self._pairs(name, rows, ends)
         else:
@@ -426,11 +452,27 @@ class _Builder:
             if mirror is None:
                 start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
                 if start is None:
+                    self._from_outline(name, row)
                     continue
                 self._between(f"{name} place", name, start, row)
             elif row.at < 0:
                 what = "spacing" if row.kind == AXIS else "distance"
                 self._between(f"{name} {what}", name, row, mirror)
+
+    def _from_outline(self, name: str, row: _Level) -> None:
+        """Distance of a flat or key seat from the opposite outline of a round part."""
+        shaft = max(self.features.shafts, key=lambda shaft: shaft.radius, default=None)
+        inner = self._in_section(name, row, row)
+        if shaft is None or inner is None:
+            return
+        (_, on), _ = inner
+        number = list(AXES).index(name)
+        own = [s for s in self.features.shafts if s.low - NEAR <= dot(on, s.face.axis) <= s.high + NEAR]
+        radius = max((s.radius for s in own), default=shaft.radius)
+        opposite: Point = tuple(-math.copysign(radius, row.at) if n == number else v for n, v in enumerate(on))  # type: ignore[assignment]
+        self.add(
+            "linear", f"{name} place", abs(row.at) + radius, _tidy(opposite), on, AXES[name], view="section", order=1
+        )
 
     def _from_datum(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
         """Distances from a datum: the lower end, else the middle axis of the part."""
@@ -440,44 +482,58 @@ class _Builder:
         spaced = _row_of_equal_steps([row for row in rows if row.kind == AXIS])
         if len(spaced) > 3:
             first, last = spaced[0], spaced[-1]
-            points = self._points(name, first, last)
+            (one, other), view = self._points(name, first, last)
             steps = len(spaced) - 1
-            if points:
-                self.add("pitch", f"{name} pitch", (last.at - first.at) / steps, *points[0], steps, view=points[1])
+            self.add("pitch", f"{name} pitch", (last.at - first.at) / steps, one, other, steps, view=view)
         for row in rows:
             if row is not datum and row not in ends[1:] and row not in spaced[1:]:
                 self._between(f"{name} place", name, datum, row)
 
-    def _between(self, what: str, name: str, first: _Level, second: _Level) -> None:
-        found = self._points(name, first, second)
-        if found is None:
-            return
-        (one, other), view = found
-        self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], view=view)
+    def _between(self, what: str, name: str, first: _Level, second: _Level, order: int | None = None) -> None:
+        (one, other), view = self._points(name, first, second)
+        rank = order if order is not None else 2 if second.kind == FACE else 1
+        self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], view=view, order=rank)
 
-    def _points(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str] | None:
-        """Points of two levels in the view that shows both best: nearest to each other across the dimension."""
-        wanted = [view for view in (second.view, first.view) if view in PREFERRED[name]]
-        best = None
+    def _points(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str]:
+        """Points of two levels in the view that shows both best: nearest to each other across the dimension. Where no
+        view shows them, those of a section through the middle of a face.
+        """
+        wanted = [view for view in (second.view, first.view) if view in (*PREFERRED[name], *_others(name))]
+        found: list[tuple[float, Point, Point, str]] = []
         for rank, view in enumerate(dict.fromkeys((*wanted, *PREFERRED[name], *_others(name)))):
-            pairs = [
-                (self._offset(one, other, view, name), _tidy(one), _tidy(other))
-                for one in self._shown(first, view)
-                for other in self._shown(second, view)
-            ]
-            if pairs:
-                away, one, other = min(pairs)
-                cost = away + 30.0 * rank
-                best = min(best, (cost, one, other, view)) if best else (cost, one, other, view)
-        if best is None:
-            return (_tidy(first.points[0]), _tidy(second.points[0])), (wanted or list(PREFERRED[name]))[0]
-        return (best[1], best[2]), best[3]
+            for cost, one in self._shown(first, view):
+                for more, other in self._shown(second, view):
+                    away = self._offset(one, other, view, name)
+                    found.append((cost + more + away + ANOTHER_VIEW * rank, one, other, view))
+        cost, one, other, view = min(found, default=(math.inf, first.points[0], second.points[0], "section"))
+        shown = found and all(
+            self.seen(point, view) == 0.0 or level.kind == AXIS for point, level in ((one, first), (other, second))
+        )
+        if shown or second.kind == AXIS:
+            return (_tidy(one), _tidy(other)), view if found else PREFERRED[name][0]
+        inner = self._in_section(name, first, second)
+        return inner or ((_tidy(one), _tidy(other)), view if found else PREFERRED[name][0])
 
-    def _shown(self, level: _Level, view: str) -> list[Point]:
-        """Points of a level at which a view shows a line; the axes of holes in the view along them."""
+    def _in_section(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str] | None:
+        """Ends of a distance to a face within the part, in a section through the middle of this face."""
+        for surface in self.verifier.surfaces:
+            if (
+                surface.kind == "PLANE"
+                and along_of(surface.axis) == name
+                and abs(dot(surface.origin, AXES[name]) - second.at) < NEAR
+            ):
+                inside = middle_of_face(surface)
+                number = list(AXES).index(name)
+                start: Point = tuple(first.at if n == number else v for n, v in enumerate(inside))  # type: ignore[assignment]
+                return (_tidy(start), _tidy(inside)), "section"
+        return None
+
+    def _shown(self, level: _Level, view: str) -> list[tuple[float, Point]]:
+        """Points of a level in a view with their costs; the axes of holes in the view along them."""
         if level.kind == AXIS and level.view == view:
-            return list(level.points[:8])
-        return [point for point in level.points[:40] if self.seen(point, view)][:8]
+            return [(0.0, point) for point in level.points[:8]]
+        costs = [(self.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
+        return sorted((cost, point) for cost, point in costs if cost is not None)[:8]
 
     def _offset(self, one: Point, other: Point, view: str, name: str) -> float:
         step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
@@ -497,10 +553,30 @@ def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
     return rows if max(steps) - min(steps) < NEAR else []
 
 
-def _visible(verifier: DimensionVerifier, name: str) -> SegmentIndex:
-    """Visible lines of a view, view coordinates."""
+def _visible(verifier: DimensionVerifier, name: str) -> tuple[SegmentIndex, set[Point2]]:
+    """Visible lines of a view, and where they end, view coordinates."""
     curves = project(verifier.solid.wrapped, PROJECTIONS[name], hidden=False)["VISIBLE"]
-    return SegmentIndex([line for curve in curves for line in polyline_lines(list(curve_points(curve)))])
+    rows = [list(curve_points(curve)) for curve in curves]
+    ends = {(round(u, 2) + 0.0, round(v, 2) + 0.0) for row in rows for u, v in (row[0], row[-1])}
+    near = {(round(u + a, 2), round(v + b, 2)) for u, v in ends for a in NEIGHBOURS for b in NEIGHBOURS}
+    return SegmentIndex([line for row in rows for line in polyline_lines(row)]), near
+
+
+def _extremes(surface: Surface) -> list[Point]:
+    """Outermost points of the circles of a plane face along the axes of the part: the ends of its outline from the
+    side."""
+    found = []
+    for edge in surface.face.Edges():
+        if edge.geomType() == "CIRCLE":
+            centre, radius = edge.arcCenter().toTuple(), edge.radius()
+            found += [
+                _tidy(moved(centre, unit, side * radius))
+                for unit in AXES.values()
+                if abs(dot(unit, surface.axis)) < 1e-6
+                for side in (-1.0, 1.0)
+                if surface.holds(moved(centre, unit, side * radius))
+            ]
+    return found
 
 
 def _tapped(drill: float) -> str:
