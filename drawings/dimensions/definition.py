@@ -30,6 +30,8 @@ from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
+WHOLE, HALF = 1.5 * math.pi, 0.95 * math.pi
+"""Angle about its axis from which on a face is a whole hole or shaft, and up to which it may be a fillet."""
 IN_VIEW = 0.1
 """Half side of the box about a point of an edge in which a line of a view must lie, mm."""
 
@@ -339,7 +341,10 @@ class _StatedPart(_Part):
                     self._sizes.setdefault(number, d.name)
         elif d.kind == "radius":
             for number, surface in enumerate(self._surfaces):
-                if surface.kind in ("CYLINDER", "SPHERE", "TORUS") and abs(surface.radius - d.value) < NEAR:
+                partial = surface.kind in ("SPHERE", "TORUS") or (
+                    surface.kind == "CYLINDER" and not self._whole(surface)
+                )
+                if partial and abs(surface.radius - d.value) < NEAR:
                     self._sizes.setdefault(number, d.name)
         elif d.kind == "linear" and d.direction is not None:
             middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
@@ -347,6 +352,11 @@ class _StatedPart(_Part):
                 across = surface.is_round(d.value / 2) and abs(dot(surface.axis, d.direction)) < SQUARE
                 if across and (d.count > 1 or abs(dot(surface.origin, d.direction) - middle) < NEAR):
                     self._sizes.setdefault(number, f"{d.name} (ends)")
+
+    def _whole(self, surface: Surface) -> bool:
+        """Whether the faces of one radius about an axis go around it: a diameter gives their size, no radius."""
+        like = [s for s in self._surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
+        return sum(s.span for s in like if s.outward == surface.outward) > WHOLE
 
     def size_of(self, surface: Surface) -> str:
         number = next(n for n, other in enumerate(self._surfaces) if other is surface)
@@ -414,6 +424,8 @@ class _StatedPart(_Part):
         if surface.kind == "SPHERE":
             names = [self.levels[name].located_by(dot(surface.origin, unit)) for name, unit in AXES.items()]
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
+        if surface.kind == "CYLINDER" and not is_fillet(surface, self._surfaces):
+            return ""
         if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
             return self._notes.defines(_middle(surface))
         return super()._joins(surface)
@@ -446,6 +458,23 @@ class _StatedPart(_Part):
             if not (known or stated) or not self.levels[along].locates_end(level):
                 return ""
         return "cone between diameters, or drill point below a depth" if ends else ""
+
+
+def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
+    """Whether a part of a cylinder is tangent to two faces that are not parallel, and so placed by them."""
+    if surface.span > HALF:
+        return False
+    sides = 0
+    for edge in surface.face.Edges():
+        if edge.geomType() != "LINE":
+            continue
+        point = edge.positionAt(0.5).toTuple()  # pyright: ignore[reportAttributeAccessIssue]
+        out = surface.radial(point)
+        for other in surfaces:
+            if other is not surface and other.kind in ("PLANE", "CYLINDER") and other.holds(point):
+                normal = other.axis if other.kind == "PLANE" else other.radial(point)
+                sides += abs(abs(dot(normal, out)) - 1.0) < 1e-3
+    return sides >= 2
 
 
 def centred_axes(verifier: DimensionVerifier) -> str:

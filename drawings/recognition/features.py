@@ -11,15 +11,13 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from drawings.dimensions.definition import AXES
+from drawings.dimensions.definition import AXES, WHOLE
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 NEAR = 2e-3
 SQUARE = 1e-6
-WHOLE = 1.5 * math.pi
-"""Angle of the faces of one radius about an axis from which on they are a round hole or shaft, not a fillet."""
 LARGEST_CHAMFER = 0.2
 """Leg of a chamfer over the largest size of the part above which the face is a slope."""
 
@@ -111,7 +109,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
         holes,
         slots,
         tuple(_sections(s for s in round_faces if s.outward)),
-        tuple(s for s in (*parts, *surfaces) if _is_fillet(s, parts) and id(s) not in in_slots),
+        tuple(s for s in surfaces if _is_fillet(s, parts) and id(s) not in in_slots),
         chamfers,
         tuple(s for s in surfaces if s.kind == "CONE" and id(s) not in taken),
         tuple(s for s in surfaces if s.kind == "SPHERE"),
@@ -130,12 +128,6 @@ def is_usual(axis: Point) -> bool:
     return axis[2] > SQUARE or (
         abs(axis[2]) <= SQUARE and (axis[0] > SQUARE or (abs(axis[0]) <= SQUARE and axis[1] < 0))
     )
-
-
-def span_of(surface: Surface) -> float:
-    """Angle of a cylinder that a face covers, radians."""
-    u0, u1, _, _ = surface.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
-    return u1 - u0
 
 
 def middle_of_face(surface: Surface) -> Point:
@@ -164,7 +156,7 @@ def _round_and_partial(surfaces: list[Surface]) -> tuple[list[Surface], list[Sur
 
     cylinders = [s for s in surfaces if s.kind == "CYLINDER"]
     for surface in cylinders:
-        covered[key(surface)] = covered.get(key(surface), 0.0) + span_of(surface)
+        covered[key(surface)] = covered.get(key(surface), 0.0) + surface.span
     whole = [s for s in cylinders if covered[key(s)] >= WHOLE]
     return whole, [s for s in cylinders if covered[key(s)] < WHOLE]
 
@@ -276,7 +268,7 @@ def _tip_is_closed(tip: tuple[Surface, float] | None, radius: float) -> bool:
 
 def _slots(parts: list[Surface]) -> Iterator[Slot]:
     """Pairs of half cylinders, nearest first, that face each other."""
-    ends = [s for s in parts if not s.outward and abs(span_of(s) - math.pi) < 0.02]
+    ends = [s for s in parts if not s.outward and abs(s.span - math.pi) < 0.02]
     used: set[int] = set()
     for one in ends:
         if id(one) in used:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.recognition.features import along_of
 from drawings.recognition.proposal import Proposal, Proposed
+from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 if TYPE_CHECKING:
@@ -106,7 +107,7 @@ def in_position(solid: cq.Solid) -> cq.Solid:
             shift[number] = -axis[3][number]
         elif name != "z" and axis is None and _is_mirrored(surfaces, number, middle):
             shift[number] = -middle
-    return solid.translate(tuple(shift))
+    return unlocated(solid.translate((shift[0], shift[1], shift[2])))
 
 
 def _box(surfaces: list[Surface]) -> tuple[list[float], list[float]]:

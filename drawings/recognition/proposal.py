@@ -16,7 +16,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
-from drawings.dimensions.definition import AXES, Notes, centred_axes, definition
+from drawings.dimensions.definition import AXES, Notes, centred_axes, definition, is_fillet
 from drawings.recognition.features import (
     Features,
     Hole,
@@ -135,7 +135,7 @@ def _without_superfluous(
 ) -> list[Proposed]:
     """The proposals without those that the definition does not need, the last ones first."""
     left = {line for line in problems(proposed) if "follows from" not in line}
-    for one in sorted(proposed[::-1], key=lambda one: -one.order):
+    for one in sorted(proposed, key=lambda one: (one.order, proposed.index(one)), reverse=True):
         rest = [other for other in proposed if other is not one]
         if all(line in left for line in problems(rest) if "follows from" not in line):
             proposed = rest
@@ -219,14 +219,14 @@ class _Builder:
             at = moved(hole.mouth, hole.into, (start + end) / 2)
             on = self._touch(hole.mouth, hole.into, radius, (start, end))
             step = name if number == last else f"{name} counterbore" + (f" {number + 1}" if number else "")
-            note = {"note": "through"} if number == last and hole.through and last >= 0 else {}
+            note: dict[str, Any] = {"note": "through"} if number == last and hole.through and last >= 0 else {}
             at, direction = (on[0], on[1]) if on else (at, None)
             self.add("diameter", step, 2 * radius, _tidy(at), along, direction, **common, **note)
             if number < last or not hole.through:
                 end_point, into = moved(hole.mouth, hole.into, end), _tidy(hole.into)
                 self.add("depth", f"{step} depth", end, _tidy(hole.mouth), _tidy(end_point), into, **common)
         if hole.sink[0]:
-            text = {"note": f"x {hole.sink[1]:.0f}°"}
+            text: dict[str, Any] = {"note": f"x {hole.sink[1]:.0f}°"}
             self.add("diameter", f"{name} countersink", hole.sink[0], _tidy(hole.mouth), along, **common, **text)
         thread = _tapped(2 * hole.steps[-1][0]) if len(hole.steps) == 1 and not hole.sink[0] else ""
         if thread:
@@ -341,13 +341,19 @@ class _Builder:
         for face in (*self.features.fillets, *self.features.spheres):
             key = (face.kind == "SPHERE", round(face.radius, 4))
             rounds[key].append(face)
+        for face in self.features.fillets:
+            if face.kind == "CYLINDER" and not is_fillet(face, self.verifier.surfaces):
+                foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
+                for name, level in self._across(face.axis, foot):
+                    view = self._open_view(face.axis, middle_of_face(face))
+                    self._levels[name].append(_Level(level, (_tidy(foot),), view, AXIS))
         for number, faces in enumerate(rounds.values(), start=1):
             circular = [face for face in faces if face.kind == "CYLINDER"] or faces
             face = circular[0]
             axis = face.axis
             kinds = len({s.axis_key if s.kind == "CYLINDER" else (id(s),) for s in faces})
             view = self._open_view(axis, middle_of_face(face)) if face.kind == "CYLINDER" else "front"
-            note = {"note": "spherical"} if face.kind == "SPHERE" else {}
+            note: dict[str, Any] = {"note": "spherical"} if face.kind == "SPHERE" else {}
             count = {"count": kinds} if kinds > 1 else {}
             self.add(
                 "radius",
@@ -568,7 +574,8 @@ def _extremes(surface: Surface) -> list[Point]:
     found = []
     for edge in surface.face.Edges():
         if edge.geomType() == "CIRCLE":
-            centre, radius = edge.arcCenter().toTuple(), edge.radius()
+            centre = edge.arcCenter().toTuple()
+            radius: float = edge.radius()  # pyright: ignore[reportAttributeAccessIssue]
             found += [
                 _tidy(moved(centre, unit, side * radius))
                 for unit in AXES.values()

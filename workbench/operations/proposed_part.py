@@ -50,7 +50,7 @@ def _step_solids(path: Path) -> list[tuple[str, Any]]:
         shape = cq.importers.importStep(str(path))
     except Exception as error:
         raise InputError(f"{path}: is no STEP file that can be read: {error}") from None
-    solids = shape.solids().vals()
+    solids: list[Any] = shape.solids().vals()
     if not solids:
         raise InputError(f"{path}: has no solid")
     return _named(_word(path.stem), solids, path)
@@ -100,6 +100,8 @@ def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Pa
     Raises:
         InputError: the solid is not valid.
     """
+    import cadquery as cq
+
     from drawings.recognition.part_file import in_position, part_text
     from drawings.recognition.proposal import propose
     from stagecad.parameters.atomic import atomic_write_text
@@ -108,12 +110,13 @@ def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Pa
     if not solid.isValid() or solid.Volume() <= 0:
         raise InputError(f"{source}: the solid {name} is not valid and closed")
     name = f"{name}_part" if name in packaged_machine().table_names else name
-    solid = in_position(solid)
-    proposal = propose(DimensionVerifier(solid))
-    text = part_text(name, source, proposal)
     folder.mkdir(parents=True, exist_ok=True)
     file, model = folder / f"{name}_proposed.py", folder / f"{name}_solid.step"
-    solid.exportStep(str(model))
+    in_position(solid).exportStep(str(model))
+    # The proposal is for the solid as it is read again.
+    solid = cq.importers.importStep(str(model)).solids().val()
+    proposal = propose(DimensionVerifier(solid))
+    text = part_text(name, source, proposal)
     atomic_write_text(file, text)
     document = draw_part(file, folder, design, trust=True)
     return {

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
 import sys
 from importlib import import_module
 from types import ModuleType
@@ -21,3 +26,17 @@ def load_kernel() -> None:
         import_module("cadquery")
     finally:
         del sys.modules["vtk"]
+
+
+def unlocated(solid: cq.Solid) -> cq.Solid:
+    """The same solid with its placement in its geometry: the writer of product information finds no faces of a placed
+    one."""
+    import cadquery as cq
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform  # pyright: ignore[reportAttributeAccessIssue]
+    from OCP.TopLoc import TopLoc_Location  # pyright: ignore[reportAttributeAccessIssue]
+
+    place = solid.wrapped.Location()
+    if place.IsIdentity():
+        return solid
+    bare = solid.wrapped.Located(TopLoc_Location())
+    return cq.Solid(BRepBuilderAPI_Transform(bare, place.Transformation(), True).Shape())

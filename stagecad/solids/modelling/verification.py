@@ -48,6 +48,18 @@ class Surface:
         normal, point = self.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
         return _dot(_across(_minus(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
 
+    @cached_property
+    def span(self) -> float:
+        """Angle of a round face about its axis, radians."""
+        u0, u1, _, _ = self.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
+        return u1 - u0
+
+    def radial(self, point: Point) -> Point:
+        """Unit vector from the axis to a point."""
+        out = _across(_minus(point, self.origin), self.axis)
+        size = max(math.hypot(*out), 1e-12)
+        return (out[0] / size, out[1] / size, out[2] / size)
+
     @property
     def axis_key(self) -> tuple[float, ...]:
         """Numbers that are equal for coaxial faces."""
@@ -74,8 +86,16 @@ class Surface:
         """Whether the point is on the face."""
         import cadquery as cq
 
-        inside = all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True))
-        return inside and self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
+        if not all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True)):
+            return False
+        if point not in self._held:
+            self._held[point] = self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
+        return self._held[point]
+
+    @cached_property
+    def _held(self) -> dict[Point, bool]:
+        """Points that were asked for: the kernel's distance is slow, and dimensions share points."""
+        return {}
 
     def extent(self, along: Point) -> tuple[float, float]:
         """Least and largest coordinate of the face's vertices in a direction, mm."""

@@ -1,0 +1,129 @@
+"""Dimensions proposed for parts that nobody declared define them completely, and none of them is spare.
+
+The mutations protect what no other test does: that the check of definition notices each dimension that is missing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import cadquery as cq
+import pytest
+
+from benchmarks.generators.undeclared_parts import PARTS
+from drawings.dimensions.definition import Notes, centred_axes, definition
+from drawings.recognition.features import features_of
+from drawings.recognition.part_file import in_position, part_text
+from drawings.recognition.proposal import Proposal, Proposed, as_dimension, propose
+from stagecad.solids.modelling.verification import DimensionVerifier
+from workbench.operations.design import Design
+from workbench.operations.proposed_part import draw_file
+
+QUICK = ("plate", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut")
+
+
+@cache
+def proposed(name: str) -> tuple[DimensionVerifier, Proposal]:
+    verifier = DimensionVerifier(in_position(PARTS[name]().solids().val()))
+    return verifier, propose(verifier)
+
+
+def problems(verifier: DimensionVerifier, dimensions: list[Proposed]) -> tuple[str, ...]:
+    notes = Notes(centred_axes(verifier), packaged=False)
+    return definition(verifier, [as_dimension(one) for one in dimensions], (), notes).problems
+
+
+def is_refused(verifier: DimensionVerifier, changed: Proposed) -> bool:
+    """Whether the solid does not have a dimension, or measures another value."""
+    try:
+        measured = verifier.measure(as_dimension(changed))
+    except LookupError:
+        return True
+    return measured is None or abs(measured - changed.value) > 1e-6
+
+
+def check(name: str) -> tuple[int, int]:
+    """Number of mutations of a part, and of those that are noticed."""
+    verifier, proposal = proposed(name)
+    assert proposal.open == ()
+    dimensions = list(proposal.dimensions)
+    for one in dimensions:
+        measured = verifier.measure(as_dimension(one))
+        assert measured is not None and math.isclose(measured, one.value, abs_tol=1e-6), one
+    noticed = 0
+    for number, one in enumerate(dimensions):
+        noticed += bool(problems(verifier, dimensions[:number] + dimensions[number + 1 :]))
+        noticed += is_refused(verifier, replace(one, value=one.value + 0.5))
+    return 2 * len(dimensions), noticed
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_each_dimension_left_out_or_changed_is_noticed(name: str) -> None:
+    mutations, noticed = check(name)
+    assert mutations >= 6 and noticed == mutations
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in PARTS if name not in QUICK])
+def test_each_dimension_of_any_part_left_out_or_changed_is_noticed(name: str) -> None:
+    mutations, noticed = check(name)
+    assert noticed == mutations
+
+
+def test_features_are_recognised() -> None:
+    block = features_of(DimensionVerifier(PARTS["pillow_block"]().solids().val()))
+    steps = sorted(tuple(round(radius, 3) for radius, _ in hole.steps) for hole in block.holes)
+    assert steps == [(5.0, 2.75)] * 4 + [(11.0,)] and all(hole.through for hole in block.holes)
+    assert len(block.fillets) == 4 and not block.slots
+    strip = features_of(DimensionVerifier(PARTS["countersunk_strip"]().solids().val()))
+    assert {(round(hole.sink[0], 6), round(hole.sink[1], 6)) for hole in strip.holes} == {(9.0, 90.0)}
+    plate = features_of(DimensionVerifier(PARTS["slotted_plate"]().solids().val()))
+    assert [round(slot.radius, 6) for slot in plate.slots] == [4.0, 4.0]
+    assert len(features_of(DimensionVerifier(PARTS["gib"]().solids().val())).chamfers) == 2
+
+
+def test_the_position_of_a_solid_does_not_matter() -> None:
+    """A shaft along y somewhere else gets the dimensions of the shaft along x."""
+    solid = PARTS["stepped_shaft"]().solids().val()
+    assert isinstance(solid, cq.Solid)
+    elsewhere = in_position(solid.rotate((0, 0, 0), (0, 0, 1), 90).translate((17.3, -220.0, 40.0)))
+    found = propose(DimensionVerifier(elsewhere))
+    assert sorted(one.value for one in found.dimensions) == pytest.approx(
+        sorted(one.value for one in proposed("stepped_shaft")[1].dimensions)
+    )
+
+
+def test_a_tap_drill_is_a_question_and_a_proposal_is_python() -> None:
+    _, proposal = proposed("t_nut")
+    assert proposal.questions == ("hole 1: is 5 mm the tap drill of M6? Then declare it with d.tapped(...)",)
+    text = part_text("t_nut", "t_nut.step", proposal)
+    compile(text, "t_nut_proposed.py", "exec")
+    assert "d.diameter('hole 1'" in text and "- hole 1: is 5 mm" in text
+
+
+@pytest.mark.slow
+def test_a_script_and_a_step_file_are_drawn_and_drawn_again_from_their_proposal(tmp_path: Path) -> None:
+    cq.exporters.export(PARTS["angle_bracket"](), str(tmp_path / "bracket.step"))
+    (document,) = draw_file(tmp_path / "bracket.step", Design(), False, tmp_path / "out")
+    assert [hit for sheet in document["sheets"] for hit in sheet["hits"]] == []
+    before = (tmp_path / "out" / "bracket.dxf").read_bytes()
+    (again,) = draw_file(tmp_path / "out" / "bracket_proposed.py", Design(), True, tmp_path / "again")
+    assert (tmp_path / "again" / "bracket.dxf").read_bytes() == before
+    assert again["part"] == "bracket"
+
+
+@pytest.mark.slow
+def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None:
+    lines = (
+        "import cadquery as cq",
+        "a = cq.Workplane().box(30, 20, 10)",
+        "show_object(a, name='Block A')",
+        "show_object(a.faces('>Z').workplane().hole(6))",
+    )
+    script = "\n".join(lines)
+    (tmp_path / "two.py").write_text(script, "utf-8")
+    documents = draw_file(tmp_path / "two.py", Design(), True, tmp_path / "out")
+    assert [document["part"] for document in documents] == ["block_a", "two_2"]
