@@ -185,11 +185,9 @@ def own_design(part: DeclaredPart, design: Design) -> Design:
 
 def _solid(path: Path, found: Any) -> Any:
     """The one solid that the file has built, also from a workplane."""
-    from stagecad.solids.modelling.kernel import unlocated
-
     shape = found.val() if hasattr(found, "val") else found
     if hasattr(shape, "Solids") and len(shape.Solids()) == 1:
         shape = shape.Solids()[0]
     if getattr(shape, "ShapeType", lambda: "")() != "Solid" or not shape.isValid() or shape.Volume() <= 0:
         raise InputError(f"{path}: build(design) must return one valid closed solid")
-    return unlocated(shape)
+    return shape

@@ -22,7 +22,7 @@ from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.modelling.kernel import load_kernel
+from stagecad.solids.modelling.kernel import load_kernel, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
 from stagecad.solids.modelling.registry import PartSource, part_source
@@ -125,6 +125,7 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
         part: Any = source.definition()
         with kernel_errors(name, design):
             solid = part.build(tracked)
+            solid = unlocated(solid) if design.machine.declaration and hasattr(solid, "wrapped") else solid
             _require_solid(name, solid)
         material = part.material(tracked)
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-import sys
-from importlib import import_module
-from types import ModuleType
 
 
 def load_kernel() -> None:
