@@ -2,33 +2,35 @@ from sim.effects.effect import Effect as Effect
 from sim.effects.effect import Parameter as Parameter
 from sim.effects.effect import Scan as Scan
 from stagecad.parameters.errors import InputError as InputError
-from workbench.operations.add import Addition as Addition
-from workbench.operations.add import Ladder as Ladder
-from workbench.operations.add import Restoration as Restoration
-from workbench.operations.add import add as add
-from workbench.operations.add import ladder as ladder
-from workbench.operations.add import undo as undo
 from workbench.operations.checks import Checks as Checks
 from workbench.operations.checks import checks as checks
-from workbench.operations.compare import Comparison as Comparison
-from workbench.operations.compare import compare as compare
 from workbench.operations.design import Design as Design
 from workbench.operations.design import load_design as load_design
-from workbench.operations.diagnose import Diagnosis as Diagnosis
-from workbench.operations.diagnose import diagnose as diagnose
 from workbench.operations.diff import Differences as Differences
 from workbench.operations.diff import diff as diff
 from workbench.operations.drawings import Drawings as Drawings
 from workbench.operations.drawings import drawings as drawings
-from workbench.operations.experiment import Experiment as Experiment
-from workbench.operations.experiment import Model as Model
-from workbench.operations.experiment import Record as Record
-from workbench.operations.experiment import Rig as Rig
-from workbench.operations.experiment import RigKind as RigKind
-from workbench.operations.export import Export as Export
-from workbench.operations.export import export as export
-from workbench.operations.look import Look as Look
-from workbench.operations.look import look as look
+from workbench.operations.measurement.add import Addition as Addition
+from workbench.operations.measurement.add import Ladder as Ladder
+from workbench.operations.measurement.add import Restoration as Restoration
+from workbench.operations.measurement.add import add as add
+from workbench.operations.measurement.add import ladder as ladder
+from workbench.operations.measurement.add import undo as undo
+from workbench.operations.measurement.compare import Comparison as Comparison
+from workbench.operations.measurement.compare import compare as compare
+from workbench.operations.measurement.diagnose import Diagnosis as Diagnosis
+from workbench.operations.measurement.diagnose import diagnose as diagnose
+from workbench.operations.measurement.experiment import Experiment as Experiment
+from workbench.operations.measurement.experiment import Model as Model
+from workbench.operations.measurement.experiment import Record as Record
+from workbench.operations.measurement.experiment import Rig as Rig
+from workbench.operations.measurement.experiment import RigKind as RigKind
+from workbench.operations.measurement.export import Export as Export
+from workbench.operations.measurement.export import export as export
+from workbench.operations.measurement.look import Look as Look
+from workbench.operations.measurement.look import look as look
+from workbench.operations.measurement.suggest import Suggestion as Suggestion
+from workbench.operations.measurement.suggest import suggest as suggest
 from workbench.operations.optimise import Optimisation as Optimisation
 from workbench.operations.optimise import optimize as optimize
 from workbench.operations.parts import Parts as Parts
@@ -42,8 +44,6 @@ from workbench.operations.simulate import (
 from workbench.operations.simulate import (
     simulate as simulate,
 )
-from workbench.operations.suggest import Suggestion as Suggestion
-from workbench.operations.suggest import suggest as suggest
 
 __version__: str
 __all__ = [

@@ -11,7 +11,7 @@ import pytest
 
 import workbench
 from workbench import cli
-from workbench.operations.demonstration import free_folder, fresh_copy
+from workbench.operations.measurement.demonstration import free_folder, fresh_copy
 
 PACKAGED = Path(workbench.__file__).parent / "demo_records"
 

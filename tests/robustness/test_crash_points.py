@@ -18,7 +18,7 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from sysid.experiment.experiment import find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
 from tests.robustness.crashing import DONE, KILLED, RAISED, run_until
-from workbench.operations.demonstration import free_folder, fresh_copy
+from workbench.operations.measurement.demonstration import free_folder, fresh_copy
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="needs fork")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from workbench import cli
-from workbench.operations.demonstration import fresh_copy
+from workbench.operations.measurement.demonstration import fresh_copy
 
 
 @pytest.mark.parametrize(

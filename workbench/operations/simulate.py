@@ -28,12 +28,12 @@ from sysid.experiment.readers.memory import MemoryTable
 from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
-from workbench.operations.experiment import Experiment, as_experiment, columns_of
 from workbench.operations.lines import CODE, STRONG, TEXT, Line, Note
+from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of
+from workbench.operations.measurement.tables import make_table, quantity_text
 from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result, finite
 from workbench.operations.simulation_tables import Columns, feature_table, stage_tables, tables_of, write_table
-from workbench.operations.tables import make_table, quantity_text
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.errors import InputError, nearest
-from workbench.operations.demonstration import fresh_demo
+from workbench.operations.measurement.demonstration import fresh_demo
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
 """Beside the packages in a checkout; an installed package has the demonstration only."""

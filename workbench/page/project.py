@@ -11,7 +11,7 @@ from typing import Any
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from workbench.operations.design import Design
-from workbench.operations.experiment import named_files
+from workbench.operations.measurement.experiment import named_files
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3

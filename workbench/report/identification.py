@@ -22,11 +22,10 @@ from sysid.report import worst_channel
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.identification import loops_figure, maps_figure, overlay_figure
 from workbench.figures.plot import save_figures
-from workbench.operations.add import Addition, Ladder, Restoration, ladder
-from workbench.operations.compare import Comparison
-from workbench.operations.diagnose import Diagnosis
-from workbench.operations.result import Reported, finite
-from workbench.operations.statements import (
+from workbench.operations.measurement.add import Addition, Ladder, Restoration, ladder
+from workbench.operations.measurement.compare import Comparison
+from workbench.operations.measurement.diagnose import Diagnosis
+from workbench.operations.measurement.statements import (
     NEAR_NOISE,
     SEPARATED,
     held_out_over_noise,
@@ -34,8 +33,8 @@ from workbench.operations.statements import (
     next_step_statement,
     noise_text,
 )
-from workbench.operations.suggest import Suggestion
-from workbench.operations.tables import (
+from workbench.operations.measurement.suggest import Suggestion
+from workbench.operations.measurement.tables import (
     PARTS,
     correlation_table,
     dependence_table,
@@ -50,6 +49,7 @@ from workbench.operations.tables import (
     simulation_table,
     worst_over_noise,
 )
+from workbench.operations.result import Reported, finite
 from workbench.report.html import render
 
 SCHEMA = 5

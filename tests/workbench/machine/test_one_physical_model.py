@@ -15,7 +15,7 @@ from designcalc.friction_stage.physics.assembly_values import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.cli.options import Run
-from workbench.operations.design_values import as_design_values
+from workbench.operations.measurement.design_values import as_design_values
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))

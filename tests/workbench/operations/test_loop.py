@@ -14,7 +14,7 @@ import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
 from tests.workbench.operations.slide_log import NOISE, slide_log
 from workbench.cli.dispatch import run_line
-from workbench.operations.tables import correlation_table
+from workbench.operations.measurement.tables import correlation_table
 
 
 def _without_time(document):

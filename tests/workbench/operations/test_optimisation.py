@@ -8,7 +8,7 @@ import pytest
 
 import stagecad
 from stagecad import InputError
-from workbench.operations.new_experiment import propose
+from workbench.operations.measurement.new_experiment import propose
 from workbench.operations.optimise import marked_free, need_free, optimize
 
 SAG = "sag of the drive surface over the travel"

@@ -12,7 +12,7 @@ from rich.progress import Progress
 from sysid.diagnose import diagnose
 from workbench import cli
 from workbench.cli.console import search_progress
-from workbench.operations.demonstration import fresh_copy
+from workbench.operations.measurement.demonstration import fresh_copy
 
 
 def test_a_bar_counts_what_is_done_and_then_runs_on() -> None:

@@ -8,7 +8,12 @@ from typing import Any, cast
 
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.decision import Decision, FreeCurve
-from workbench.operations.statements import diagnosis_statement, in_command, next_step_statement, rivals_text
+from workbench.operations.measurement.statements import (
+    diagnosis_statement,
+    in_command,
+    next_step_statement,
+    rivals_text,
+)
 
 
 def _diagnosis(

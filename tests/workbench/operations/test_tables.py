@@ -9,8 +9,8 @@ import pytest
 
 from workbench import cli
 from workbench.cli.console import rich_table
-from workbench.operations.demonstration import fresh_copy
-from workbench.operations.tables import parameter_table, ranking_table, revision_text
+from workbench.operations.measurement.demonstration import fresh_copy
+from workbench.operations.measurement.tables import parameter_table, ranking_table, revision_text
 
 SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import workbench.operations.design_values
+import workbench.operations.measurement.design_values
 from designcalc.checks.inputs import DesignInputs
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
@@ -18,7 +18,7 @@ from sysid.experiment.known import DesignValue
 from sysid.prediction.problem import load_problem
 from workbench.cli import run
 from workbench.operations.design import Design
-from workbench.operations.design_values import as_design_values
+from workbench.operations.measurement.design_values import as_design_values
 
 COULOMB, VISCOUS, STRIBECK, STRIBECK_VELOCITY = 1.3, 8.0, 0.6, 4e-3
 NOISE = 0.01
@@ -101,7 +101,8 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: 
 
 def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
     packaged = (
-        Path(workbench.operations.design_values.__file__).parents[2] / "stagecad/friction_stage/parameters/thesis.toml"
+        Path(workbench.operations.measurement.design_values.__file__).parents[2]
+        / "stagecad/friction_stage/parameters/thesis.toml"
     )
     before = packaged.read_bytes()
     for params in ([], ["--params", str(packaged)]):
@@ -229,7 +230,9 @@ def test_what_the_design_does_not_say_is_named(
 
 
 def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workbench.operations.design_values, "_inputs", lambda design: DesignInputs(design.values))
+    monkeypatch.setattr(
+        workbench.operations.measurement.design_values, "_inputs", lambda design: DesignInputs(design.values)
+    )
     told = as_design_values(Design(None, ("payload.mass=0.5 kg",)))("mass")
     mass = 0.23 * 0.27 * 0.012 * 2700 + 0.5
     assert told == DesignValue(pytest.approx(mass), pytest.approx(0.01 * mass))

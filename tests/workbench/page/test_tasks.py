@@ -37,7 +37,9 @@ def _common(rig: Path, folder: str) -> dict[str, Any]:
 
 def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # The figures of the report take longer than all the rest.
-    monkeypatch.setattr("workbench.operations.compare.Comparison.write_report", lambda *rest: rig / "report.html")
+    monkeypatch.setattr(
+        "workbench.operations.measurement.compare.Comparison.write_report", lambda *rest: rig / "report.html"
+    )
     compared = measurement.compare(**_common(rig, "compare"))
     sliders = {one["key"]: one for one in compared["sliders"]}
     force = sliders["coulomb.force"]

@@ -18,8 +18,8 @@ from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.prediction.problem import Problem
 from workbench.figures.curves import axis_scale, decimate, worst_stretch
 from workbench.figures.identification import maps_figure
-from workbench.operations.add import Ladder
-from workbench.operations.experiment import Experiment
+from workbench.operations.measurement.add import Ladder
+from workbench.operations.measurement.experiment import Experiment
 from workbench.report.identification import ordered_sections, report_html, section_key
 
 

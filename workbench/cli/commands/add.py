@@ -37,9 +37,9 @@ def command(
     if not (undo_last or effects or drop or keys):
         raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
     from workbench.cli.console import show
-    from workbench.operations.add import add, undo, write_fitted
-    from workbench.operations.experiment import Experiment
-    from workbench.operations.write_back import WriteBack, WrittenBack
+    from workbench.operations.measurement.add import add, undo, write_fitted
+    from workbench.operations.measurement.experiment import Experiment
+    from workbench.operations.measurement.write_back import WriteBack, WrittenBack
 
     if undo_last:
         result = undo(experiment, run.design)

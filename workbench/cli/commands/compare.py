@@ -28,7 +28,7 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     if scheduler is not None and bootstrap is None:
         raise InputError("--scheduler: only --bootstrap has many independent runs")
     from workbench.cli.console import show
-    from workbench.operations.compare import compare
+    from workbench.operations.measurement.compare import compare
 
     with run.busy("fitting the model as it stands"):
         comparison = compare(experiment, run.design)

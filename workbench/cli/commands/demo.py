@@ -23,7 +23,7 @@ def command(run: Run) -> None:
     A folder OUT/demo that was changed since then, or that this command did not write, is not touched: the records are
     copied to OUT/demo_2.
     """
-    from workbench.operations.demonstration import fresh_demo
+    from workbench.operations.measurement.demonstration import fresh_demo
 
     began = perf_counter()
     folder = fresh_demo(run.out / "demo")
@@ -43,12 +43,12 @@ def command(run: Run) -> None:
 def _loop(run: Run, folder: Path) -> dict[str, Any]:
     """Compare, diagnose and add until nothing is missing; suggest, ladder; the documents of all steps."""
     from workbench.cli.console import search_progress, show
-    from workbench.operations.add import add, ladder
-    from workbench.operations.compare import compare
-    from workbench.operations.demonstration import remember
-    from workbench.operations.diagnose import diagnose
-    from workbench.operations.suggest import suggest_after
-    from workbench.operations.tables import parameter_table
+    from workbench.operations.measurement.add import add, ladder
+    from workbench.operations.measurement.compare import compare
+    from workbench.operations.measurement.demonstration import remember
+    from workbench.operations.measurement.diagnose import diagnose
+    from workbench.operations.measurement.suggest import suggest_after
+    from workbench.operations.measurement.tables import parameter_table
 
     run.echo(f"$ stagecad compare {folder}")
     with run.busy("fitting the model as it stands"):

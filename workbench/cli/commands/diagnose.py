@@ -17,7 +17,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:
     """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
     from workbench.cli.console import search_progress, show
-    from workbench.operations.diagnose import diagnose
+    from workbench.operations.measurement.diagnose import diagnose
 
     with run.progress() as progress:
         diagnosis = diagnose(experiment, all_effects, run.design, search_progress(progress))

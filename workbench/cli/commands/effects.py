@@ -34,7 +34,7 @@ def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: 
     from sim.effects.custom import load_all_custom
 
     if target is not None:
-        from workbench.operations.effect_template import write_effect_template
+        from workbench.operations.measurement.effect_template import write_effect_template
 
         name = write_effect_template(target)
         run.note(

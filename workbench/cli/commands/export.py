@@ -15,7 +15,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, language: str) -> None:
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands, and write it in another language."""
-    from workbench.operations.export import export
+    from workbench.operations.measurement.export import export
 
     with run.busy("fitting the model as it stands"):
         result = export(experiment, language, run.out, run.design)

@@ -16,7 +16,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show the error after each effect added so far to the model of EXPERIMENT."""
     from workbench.cli.console import show
-    from workbench.operations.add import ladder
+    from workbench.operations.measurement.add import ladder
 
     grown = ladder(experiment, run.design)
     show(run, grown.lines())

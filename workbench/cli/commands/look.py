@@ -15,7 +15,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show every channel of EXPERIMENT (a folder or its experiment.toml) as it is logged, before any fit."""
-    from workbench.operations.look import look
+    from workbench.operations.measurement.look import look
 
     with run.busy("reading the records"):
         seen = look(experiment)

@@ -38,7 +38,7 @@ def command() -> None:
 @common_options
 def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None) -> None:
     """Write FOLDER/experiment.toml from measurement FILEs, with a question where something is uncertain."""
-    from workbench.operations.new_experiment import Proposal, inspect
+    from workbench.operations.measurement.new_experiment import Proposal, inspect
 
     with run.busy("reading the files"):
         written = Proposal(*inspect(files, kind)).write(folder)

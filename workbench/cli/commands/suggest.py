@@ -16,7 +16,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate the competing effects of EXPERIMENT; write it as CSV into OUT."""
     from workbench.cli.console import search_progress, show
-    from workbench.operations.suggest import suggest
+    from workbench.operations.measurement.suggest import suggest
 
     with run.progress() as progress:
         suggestion = suggest(experiment, run.design, search_progress(progress)).write_below(run.out)

@@ -15,17 +15,17 @@ from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.errors import InputError
-from workbench.operations.experiment import consent as consent_to
-from workbench.operations.experiment import python_files
-from workbench.operations.new_experiment import effects as library
-from workbench.operations.new_experiment import (
+from workbench.operations.measurement.experiment import consent as consent_to
+from workbench.operations.measurement.experiment import python_files
+from workbench.operations.measurement.new_experiment import effects as library
+from workbench.operations.measurement.new_experiment import (
     need_record_suffix,
     record_rows,
     record_suffixes,
     rig_kinds,
     write_experiment,
 )
-from workbench.operations.new_experiment import propose as propose_experiment
+from workbench.operations.measurement.new_experiment import propose as propose_experiment
 from workbench.page.project import Project, plain_name
 from workbench.page.routes.machine import Body, Text
 

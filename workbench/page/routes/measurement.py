@@ -41,7 +41,7 @@ class PredictBody(Body):
 @router.get("/{name:path}/ladder")
 def ladder(request: Request, name: str) -> dict[str, Any]:
     """The rungs of an experiment, and whether its model was edited by hand since."""
-    from workbench.operations.add import ladder as ladder_of
+    from workbench.operations.measurement.add import ladder as ladder_of
 
     project = project_of(request)
     found = ladder_of(project.experiment(name), project.stated_design())

@@ -8,14 +8,14 @@ from typing import Any
 
 from stagecad.parameters.errors import InputError
 from workbench.figures.curves import coordinate_unit, curves, drawn_maps
-from workbench.operations import add as additions
-from workbench.operations.compare import Comparison
-from workbench.operations.compare import compare as compare_model
 from workbench.operations.design import Design
-from workbench.operations.diagnose import diagnose as diagnose_model
-from workbench.operations.experiment import Experiment
-from workbench.operations.fitted import FittedResult
-from workbench.operations.suggest import suggest as suggest_motions
+from workbench.operations.measurement import add as additions
+from workbench.operations.measurement.compare import Comparison
+from workbench.operations.measurement.compare import compare as compare_model
+from workbench.operations.measurement.diagnose import diagnose as diagnose_model
+from workbench.operations.measurement.experiment import Experiment
+from workbench.operations.measurement.fitted import FittedResult
+from workbench.operations.measurement.suggest import suggest as suggest_motions
 from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 

@@ -20,9 +20,9 @@ from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.simulation_error import free_runs, simulation_errors
 from sysid.report import channel_unit, headline_channel, parameter_unit
 from workbench.figures.curves import curve_of, worst_record
-from workbench.operations.experiment import Experiment
+from workbench.operations.measurement.experiment import Experiment
+from workbench.operations.measurement.tables import PARTS
 from workbench.operations.result import Reported, Result, finite
-from workbench.operations.tables import PARTS
 
 if TYPE_CHECKING:
     import pandas as pd

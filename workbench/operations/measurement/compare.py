@@ -12,13 +12,16 @@ from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.identifiability import public_key
 from sysid.report import comparison_json, parameter_unit
-from workbench.operations.experiment import Experiment, as_experiment
-from workbench.operations.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.lines import Line, Note, Table, Warned
-from workbench.operations.progress import ProgressCallback
-from workbench.operations.result import finite
-from workbench.operations.statements import comparison_statement, held_out_over_noise, is_adequate, noise_text
-from workbench.operations.tables import (
+from workbench.operations.measurement.experiment import Experiment, as_experiment
+from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
+from workbench.operations.measurement.statements import (
+    comparison_statement,
+    held_out_over_noise,
+    is_adequate,
+    noise_text,
+)
+from workbench.operations.measurement.tables import (
     MOST_COORDINATES,
     bootstrap_table,
     correlation_table,
@@ -28,6 +31,8 @@ from workbench.operations.tables import (
     parameter_table,
     simulation_table,
 )
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import finite
 
 if TYPE_CHECKING:
     import pandas as pd

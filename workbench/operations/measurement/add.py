@@ -14,13 +14,12 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment import history
 from sysid.experiment.experiment import find_experiment
 from sysid.report import parameters_json
-from workbench.operations.design_values import as_design_values
-from workbench.operations.experiment import Experiment, as_experiment
-from workbench.operations.fitted import FittedResult, error_frame, error_frames, parameter_frame
 from workbench.operations.lines import Line, Note
-from workbench.operations.result import Reported, finite
-from workbench.operations.statements import held_out_over_noise, in_command
-from workbench.operations.tables import (
+from workbench.operations.measurement.design_values import as_design_values
+from workbench.operations.measurement.experiment import Experiment, as_experiment
+from workbench.operations.measurement.fitted import FittedResult, error_frame, error_frames, parameter_frame
+from workbench.operations.measurement.statements import held_out_over_noise, in_command
+from workbench.operations.measurement.tables import (
     PARTS,
     error_table,
     ladder_table,
@@ -30,7 +29,8 @@ from workbench.operations.tables import (
     revision_text,
     worst_over_noise,
 )
-from workbench.operations.write_back import WriteBack, WrittenBack
+from workbench.operations.measurement.write_back import WriteBack, WrittenBack
+from workbench.operations.result import Reported, finite
 
 if TYPE_CHECKING:
     import pandas as pd

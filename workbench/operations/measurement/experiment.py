@@ -23,10 +23,10 @@ from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import read_toml
-from workbench.operations.design_values import as_design_values
+from workbench.operations.measurement.design_values import as_design_values
+from workbench.operations.measurement.statements import noise_text
 from workbench.operations.result import Result
 from workbench.operations.simulation_tables import write_table
-from workbench.operations.statements import noise_text
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,9 +10,9 @@ from sim.export.files import Exported, files_of
 from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
-from workbench.operations.compare import compare
-from workbench.operations.experiment import Experiment
-from workbench.operations.fitted import FittedResult
+from workbench.operations.measurement.compare import compare
+from workbench.operations.measurement.experiment import Experiment
+from workbench.operations.measurement.fitted import FittedResult
 from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:

@@ -23,9 +23,9 @@ from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.open import SUFFIXES, RecordFile, open_record_file, record_suffix, unknown_format
 from sysid.experiment.rig_kinds.declaration import find_rig, kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
-from workbench.operations.experiment import Experiment
+from workbench.operations.measurement.experiment import Experiment
+from workbench.operations.measurement.statements import in_command
 from workbench.operations.result import Result, finite, without_options
-from workbench.operations.statements import in_command
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,12 +11,10 @@ from sysid import diagnose as identification
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from sysid.report import diagnosis_json
-from workbench.operations.experiment import Experiment, as_experiment
-from workbench.operations.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.lines import Line, Note, Warned
-from workbench.operations.progress import ProgressCallback
-from workbench.operations.result import finite
-from workbench.operations.statements import (
+from workbench.operations.measurement.experiment import Experiment, as_experiment
+from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
+from workbench.operations.measurement.statements import (
     decision_line,
     diagnosis_statement,
     equivalence_statement,
@@ -27,7 +25,9 @@ from workbench.operations.statements import (
     unphysical_statements,
     verdict_title,
 )
-from workbench.operations.tables import detectable_table, parameter_table, ranking_table
+from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
+from workbench.operations.progress import ProgressCallback
+from workbench.operations.result import finite
 
 if TYPE_CHECKING:
     import pandas as pd

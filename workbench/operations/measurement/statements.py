@@ -15,7 +15,7 @@ from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.problem import Problem
 from sysid.report import WORTH_SAYING, channel_unit, worst_channel
 from sysid.signals.gaussian_filter import BAND
-from workbench.operations.tables import over_noise_text, quantity_text
+from workbench.operations.measurement.tables import over_noise_text, quantity_text
 
 COORDINATE_NAMES = {
     "frequency": "one frequency",

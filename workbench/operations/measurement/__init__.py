@@ -1,0 +1,1 @@
+"""What one can do with measurements and their models."""
