@@ -35,13 +35,13 @@ from workbench.operations.optimise import Optimisation as Optimisation
 from workbench.operations.optimise import optimize as optimize
 from workbench.operations.parts import Parts as Parts
 from workbench.operations.parts import parts as parts
-from workbench.operations.simulate import (
+from workbench.operations.simulation.simulate import (
     SimulatedRecords as SimulatedRecords,
 )
-from workbench.operations.simulate import (
+from workbench.operations.simulation.simulate import (
     Simulation as Simulation,
 )
-from workbench.operations.simulate import (
+from workbench.operations.simulation.simulate import (
     simulate as simulate,
 )
 

@@ -17,7 +17,7 @@ from sim.experiments.tip import TipEllipse
 from workbench.figures.plot import INK, Plot, new_plot, styled
 
 if TYPE_CHECKING:
-    from workbench.operations.simulation_study import FeaturePath, Study
+    from workbench.operations.simulation.study import FeaturePath, Study
 
 
 @styled

@@ -6,7 +6,7 @@ import re
 import tempfile
 from pathlib import Path
 
-from sim.effects.catalogue import library
+from sim.effects.catalogue import library, valid_name
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 
@@ -26,6 +26,25 @@ def template(kind: str, name: str) -> str:
         raise InputError(f"new {kind} '{name}': a name has small letters, digits and _, and begins with a letter")
     text = (FOLDER / f"{kind}.{'toml' if kind == 'machine' else 'py'}.txt").read_text("utf-8")
     return text.replace(f"my_{kind}", name).replace(f"my {kind}", name.replace("_", " "))
+
+
+def write_effect(path: Path) -> str:
+    """Write the template of an effect to a new file, and return the name of the effect, which is the file's.
+
+    Raises:
+        InputError: the file is there already, is no Python file, or its name cannot be an effect's.
+    """
+    name = path.stem
+    if path.suffix != ".py":
+        raise InputError(f"{path}: must end in .py")
+    if not valid_name(name):
+        raise InputError(f"{path}: the effect is named after its file: lower-case words joined by underscores")
+    if name in library():
+        raise InputError(f"{path}: a built-in effect is named '{name}'; choose another")
+    if path.exists():
+        raise InputError(f"{path}: is there already; name a new file")
+    atomic_write_text(path, template("effect", name))
+    return name
 
 
 def write_new(path: Path, text: str) -> Path:

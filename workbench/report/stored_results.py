@@ -97,8 +97,8 @@ def simulation(store: ArtefactStore, design: Design, name: str) -> Artefact:
         from sim.experiments.friction_models import MODELS
         from workbench.figures.plot import save_figures
         from workbench.figures.simulation import experiment_figures
-        from workbench.operations.simulate import moving_mass, simulate_experiment
-        from workbench.operations.simulation_tables import tables_of, write_table
+        from workbench.operations.simulation.simulate import moving_mass, simulate_experiment
+        from workbench.operations.simulation.tables import tables_of, write_table
 
         results = simulate_experiment(tracked, name, tuple(MODELS), moving_mass(tracked, None))
         for file, columns in tables_of(name, results).items():

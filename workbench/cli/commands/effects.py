@@ -34,9 +34,9 @@ def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: 
     from sim.effects.custom import load_all_custom
 
     if target is not None:
-        from workbench.operations.measurement.effect_template import write_effect_template
+        from workbench.operations.templates import write_effect
 
-        name = write_effect_template(target)
+        name = write_effect(target)
         run.note(
             f'written: {target}; to have it tried, put custom = ["{target.name}"] under [model] in experiment.toml '
             "and give --trust after each change"

@@ -75,7 +75,7 @@ def command(run: Run, names: tuple[str, ...], **options: Any) -> None:
     models. EXPERIMENT, a folder or its experiment.toml: its model is simulated on its inputs, and records with noise
     are written with an experiment.toml to OUT/simulate/NAME.
     """
-    from workbench.operations.simulate import EXPERIMENTS, EXTRA
+    from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA
 
     if any(_is_experiment(name, (*EXPERIMENTS, *EXTRA)) for name in names):
         _simulate_records(run, names, options)
@@ -98,7 +98,7 @@ def _is_experiment(name: str, known: tuple[str, ...]) -> bool:
 def _simulate_records(run: Run, names: tuple[str, ...], options: dict[str, Any]) -> None:
     """Records of the model of an experiment, and their experiment.toml."""
     from workbench.cli.console import show
-    from workbench.operations.simulate import simulate_into
+    from workbench.operations.simulation.simulate import simulate_into
 
     if len(names) != 1:
         raise InputError(f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
@@ -119,8 +119,8 @@ def _simulate(run: Run, names: tuple[str, ...], options: dict[str, Any]) -> None
     """The selected experiments: at the design's own values, over a range of a parameter, or of sampled machines."""
     from designcalc.checks.analysis.sweep import read_range
     from workbench.cli.console import show
-    from workbench.operations import simulation_study
-    from workbench.operations.simulate import EXPERIMENTS, read_selection, simulate_one
+    from workbench.operations.simulation import study as simulation_study
+    from workbench.operations.simulation.simulate import EXPERIMENTS, read_selection, simulate_one
 
     given = {name: options[name] for name in ("models", "mass", "studies", "scheduler", "swept", "draws")}
     selection = read_selection(names, **given)

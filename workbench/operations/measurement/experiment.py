@@ -26,7 +26,7 @@ from sysid.experiment.toml_table import read_toml
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.statements import noise_text
 from workbench.operations.result import Result
-from workbench.operations.simulation_tables import write_table
+from workbench.operations.simulation.tables import write_table
 
 if TYPE_CHECKING:
     import pandas as pd

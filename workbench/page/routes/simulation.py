@@ -70,7 +70,7 @@ class SimulateBody(Body):
 @router.get("")
 def overview(request: Request) -> dict[str, Any]:
     """Experiments, friction models, and the parameters that they read."""
-    from workbench.operations.simulate import friction_models
+    from workbench.operations.simulation.simulate import friction_models
 
     design = request.app.state.machine.design().values
     tip = ("actuator.piezo_spacing", "actuator.tip_height", "actuator.stroke_amplitude", "actuator.phase")
@@ -90,7 +90,7 @@ def overview(request: Request) -> dict[str, Any]:
 @router.post("/tip")
 def tip(body: TipBody) -> dict[str, Any]:
     """Path of the tip about its rest, with its half axes and tilt."""
-    from workbench.operations.simulate import tip_path
+    from workbench.operations.simulation.simulate import tip_path
 
     path = tip_path(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
     every = 2
@@ -101,7 +101,7 @@ def tip(body: TipBody) -> dict[str, Any]:
 @router.post("/run")
 def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     """Start an experiment; a waiting one is replaced."""
-    from workbench.operations.simulate import chosen_models
+    from workbench.operations.simulation.simulate import chosen_models
 
     session, jobs = request.app.state.machine, request.app.state.jobs
     if body.experiment not in EXPERIMENTS:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from workbench.operations.simulate import Simulation
-from workbench.operations.simulate import simulate as simulate_design
+from workbench.operations.simulation.simulate import Simulation
+from workbench.operations.simulation.simulate import simulate as simulate_design
 from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 from workbench.page.tasks.machine import design_of

@@ -24,7 +24,7 @@ from stagecad.processes import parallel_map
 from workbench.operations.design import Design
 from workbench.operations.lines import NUMBER, TEXT, Line, Note, Table
 from workbench.operations.progress import ProgressCallback
-from workbench.operations.simulate import (
+from workbench.operations.simulation.simulate import (
     FeaturePath,
     Selection,
     Steps,
@@ -34,7 +34,7 @@ from workbench.operations.simulate import (
     reads,
     simulate_selection,
 )
-from workbench.operations.simulation_tables import feature_text, write_table
+from workbench.operations.simulation.tables import feature_text, write_table
 
 if TYPE_CHECKING:
     from designcalc.checks.analysis.sweep import Range

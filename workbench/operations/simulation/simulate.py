@@ -33,7 +33,7 @@ from workbench.operations.measurement.experiment import Experiment, as_experimen
 from workbench.operations.measurement.tables import make_table, quantity_text
 from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result, finite
-from workbench.operations.simulation_tables import Columns, feature_table, stage_tables, tables_of, write_table
+from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
 if TYPE_CHECKING:
     import pandas as pd
