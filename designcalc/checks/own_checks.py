@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import wraps
 from pathlib import Path
+from typing import Any
 
-from designcalc.checks.check import CheckFunction
+from designcalc.checks.check import Check, CheckFunction
 from stagecad.declared.own_part import run_file
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.own_code import OwnCodeError, own_code
 
 OWN: dict[str, tuple[str, CheckFunction]] = {}
 """Checks of the user's own that are known in this process, with their subjects, by file; they follow the others."""
@@ -30,4 +33,18 @@ def register(files: Sequence[str], trust: bool = False) -> None:
         function = getattr(module, "check", None)
         if not callable(function):
             raise InputError(f"{path}: has no function check(r); `stagecad new check NAME` writes a file that has")
-        OWN[name] = (str(getattr(module, "SUBJECT", "own checks")), function)
+        OWN[name] = (str(getattr(module, "SUBJECT", "own checks")), _guarded(path, function))
+
+
+def _guarded(path: Path, function: CheckFunction) -> CheckFunction:
+    """The function of a file, which gives a check or an error of the file."""
+
+    @wraps(function)
+    def check(inputs: Any) -> Check:
+        with own_code(path):
+            found = function(inputs)
+        if not isinstance(found, Check):
+            raise OwnCodeError(f"{path}: check(r) gives {type(found).__name__}; a Check is required")
+        return found
+
+    return check

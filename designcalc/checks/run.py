@@ -11,6 +11,7 @@ from designcalc.checks.inputs import DesignInputs
 from designcalc.checks.own_checks import OWN
 from designcalc.checks.subjects import subjects_of
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.own_code import OwnCodeError
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -37,6 +38,8 @@ def run_checks(
         inputs = DesignInputs(design, masses, memory, advise)
         try:
             check = function(inputs)
+        except OwnCodeError:
+            raise
         except InputError as error:
             check = Check(
                 f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",

@@ -11,7 +11,6 @@ effect = Effect("cubic_spring", "spring that stiffens", force=force,
 
 from __future__ import annotations
 
-import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -23,6 +22,7 @@ from sim.effects.catalogue import library, valid_name
 from sim.effects.effect import Axis, Effect, Parameter
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
+from stagecad.parameters.own_code import line_of, told
 
 ROWS = 7
 ACTS_ON = ("friction", "axis", "drive", "piezo", "sensor", "memory", "structure")
@@ -104,19 +104,16 @@ def _run(path: Path, accept: Accept) -> ModuleType:
     except SyntaxError as error:
         line = f", line {error.lineno}" if error.lineno else ""
         raise InputError(f"{path}{line}: not valid Python: {error.msg}") from None
-    except (Exception, SystemExit) as error:
-        raise InputError(f"{path}{_line(path, error)}: {_message(error)}") from None
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise InputError(f"{path}{_line(path, error)}: {told(error)}") from None
     return module
 
 
 def _line(path: Path, error: BaseException) -> str:
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
-    return f", line {lines[-1]}" if lines else ""
-
-
-def _message(error: BaseException) -> str:
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    line = line_of(path, error)
+    return f", line {line}" if line else ""
 
 
 def checked_effect(path: Path, effect: Effect) -> Effect:
@@ -197,8 +194,10 @@ def _call(path: Path, where: str, law: Callable[..., Any], *arguments: Any) -> A
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return law(*arguments)
-    except Exception as error:
-        raise InputError(f"{where}{_line(path, error)}: {_message(error)}") from None
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise InputError(f"{where}{_line(path, error)}: {told(error)}") from None
 
 
 def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Callable[..., Any]:
@@ -208,10 +207,12 @@ def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Call
     def named(first: Any, *others: Any) -> Any:
         try:
             return law(first, *others)
-        except Exception as error:
-            if isinstance(first, Axis) and isinstance(first.time, float):
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            if isinstance(error, Exception) and isinstance(first, Axis) and isinstance(first.time, float):
                 raise
-            raise InputError(f"{where}{_line(path, error)}: {_message(error)}") from error
+            raise InputError(f"{where}{_line(path, error)}: {told(error)}") from error
 
     return named
 

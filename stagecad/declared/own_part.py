@@ -17,6 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.consent import give_consent, require_consent
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.input_file import read_input
+from stagecad.parameters.names import is_identifier
+from stagecad.parameters.own_code import own_code
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -24,13 +27,12 @@ if TYPE_CHECKING:
     from stagecad.parameters.machine import DeclaredPart
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 def run_file(path: Path, trust: bool, what: str) -> ModuleType:
     """Run a Python file of the user's, with consent, and return it as a module."""
     try:
-        data = path.read_bytes()
+        data = read_input(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if trust:
@@ -42,25 +44,9 @@ def run_file(path: Path, trust: bool, what: str) -> ModuleType:
     # A script of cadquery's editor shows its result by a function of the editor.
     module.show_object = lambda shown, *more, **options: module.SHOWN.append((shown, more, options))  # type: ignore[attr-defined]
     module.debug = lambda *shown, **options: None  # type: ignore[attr-defined]
-    try:
+    with own_code(path):
         exec(compile(data, str(path), "exec"), vars(module))
-    except InputError:
-        raise
-    except Exception as error:
-        raise InputError(f"{path}: {_where(error, path)}{type(error).__name__}: {error}") from None
     return module
-
-
-def _where(error: Exception, path: Path) -> str:
-    """Line of the file in which an error occurred."""
-    if isinstance(error, SyntaxError):
-        return f"line {error.lineno}: "
-    trace, line = error.__traceback__, None
-    while trace is not None:
-        if trace.tb_frame.f_code.co_filename == str(path):
-            line = trace.tb_lineno
-        trace = trace.tb_next
-    return f"line {line}: " if line else ""
 
 
 @dataclass(frozen=True)
@@ -90,12 +76,8 @@ class OwnDefinition:
 
     def _called(self, function: Any, design: Any) -> Any:
         """Result of a function of the file."""
-        try:
+        with own_code(self.path):
             return function(design)
-        except InputError:
-            raise
-        except Exception as error:
-            raise InputError(f"{self.path}: {_where(error, self.path)}{type(error).__name__}: {error}") from None
 
     def build(self, design: Any) -> Any:
         """The one valid solid that the file builds, mm."""
@@ -137,7 +119,7 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
         if not hasattr(module, word):
             raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
     name = module.NAME
-    if not isinstance(name, str) or not _NAME.fullmatch(name) or name in names:
+    if not is_identifier(name) or name in names:
         raise InputError(
             f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
         )
@@ -147,7 +129,7 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
 def file_digest(path: Path) -> str:
     """Sha256 of a file."""
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        return hashlib.sha256(read_input(path)).hexdigest()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 
@@ -157,7 +139,7 @@ _SOLID_FILE = re.compile(rb"[\"']([\w.-]+\.(?:step|stp))[\"']", re.IGNORECASE)
 
 def used_files(path: Path) -> tuple[Path, ...]:
     """STEP files beside a part's file that it names."""
-    names = {match[1].decode() for match in _SOLID_FILE.finditer(path.read_bytes())}
+    names = {match[1].decode() for match in _SOLID_FILE.finditer(read_input(path))}
     return tuple(path.parent / name for name in sorted(names) if (path.parent / name).is_file())
 
 

@@ -35,6 +35,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.machine import DECLARED, DeclaredPart, Machine, MachineDeclaration, Mate
+from stagecad.parameters.names import identifier
 from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import from_si, parse_any, parse_quantity, to_si, unit_dimension
 
@@ -188,6 +189,7 @@ def _one_of(word: str, known: Any, place: str, what: str) -> None:
 
 def _part(key: str, value: Any, place: str) -> DeclaredPart:
     place = f"{place}.parts.{key}"
+    identifier(key, place)
     if not isinstance(value, dict) or ("file" in value) == ("part" in value):
         raise InputError(f'{place}: write {{file = "my_part.py"}}, or {{part = "bearing_way"}} for a packaged part')
     _known(value, _PART_FIELDS, place)
@@ -211,6 +213,7 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 def _mate(name: str, value: Any, parts: Mapping[str, DeclaredPart], place: str) -> Mate:
     place = f"{place}.mates.{name}"
+    identifier(name, place)
     if not isinstance(value, dict):
         raise InputError(f'{place}: write {{datum = "bottom", on = "base.top"}}, or {{}} for the fixed part')
     _known(value, _MATE_FIELDS, place)

@@ -123,6 +123,9 @@ def run_line(arguments: Sequence[str]) -> int:
             raise
         sys.stderr.write("stagecad: there is not enough memory; give shorter records, or fewer of them\n")
         return 2
+    except SystemExit:
+        sys.stderr.write("stagecad: Python code of your own ended the program (sys.exit); it must return\n")
+        return 2
     except BrokenPipeError:
         # The reader (head, less) has gone; this is not an error. Prevent the interpreter's message at exit.
         sys.stdout = None

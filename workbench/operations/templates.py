@@ -9,8 +9,8 @@ from pathlib import Path
 from sim.effects.catalogue import library, valid_name
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.names import identifier
 
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
 FOLDER = Path(__file__).parents[1] / "templates"
 
 
@@ -22,8 +22,7 @@ def template(kind: str, name: str) -> str:
     """
     if kind == "effect" and name in library():
         raise InputError(f"new effect '{name}': is an effect of the library; choose another name")
-    if not _NAME.fullmatch(name):
-        raise InputError(f"new {kind} '{name}': a name has small letters, digits and _, and begins with a letter")
+    identifier(name, f"new {kind} '{name}'")
     text = (FOLDER / f"{kind}.{'toml' if kind == 'machine' else 'py'}.txt").read_text("utf-8")
     return text.replace(f"my_{kind}", name).replace(f"my {kind}", name.replace("_", " "))
 

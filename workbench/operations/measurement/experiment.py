@@ -16,6 +16,7 @@ from sim.effects.effect import Effect
 from stagecad.consent import store_consent
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.names import file_stem
 from sysid.experiment.consent import python_files as files_of
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.experiment.experiment import load_experiment, trust_experiment
@@ -198,6 +199,7 @@ class Record:
 
     def table(self, name: str) -> dict[str, Any]:
         """The table `[[record]]` of an `experiment.toml`, for the record called `name`."""
+        file_stem(name, f"record {name!r}")
         table: dict[str, Any] = {"file": name, "name": name, "role": self.role}
         start, stop = self.window
         optional = {"from": start, "to": stop, "continues": self.continues}
@@ -221,23 +223,48 @@ class Record:
 
 
 def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
-    """Arrays by label of a DataFrame (its index too, if it is named or of times) or of a mapping.
+    """Arrays by label of a DataFrame (its index too, if it is named or of times), of a mapping, or of rows as mappings.
+
+    Values that a mask or a nullable type leaves out are gaps (NaN). Times are seconds from the first row.
 
     Raises:
-        InputError: neither of the two.
+        InputError: none of these, or a time is missing.
     """
+    rows = isinstance(data, list | tuple) and all(isinstance(row, Mapping) for row in data)
+    if rows or (hasattr(data, "__dataframe__") and not hasattr(data, "index")):
+        import pandas as pd
+
+        # Other libraries' tables have pandas' exchange protocol.
+        data = pd.DataFrame(list(data)) if rows else pd.api.interchange.from_dataframe(data)
+    columns: dict[Any, Any] = {}
     if isinstance(data, Mapping):
-        return {str(label): np.asarray(values) for label, values in data.items()}
-    if not hasattr(data, "columns") or not hasattr(data, "index"):
+        columns = dict(data)
+    elif hasattr(data, "columns") and hasattr(data, "index"):
+        if data.index.dtype.kind in "mM":
+            columns["time"] = data.index
+        elif data.index.name is not None:
+            columns[data.index.name] = data.index
+        columns |= {label: data[label] for label in data.columns}
+    else:
         raise InputError(f"{name}: is {type(data).__name__}; a DataFrame or a mapping of arrays is required")
-    columns = {}
-    kind = data.index.dtype.kind
-    if kind in "mM":
-        seconds = (data.index - data.index[0]) / np.timedelta64(1, "s")
-        columns["time [s]"] = np.asarray(seconds, dtype=float)
-    elif data.index.name is not None:
-        columns[str(data.index.name)] = data.index.to_numpy()
-    return columns | {str(label): data[label].to_numpy() for label in data.columns}
+    return dict(_column(str(label), values, name) for label, values in columns.items())
+
+
+def _column(label: str, values: Any, name: str) -> tuple[str, np.ndarray]:
+    """A column as an array, and its label, with the unit of times."""
+    kind = getattr(getattr(values, "dtype", None), "kind", "")
+    if getattr(getattr(values, "dtype", None), "tz", None) is not None:
+        values = values.to_numpy(dtype="datetime64[ns]")
+    elif isinstance(values, np.ma.MaskedArray):
+        values = np.ma.filled(values.astype(float), np.nan) if kind in "biuf" else np.ma.filled(values)
+    elif hasattr(values, "to_numpy") and kind in "biuf":
+        values = values.to_numpy(dtype=float, na_value=np.nan)
+    array = np.asarray(values)
+    if array.dtype.kind not in "mM":
+        return label, array
+    if np.isnat(array).any():
+        raise InputError(f"{name}: column '{label}': row {int(np.argmax(np.isnat(array))) + 1} has no time")
+    return f"{label.partition('[')[0].strip()} [s]", (array - array[:1]) / np.timedelta64(1, "s")
 
 
 class Experiment(Result):
@@ -299,7 +326,17 @@ class Experiment(Result):
         <Experiment 'experiment': velocity-drive, model coulomb, 1 record of 2001 rows>
         """
         rig = Rig(rig) if isinstance(rig, str) else rig
-        model = model if isinstance(model, Model) else Model(model)
+        model = Model(model) if isinstance(model, list | tuple) else model
+        for what, given, kinds, wanted in (
+            ("name", name, str, "a text"),
+            ("rig", rig, Rig, "a Rig, or the name of its kind,"),
+            ("model", model, Model, "a Model, or a list of effects,"),
+            ("records", records, Mapping, "a mapping of tables by name"),
+            ("noise", noise or {}, Mapping, "a mapping of texts by channel"),
+        ):
+            if not isinstance(given, kinds):
+                raise InputError(f"{name}: {what}: is {type(given).__name__}; {wanted} is required")
+        assert isinstance(model, Model)
         stated = {label: given if isinstance(given, Record) else Record(given) for label, given in records.items()}
         for label in validate:
             if label not in stated:

@@ -1,0 +1,151 @@
+"""A user's own Python code and names: no end of the code passes as success, no name leads to another folder."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stagecad import Experiment, InputError
+from stagecad.parameters.names import file_stem, identifier
+from workbench.cli import run
+
+ENDS = {
+    "sys.exit(0)": "SystemExit: 0",
+    "sys.exit()": "SystemExit",
+    "raise BaseException('own')": "BaseException: own",
+    "raise GeneratorExit": "GeneratorExit",
+    "1 / 0": "ZeroDivisionError: division by zero",
+}
+CHECK = """import sys
+from designcalc.checks.check import Check, at_most
+{top}
+def check(r):
+    {inside}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from designcalc.checks import own_checks
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(own_checks, "OWN", own_checks.OWN)
+    yield tmp_path
+    own_checks.OWN.clear()
+
+
+@pytest.mark.parametrize("place", ["top", "inside"])
+@pytest.mark.parametrize("code", ENDS)
+def test_an_own_check_that_ends_the_program_is_an_error(folder: Path, capsys, place: str, code: str) -> None:
+    Path("stage.toml").write_text('extends = "thesis"\n')
+    Path("checks").mkdir()
+    words = {"top": "pass", "inside": "pass", place: code}
+    Path("checks/a.py").write_text(CHECK.format(**words))
+    assert run(["check", "--trust", "--no-solids"]) == 2
+    line = capsys.readouterr().err.strip().splitlines()[-1]
+    assert f"checks/a.py: line {3 if place == 'top' else 5}: {ENDS[code]}" in line
+
+
+def test_an_own_check_that_gives_no_check_is_an_error(folder: Path, capsys) -> None:
+    Path("stage.toml").write_text('extends = "thesis"\n')
+    Path("checks").mkdir()
+    Path("checks/a.py").write_text(CHECK.format(top="pass", inside="return 5"))
+    assert run(["check", "--trust", "--no-solids"]) == 2
+    assert "checks/a.py: check(r) gives int; a Check is required" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("code", ENDS)
+def test_an_own_part_that_ends_the_program_is_an_error(folder: Path, capsys, code: str) -> None:
+    Path("own.py").write_text(f"import sys\n{code}\n")
+    assert run(["drawings", "--part", "own.py", "--trust"]) == 2
+    assert f"own.py: line 2: {ENDS[code]}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("code", ["sys.exit(0)", "raise BaseException('own')"])
+@pytest.mark.parametrize("place", ["top", "law"])
+def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, capsys, code: str, place: str) -> None:
+    words = {"top": "pass", "law": "pass", place: code}
+    Path("own.py").write_text(
+        "import sys\nfrom sim import Effect, Parameter\n{top}\ndef law(axis, p):\n    {law}\n    return axis.position\n"
+        "EFFECT = Effect('own_spring', 'A spring', 'F = k x', 'own', parameters=(Parameter('k', 'N/m', 1.0, 0.0, 9.0,"
+        " 'stiffness'),), acts_on='force', force=law)\n".format(**words)
+    )
+    Path("fit.csv").write_text("time [s],position [m],velocity [m/s],friction_force [N]\n0,0,0,0\n1,1,1,1\n")
+    Path("experiment.toml").write_text(
+        '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["own_spring"]\ncustom = ["own.py"]\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    )
+    assert run(["compare", ".", "--trust"]) == 2
+    assert "own.py" in capsys.readouterr().err
+
+
+HOSTILE = [
+    "../UP",
+    "/tmp/ABS",
+    "a/b",
+    "..",
+    ".hidden",
+    "",
+    " ",
+    "A",
+    "\x1b[31m",
+    "<b>",
+    "=cmd",
+    "x" * 300,
+    "con:1",
+    "a\\b",
+]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_key_of_machine_parts_is_a_name(folder: Path, capsys, name: str) -> None:
+    key = '"' + "".join(f"\\u{ord(sign):04x}" for sign in name) + '"'
+    for table, other in ((key, "base"), ("base", key)):
+        Path("stage.toml").write_text(
+            f'extends = "thesis"\n[machine.parts]\n{table} = {{part = "magnet"}}\n[machine.mates]\n{other} = {{}}\n'
+        )
+        before = content(folder.parent)
+        assert run(["parts", "--out", "out"]) == 2
+        assert "a name has small letters, digits and _" in capsys.readouterr().err
+        assert content(folder.parent) == before
+
+
+def content(folder: Path) -> dict[str, str]:
+    """Every file with its hash."""
+    files = (Path(root) / name for root, _, names in os.walk(folder) for name in names)
+    return {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+
+
+def log() -> dict[str, np.ndarray]:
+    t = np.linspace(0.0, 10.0, 201)
+    return {"time [s]": t, "position [mm]": np.sin(t), "friction_force [N]": np.sign(np.cos(t))}
+
+
+@pytest.mark.parametrize("name", [*(name for name in HOSTILE if name not in ("A", "=cmd")), None, 5])
+def test_a_record_that_leads_out_of_its_folder_is_refused(name) -> None:
+    with pytest.raises(InputError, match="a file is named after it"):
+        Experiment.from_dataframes({name: log()}, rig="velocity-drive", model=["coulomb"])
+
+
+def test_a_saved_experiment_is_in_its_folder(tmp_path: Path) -> None:
+    made = Experiment.from_dataframes({"Lauf 1 (ü) 50%.": log()}, rig="velocity-drive", model=["coulomb"])
+    made.save(tmp_path / "rig")
+    assert {path.parent for path in tmp_path.rglob("*") if path.is_file()} == {tmp_path / "rig"}
+
+
+@settings(max_examples=500, deadline=None)
+@given(st.text(max_size=40) | st.sampled_from(HOSTILE))
+def test_no_name_leads_to_another_folder(name: str) -> None:
+    """What the two functions accept stays one name in its folder."""
+    for accepted in (identifier, file_stem):
+        with suppress(InputError):
+            accepted(name, "here")
+            assert (Path("/out") / f"{name}.step").resolve().parent == Path("/out")
+            assert (Path("/out") / name).resolve() == Path("/out") / name

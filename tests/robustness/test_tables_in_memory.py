@@ -1,0 +1,110 @@
+"""Tables of `from_dataframes` in every form of NumPy and pandas: the values are right, or one line says why not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stagecad import Experiment, InputError
+
+TIME = np.arange(400) * 0.01
+VELOCITY = 0.03 * np.sin(7.0 * TIME)
+POSITION = np.cumsum(VELOCITY) * 0.01
+FORCE = 2.0 * np.tanh(VELOCITY / 1e-4) + 5.0 * VELOCITY
+
+
+def frame(**columns: Any) -> pd.DataFrame:
+    given = {"time [s]": TIME, "position [m]": POSITION, "velocity [m/s]": VELOCITY, "friction_force [N]": FORCE}
+    return pd.DataFrame(given | {{"time": "time [s]", "force": "friction_force [N]"}[k]: v for k, v in columns.items()})
+
+
+def record(data: Any) -> Any:
+    (found,) = Experiment.from_dataframes({"a": data}, rig="velocity-drive", model=["coulomb"]).problem.records[:1]
+    return found
+
+
+def times(data: Any) -> np.ndarray:
+    return np.concatenate([part.time for part in _parts(data)])
+
+
+def _parts(data: Any) -> Any:
+    return Experiment.from_dataframes({"a": data}, rig="velocity-drive", model=["coulomb"]).problem.records
+
+
+@pytest.mark.parametrize("zone", [None, "UTC", "Europe/Paris"])
+@pytest.mark.parametrize("label", ["time [s]", "time"])
+def test_dates_and_durations_are_seconds_from_the_first_row(zone: str | None, label: str) -> None:
+    durations = pd.to_timedelta(TIME, unit="s")
+    reference = times(frame())
+    for given in (pd.Timestamp("2024-03-31 01:30", tz=zone) + durations, pd.Series(durations)):
+        data = frame().rename(columns={"time [s]": label})
+        data[label] = given
+        np.testing.assert_allclose(times(data), reference, atol=1e-9)
+    assert np.allclose(times(frame().drop(columns="time [s]").set_index(durations)), reference, atol=1e-9)
+    arrays = {**{key: values.to_numpy() for key, values in frame().items()}, "time [s]": durations.to_numpy()}
+    np.testing.assert_allclose(times(arrays), reference, atol=1e-9)
+
+
+def test_a_missing_time_is_named() -> None:
+    given = pd.Series(pd.to_timedelta(TIME, unit="s"))
+    given[7] = pd.NaT
+    with pytest.raises(InputError, match=r"a: column 'time \[s\]': row 8 has no time"):
+        record(frame(time=given))
+
+
+def gaps(data: Any) -> np.ndarray:
+    """Forces of a table, gaps as NaN."""
+    from workbench.operations.experiment import columns_of
+
+    return columns_of(data, "a")["friction_force [N]"]
+
+
+def test_masked_values_and_missing_ones_are_gaps() -> None:
+    wanted = FORCE.copy()
+    wanted[20:30] = np.nan
+    masked = np.ma.array(FORCE, mask=np.isnan(wanted))
+    arrays = {key: values.to_numpy() for key, values in frame().items()} | {"friction_force [N]": masked}
+    rows = [
+        {key: None if key == "friction_force [N]" and 20 <= k < 30 else value for key, value in row.items()}
+        for k, row in enumerate(frame().to_dict("records"))
+    ]
+    nullable = frame(force=pd.Series(wanted).astype("Float64"))
+    for data in (arrays, nullable, nullable.convert_dtypes(), rows, frame(force=pd.array(wanted, dtype="Float64"))):
+        np.testing.assert_array_equal(gaps(data), wanted)
+    arrow = frame(force=pd.Series(wanted).astype("double[pyarrow]"))
+    np.testing.assert_array_equal(gaps(arrow), wanted)
+    assert not np.allclose(times(arrays).size, 0)
+    everything = {**arrays, "friction_force [N]": np.ma.array(FORCE, mask=True)}
+    with pytest.raises(InputError):
+        record(everything)
+
+
+def test_other_libraries_tables() -> None:
+    import pyarrow
+
+    np.testing.assert_array_equal(gaps(pyarrow.Table.from_pandas(frame())), FORCE)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"records": [frame()]},
+        {"records": {"a": 5}},
+        {"records": {"a": [1, 2]}},
+        {"records": {"a": frame(force=["x"] * 400)}},
+        {"rig": None},
+        {"model": None},
+        {"model": "coulomb"},
+        {"noise": "1 mm"},
+        {"name": None},
+    ],
+    ids=range(9),
+)
+def test_a_wrong_type_is_named_in_one_line(wrong: dict[str, Any]) -> None:
+    given = {"records": {"a": frame()}, "rig": "velocity-drive", "model": ["coulomb"]} | wrong
+    with pytest.raises(InputError) as caught:
+        _ = Experiment.from_dataframes(**given).problem
+    assert "\n" not in str(caught.value)
