@@ -57,7 +57,7 @@ def test_a_missing_time_is_named() -> None:
 
 def gaps(data: Any) -> np.ndarray:
     """Forces of a table, gaps as NaN."""
-    from workbench.operations.experiment import columns_of
+    from workbench.operations.measurement.experiment import columns_of
 
     return columns_of(data, "a")["friction_force [N]"]
 
