@@ -135,38 +135,46 @@ def _is_driven(record: Record) -> bool:
 def _guess_mass(
     rig: PredictsChannels, records: Sequence[Record], stiffness: float | None, noise: Mapping[str, Noise]
 ) -> float:
-    """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
-    best = 1.0
+    """Mass from the force balance: the force regressed on acceleration, one, and friction by speed, away from
+    reversals."""
     driven = [r for r in records if r.role == "fit" and _is_driven(r)]
     if not driven:
         raise InputError(
             f"{records[0].file}: column 'drive_force' does not change; without rig.known.mass only the ratio of the "
             "forces to the mass is identifiable: give it, or a record that is driven"
         )
-    for record in driven[:1]:
-        best = mass = _largest_mass(record, stiffness, noise)
-        for _ in range(4):
-            balance = prepare_driven_mass(rig, record, noise, mass, stiffness)
-            y, ok = balance.force, balance.valid[balance.force_channel]
-            if ok.sum() < LEAST_ROWS:
-                # A filter as wide as this guess requires leaves nothing between the gaps.
-                mass *= 0.1
-                continue
-            assert (
-                balance.acceleration is not None and balance.full_filter is not None and balance.direction is not None
-            )
-            columns = [
-                balance.acceleration,
-                balance.full_filter(balance.direction),
-                balance.axis.velocity,
-                np.ones(y.size),
-            ]
-            solution, *_ = np.linalg.lstsq(np.column_stack([c[ok] for c in columns]), y[ok], rcond=None)
-            best = float(solution[0]) if solution[0] > 0 else mass
-            if abs(best - mass) < 0.01 * best:
-                break
-            mass = best
+    best = mass = _largest_mass(driven[0], stiffness, noise)
+    for _ in range(6):
+        balance = prepare_driven_mass(rig, driven[0], noise, mass, stiffness)
+        ok = balance.valid[balance.force_channel]
+        if ok.sum() < LEAST_ROWS:
+            # A filter as wide as this guess requires leaves nothing between the gaps.
+            mass *= 0.1
+            continue
+        columns = np.column_stack(_regressors(balance))
+        away = ok & (balance.axis.reversal_distance > np.quantile(balance.axis.reversal_distance[ok], NEAR_REVERSALS))
+        solution, *_ = np.linalg.lstsq(columns[away], balance.force[away], rcond=None)
+        best = float(solution[0]) if solution[0] > 0 else mass
+        if abs(best - mass) < 0.01 * best:
+            break
+        mass = best
     return best
+
+
+NEAR_REVERSALS = 0.3
+"""Share of the rows, nearest to a reversal, that are left out: there the force of bristles resembles an inertia."""
+
+SPEEDS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+"""Quantiles of the speed between which the friction is linear in it."""
+
+
+def _regressors(balance: ForceBalanceRecord) -> list[np.ndarray]:
+    """Acceleration, one, and hat functions of the speed in the direction of motion, each (n,), filtered as the force."""
+    assert balance.acceleration is not None and balance.full_filter is not None and balance.direction is not None
+    speed = np.abs(balance.axis.velocity)
+    knots = np.unique(np.quantile(speed, SPEEDS))
+    hats = [np.interp(speed, knots, one) for one in np.eye(knots.size)]
+    return [balance.acceleration, np.ones(speed.size), *(balance.full_filter(balance.direction * h) for h in hats)]
 
 
 def _largest_mass(record: Record, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
