@@ -169,7 +169,7 @@ SPEEDS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
 
 
 def _regressors(balance: ForceBalanceRecord) -> list[np.ndarray]:
-    """Acceleration, one, and hat functions of the speed in the direction of motion, each (n,), filtered as the force."""
+    """Acceleration, one, and hat functions of the speed in the direction of motion, each (n,), all filtered."""
     assert balance.acceleration is not None and balance.full_filter is not None and balance.direction is not None
     speed = np.abs(balance.axis.velocity)
     knots = np.unique(np.quantile(speed, SPEEDS))
