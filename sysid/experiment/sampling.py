@@ -14,6 +14,9 @@ from stagecad.parameters.units import format_quantity
 FINEST = 9
 """Decimal digits of a second beyond which stamps count as exact."""
 
+WITHIN = 1.25
+"""Range of the deviations, over the rounding, of rounded stamps: errors that change slowly tilt the fitted line."""
+
 NOTED = 0.01
 """Rounding over the step from which it is reported."""
 
@@ -45,7 +48,7 @@ def sampled_times(time: np.ndarray, rounding: float, notes: list[str]) -> np.nda
         return time
     step, start = np.polyfit(rows, time, 1)
     away = time - (start + step * rows)
-    if rounding == 0.0 or np.ptp(away) > 1.02 * rounding or np.ptp(away) < EXACT * step:
+    if rounding == 0.0 or np.ptp(away) > WITHIN * rounding or np.ptp(away) < EXACT * step:
         return time
     if rounding > NOTED * step:
         notes.append(

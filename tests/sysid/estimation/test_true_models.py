@@ -1,0 +1,153 @@
+"""A true model is found, at the noise and with its true values.
+
+`closed_loop.npz` and `stick_slip.npz` hold records of an axis with LuGre friction, integrated by scipy's Radau method
+with laws of its own (1 kg; 2 N, 0.6 N more at rest, 3 mm/s, 1e5 N/m, 300 N s/m, 8 N s/m): positions in nm, with a noise
+of 50 nm, forces in 0.1 mN with a noise of 5 mN. The other records are made here.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.estimation.covariance import intervals
+from sysid.estimation.misfit import misfit
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, initial_fit
+from sysid.prediction.observable import candidate_effects
+from sysid.prediction.problem import Problem, load_problem
+
+TRUTH = {
+    "lugre.force": (2.0, 0.01),
+    "lugre.stiffness": (1e5, 0.03),
+    "lugre.damping": (300.0, 0.1),
+    "viscous.coefficient": (8.0, 0.1),
+    "stribeck.force": (0.6, 0.03),
+    "stribeck.velocity": (3e-3, 0.03),
+}
+"""True values, and relative errors that the records allow."""
+
+
+def _lugre(folder: Path, name: str, rig: str, parameters: str = "") -> Problem:
+    stored = np.load(Path(__file__).parent / f"{name}.npz")
+    scales = {"position": ("m", 1e-9), "pull_position": ("m", 1e-9)}
+    for role in ("fit", "validate"):
+        columns = {"time [s]": 1e-3 * np.arange(stored[f"{role}_position"].size)}
+        for key in stored:
+            if key.startswith(role):
+                channel = key.removeprefix(f"{role}_")
+                unit, scale = scales.get(channel, ("N", 1e-4))
+                columns[f"{channel} [{unit}]"] = scale * stored[key]
+        table = np.column_stack(list(columns.values()))
+        np.savetxt(folder / f"{role}.csv", table, "%.10g", ",", header=",".join(columns), comments="")
+    force = "spring_force" if name == "stick_slip" else "drive_force"
+    return _load(
+        folder, f"{rig}\n[model]\neffects = ['lugre', 'viscous', 'stribeck']\n{parameters}", f"{force} = '5 mN'"
+    )
+
+
+def _load(folder: Path, rig: str, noise: str = "", position: str = "50 nm") -> Problem:
+    records = "".join(f"[[record]]\nfile = '{role}.csv'\nrole = '{role}'\n" for role in ("fit", "validate"))
+    stated = f"[noise]\nposition = '{position}'\n{noise}\n" if noise else ""
+    (folder / "experiment.toml").write_text(f"schema = 1\n[rig]\n{rig}\n{records}{stated}")
+    return load_problem(folder)
+
+
+def _over_noise(problem: Problem, base: ReferenceFit) -> tuple[float, float]:
+    parts = (misfit(base.fitted.model, records) for records in (problem.fit_records, problem.validate_records))
+    first, second = (next(iter(part.values())).over_noise for part in parts)
+    return first, second
+
+
+@pytest.mark.parametrize("mass", ["mass = '1 kg'", "mass = '1 +- 0.05 kg'", ""])
+def test_bristles_of_a_driven_mass_are_found_whatever_is_known_of_the_mass(tmp_path: Path, mass: str) -> None:
+    problem = _lugre(tmp_path, "closed_loop", f"kind = 'force-drive'\n[rig.known]\n{mass}")
+    base = initial_fit(problem.start, problem.fit_records, problem.scales, ())
+    for key, (value, error) in TRUTH.items():
+        assert base.model.values[key] == pytest.approx(value, rel=error), key
+    assert base.model.values["rig.mass"] == pytest.approx(1.0, rel=0.02)
+    known = intervals(base, problem.fit_records).by_key
+    assert sum(known[key].low <= value <= known[key].high for key, (value, _) in TRUTH.items()) >= len(TRUTH) - 1
+    held_out = misfit(base.model, problem.validate_records)["drive_force"].over_noise
+    assert 0.8 <= held_out <= 1.1
+
+
+@pytest.mark.parametrize("factor", [0.01, 100.0])
+def test_starts_far_from_the_truth_end_at_the_same_optimum(tmp_path: Path, factor: float) -> None:
+    units = {"lugre.stiffness": "N/m", "lugre.damping": "N*s/m", "stribeck.velocity": "m/s", "stribeck.force": "N"}
+    keys = tuple(units)
+    stated = "".join(f'"{key}" = {{ start = "{factor * TRUTH[key][0]} {units[key]}" }}\n' for key in keys)
+    rig = "kind = 'force-drive'\n[rig.known]\nmass = '1 kg'"
+    problem = _lugre(tmp_path, "closed_loop", rig, f"[model.parameters]\n{stated}")
+    base = initial_fit(problem.start, problem.fit_records, problem.scales, keys)
+    for key, (value, error) in TRUTH.items():
+        assert base.model.values[key] == pytest.approx(value, rel=error), key
+
+
+def test_stick_slip_on_a_spring_is_found(tmp_path: Path) -> None:
+    problem = _lugre(tmp_path, "stick_slip", "kind = 'spring-pull'\n[rig.known]\npull_stiffness = '4000 N/m'")
+    base = initial_fit(problem.start, problem.fit_records, problem.scales, ())
+    # The mass sticks for most of the time: its drag and the Stribeck force are known to a tenth of the level only.
+    assert base.model.values["lugre.force"] == pytest.approx(2.0, rel=0.05)
+    assert base.model.values["lugre.stiffness"] == pytest.approx(1e5, rel=0.05)
+    assert base.model.values["lugre.damping"] == pytest.approx(300.0, rel=0.1)
+    assert base.model.values["stribeck.velocity"] == pytest.approx(3e-3, rel=0.1)
+    assert misfit(base.model, problem.validate_records)["spring_force"].over_noise < 1.1
+
+
+@pytest.mark.parametrize("logged", [False, True])
+def test_rests_of_an_imposed_motion_have_no_direction(tmp_path: Path, logged: bool) -> None:
+    """Strokes with rests between them, at which the force stays what it was, and an encoder that jitters by 30 nm."""
+    for seed, role in enumerate(("fit", "validate")):
+        random = np.random.default_rng(seed)
+        speed = np.concatenate([np.repeat([v, 0.0], [200, 40]) for v in random.uniform(-0.02, 0.02, 16)])
+        moved = np.maximum.accumulate(np.where(speed != 0.0, np.arange(speed.size), 0))
+        force = 6.0 * np.sign(speed[moved]) + 100.0 * speed + 0.1 * random.standard_normal(speed.size)
+        position = np.cumsum(5e-3 * speed) + 30e-9 * random.standard_normal(speed.size)
+        columns = {"time [s]": 5e-3 * np.arange(speed.size), "position [m]": position, "friction_force [N]": force}
+        if logged:
+            columns["velocity [m/s]"] = speed + 5e-6 * random.standard_normal(speed.size)
+        table = np.column_stack(list(columns.values()))
+        np.savetxt(tmp_path / f"{role}.csv", table, "%.10g", ",", header=",".join(columns), comments="")
+    rig = "kind = 'velocity-drive'\n[model]\neffects = ['coulomb', 'viscous']"
+    problem = _load(tmp_path, rig, "friction_force = '0.1 N'", "30 nm")
+    base = fit_stated_model(problem)
+    assert base.fitted.model.values["coulomb.force"] == pytest.approx(6.0, rel=2e-3)
+    assert base.fitted.model.values["viscous.coefficient"] == pytest.approx(100.0, rel=0.02)
+    assert max(_over_noise(problem, base)) < 1.1
+
+
+def _pendulum(folder: Path, seconds: float, effects: str, torque: float = 0.0) -> Problem:
+    """A free pendulum of 1 kg m^2, 90 N m, with dry friction and drag and a ripple of force, by Euler steps."""
+    for start, role in ((1.2, "fit"), (1.0, "validate")):
+        random, angle, speed, rows = np.random.default_rng(round(10 * start)), start, 0.0, []
+        for _ in range(round(200 * seconds)):
+            rows.append(angle)
+            for _ in range(50):
+                force = torque - 90.0 * np.sin(angle) - 1.6 * speed - 2.0 * np.sin(12.0 * angle)
+                turned = speed + 1e-4 * (force - 2.7 * np.sign(speed))
+                speed = 0.0 if turned * speed < 0.0 and abs(force) < 2.7 else turned
+                angle += 1e-4 * speed
+        columns = [5e-3 * np.arange(len(rows)), np.array(rows) + 1e-4 * random.standard_normal(len(rows))]
+        header = "time [s],position [rad]"
+        np.savetxt(folder / f"{role}.csv", np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    rig = f"kind = 'force-drive'\n[rig.known]\ninertia = '1 kg*m^2'\n[model]\neffects = [{effects}]\n"
+    return _load(folder, f"{rig}[channels]\ndrive_force = {{ value = '{torque} N*m' }}")
+
+
+def test_a_standstill_does_not_widen_intervals(tmp_path: Path) -> None:
+    problem = _pendulum(tmp_path, 10.0, "'coulomb', 'viscous', 'gravity_torque'")
+    fitted = fit_stated_model(problem).fitted
+    known = intervals(fitted, problem.fit_records).by_key
+    gravity = known["gravity_torque.amplitude"]
+    assert gravity.value == pytest.approx(90.0, rel=0.05)
+    assert 0.0 < gravity.high - gravity.value < 10.0
+    assert np.isfinite([known[key].std for key in ("coulomb.force", "viscous.coefficient")]).all()
+
+
+def test_a_lag_of_a_drive_that_never_changes_is_no_candidate(tmp_path: Path) -> None:
+    problem = _pendulum(tmp_path, 1.0, "'viscous'")
+    names = {effect.name.partition(":")[0] for effect in candidate_effects(problem, ["viscous"])}
+    assert "gravity_torque" in names
+    assert not names & {"drive_delay", "drive_lag", "sensor_delay", "sensor_lag"}
