@@ -29,6 +29,7 @@ from drawings.views.projection import project
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Point2, dot
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
@@ -588,8 +589,8 @@ def _extremes(surface: Surface) -> list[Point]:
 
 def _tapped(drill: float) -> str:
     """Designation of the metric coarse thread with a tap drill, ISO 2306; empty for none."""
-    drills = {2.5: "M3", 3.3: "M4", 4.2: "M5", 5.0: "M6", 6.8: "M8", 8.5: "M10", 10.2: "M12", 14.0: "M16", 17.5: "M20"}
-    return next((name for size, name in drills.items() if abs(size - drill) < 0.01), "")
+    coarse = (one for one in threads().values() if "coarse" in one.source)
+    return next((one.designation for one in coarse if abs(one.tap_drill - drill) < 0.01), "")
 
 
 def _tidy(point: Point) -> Point:

@@ -14,7 +14,7 @@ from typing import Any
 from stagecad.parameters.entry import Entry, FileEntry
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.iso286 import in_range, is_class
+from stagecad.parameters.iso286 import deviations, in_range, is_class
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ProjectTable, read_project_tables
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
@@ -201,6 +201,11 @@ def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: 
             tolerance = _class_by_decimals(shown)
         if tolerance is not None and is_class(tolerance) and not (declaration.unit == "mm" and in_range(value)):
             raise InputError(f"{place}: tolerance = '{tolerance}' is for diameters up to 250 mm, not for {shown}")
+        if tolerance is not None and is_class(tolerance):
+            try:
+                deviations(value, tolerance)
+            except ValueError as error:
+                raise InputError(f"{place}: {error} (ISO 286-1)") from None
     elif declaration.kind == "count":
         value = _count(entry, declaration)
     elif declaration.kind == "switch":

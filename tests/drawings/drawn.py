@@ -10,6 +10,7 @@ from ezdxf.document import Drawing
 from drawings.annotations.annotation import AngularDimension, Annotation, Callout, LinearDimension, RadialDimension
 from drawings.export.drawing_model import drawing_model
 from drawings.export.dxf import dxf_document
+from drawings.sheets.machine_sheets import sheets_of
 from drawings.sheets.part import PartDescription, part_sheets
 from drawings.sheets.sheet import Sheet
 from stagecad.friction_stage.construction import part_definition
@@ -25,9 +26,11 @@ def thesis() -> Design:
 
 def described(name: str, design: Any) -> PartDescription:
     """A part as its sheets need it; mass and hash are others' business."""
-    module = part_definition(name)
+    module, known = part_definition(name), sheets_of(design)
     return PartDescription(
         name,
+        known.titles.get(name, name.replace("_", " ")),
+        known.plans(name, design),
         module.build(design),
         module.dimensions(design),
         getattr(module, "requirements", lambda _: ())(design),

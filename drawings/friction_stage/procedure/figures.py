@@ -10,8 +10,8 @@ from typing import Any
 
 from drawings.sheets.procedure import CALCULATED, Figure
 from stagecad.friction_stage.construction import part_definition
+from stagecad.parameters.threads import thread as thread_of
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.modelling.dimensioning import THREAD_DESIGNATION
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dic
     for name, (part, dimension) in _COUNTS.items():
         declared = {d.name: d for d in part_definition(part).dimensions(design)}
         figures[name] = Figure(str(declared[dimension].count), f"{part}: {dimension}")
-    figures |= {name: Figure(THREAD_DESIGNATION[thread], "threads") for name, thread in _THREADS.items()}
+    figures |= {name: Figure(thread_of(thread).designation, "threads") for name, thread in _THREADS.items()}
     base = next(row for row in rows if row.part == "base")
     play = design.base.pocket_diameter - design.holder.diameter
     proud = design.holder.floor + design.piezo.length - design.holder.height

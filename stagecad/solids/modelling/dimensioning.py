@@ -23,32 +23,8 @@ from stagecad.parameters.dimension import (
     View,
 )
 from stagecad.parameters.iso286 import is_class
+from stagecad.parameters.threads import thread as thread_of
 from stagecad.solids.modelling.verification import moved
-
-THREAD_DESIGNATION = {
-    "m3": "M3x0.5",
-    "m4": "M4x0.7",
-    "m5": "M5x0.8",
-    "m6": "M6x1",
-    "m10": "M10x1.5",
-    "unc_3_8": "3/8-16 UNC",
-    "unc_1": "1-8 UNC",
-}
-"""Designations by name in the table of threads. Metric: ISO 261 coarse; tap drills by ISO 2306. Unified: ASME B1.1, 2B.
-
-Threads are cosmetic: the solid has the tap drill's hole, the sheet this text and thin lines (ISO 6410-1).
-"""
-
-THREAD_DIAMETER = {
-    "M3x0.5": 3.0,
-    "M4x0.7": 4.0,
-    "M5x0.8": 5.0,
-    "M6x1": 6.0,
-    "M10x1.5": 10.0,
-    "3/8-16 UNC": 9.525,
-    "1-8 UNC": 25.4,
-}
-"""Major diameter by designation, mm."""
 
 X: Point = (1.0, 0.0, 0.0)
 Y: Point = (0.0, 1.0, 0.0)
@@ -166,11 +142,25 @@ class DimensionDeclarations:
         extra: str = "",
         **fields: Any,
     ) -> None:
-        """A tapped hole: thread, its depth, tap drill and drill depth as one callout."""
-        fields = {"view": "top", **self._common, **fields, "note": THREAD_DESIGNATION[thread], "feature": feature}
+        """A tapped hole: thread (`stagecad.parameters.threads`), its depth, tap drill and drill depth as one callout.
+
+        Threads are cosmetic: the solid has the tap drill's hole, the sheet the designation and thin lines (ISO 6410-1).
+        The tap drill is that of the machine's table `threads` if it has the thread.
+        """
+        row = thread_of(thread)
+        fields = {"view": "top", **self._common, **fields, "note": row.designation, "feature": feature}
         drill, at = f"threads.{thread}_tap_drill", moved(mouth, into, 2.0)
-        touch = moved(at, X if abs(into[2]) > 0.5 else Z, self._value(drill) / 2)
-        self.add("tap_drill", f"{feature} tap drill", drill, (at, touch), into, **fields)
+        stated = hasattr(getattr(self._design, "threads", None), f"{thread}_tap_drill")
+        size = self._value(drill) if stated else row.tap_drill
+        points = (at, moved(at, X if abs(into[2]) > 0.5 else Z, size / 2))
+        if stated:
+            self.add("tap_drill", f"{feature} tap drill", drill, points, into, **fields)
+        else:
+            keys = (drill,)
+            drilled = Dimension(
+                f"{feature} tap drill", "tap_drill", size, "", points, into, derived_from=keys, **fields
+            )
+            self._all.append(drilled)
         if depths:
             self.add("thread_depth", f"{feature} thread depth", depths[0], (mouth,), into, **fields)
             end = moved(mouth, into, self._value(depths[1]))

@@ -98,7 +98,7 @@ def test_the_position_of_a_solid_does_not_matter() -> None:
 
 def test_a_tap_drill_is_a_question_and_a_proposal_is_python() -> None:
     _, proposal = proposed("t_nut")
-    assert proposal.questions == ("hole 1: is 5 mm the tap drill of M6? Then declare it with d.tapped(...)",)
+    assert proposal.questions == ("hole 1: is 5 mm the tap drill of M6x1? Then declare it with d.tapped(...)",)
     text = part_text("t_nut", "t_nut.step", proposal)
     compile(text, "t_nut_proposed.py", "exec")
     assert "d.diameter('hole 1'" in text and "- hole 1: is 5 mm" in text

@@ -1,0 +1,57 @@
+"""Screw threads by name, from `threads.csv`: metric coarse and fine, unified, and pipe threads."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+from stagecad.parameters.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class Thread:
+    """A screw thread; lengths in mm.
+
+    Args:
+        name: as parts write it: `m8`, `m8x1`, `unc_3_8`, `g_1_4`.
+        designation: on a sheet: `M8x1.25`.
+        source: standard of the sizes.
+    """
+
+    name: str
+    designation: str
+    major: float
+    pitch: float
+    tap_drill: float
+    source: str
+
+
+@cache
+def threads() -> dict[str, Thread]:
+    """All threads by name."""
+    text = files("stagecad.parameters").joinpath("threads.csv").read_text("utf-8")
+    rows = csv.reader(text.splitlines()[1:])
+    return {
+        name: Thread(name, designation, float(major), float(pitch), float(drill), source)
+        for name, designation, major, pitch, drill, source in rows
+    }
+
+
+def thread(name: str) -> Thread:
+    """A thread by its name.
+
+    Raises:
+        InputError: the table has none of this name.
+    """
+    found = threads().get(name)
+    if found is None:
+        raise InputError(f"no thread '{name}'{nearest(name, list(threads()))}")
+    return found
+
+
+@cache
+def major_diameters() -> dict[str, float]:
+    """Major diameters by designation, mm."""
+    return {one.designation: one.major for one in threads().values()}
