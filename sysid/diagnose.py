@@ -3,34 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-import numpy as np
-
-from sim.effects.catalogue import rigid_friction
-from sim.effects.effect import Effect
-from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.consistency import consistency_warnings
-from sysid.diagnosis.constants import FORM_ERROR, NOISE_FACTOR
-from sysid.diagnosis.decision import Decision, NoiseLevel, decide
-from sysid.diagnosis.held_out import evenness
+from sysid.diagnosis.decision import Decision, decide, noise_level
+from sysid.diagnosis.free_curves import recurring_coordinates
+from sysid.diagnosis.ledger import Ledger, make_ledger
 from sysid.diagnosis.model_search import ModelSearch
-from sysid.diagnosis.quantised_channel import quantised_channel
+from sysid.diagnosis.quantised_channel import QuantisedChannel, quantised_channel
 from sysid.diagnosis.replacements import Replacement, find_replacements
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
-from sysid.diagnosis.structural_modes import structural_mode_candidate
-from sysid.estimation.fit import FittedModel
-from sysid.estimation.misfit import ChannelMisfit, ResidualWeights, blocks, huber_square, misfit, weighted_residual
+from sysid.diagnosis.structural_modes import with_mode_above_band
+from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
-from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
-from sysid.noise.estimate import Noise
-from sysid.prediction.model import Model, public_name
-from sysid.prediction.prepared_record import PreparedRecord
+from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem, load_problem
 
 IN_FULL = 6
@@ -91,6 +83,11 @@ class Diagnosis:
         return self.decision.unexplained_share
 
     @property
+    def ledger(self) -> Ledger:
+        """Every effect with its state and evidence."""
+        return self.decision.ledger
+
+    @property
     def reason(self) -> str:
         """Reason of the verdict as text."""
         return self.decision.reason
@@ -106,12 +103,20 @@ def diagnose(
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)
-    search = ModelSearch(problem, base, all_effects, progress)
     added = _added(problem)
-    decision = quantised_channel(search.reference) or decide(
-        search, search.reference.held_out, _noise_level(search, added)
-    )
-    decision = structural_mode_candidate(search.reference, search.ranked, decision) or decision
+    quantised = quantised_channel(Reference.of(problem, base))
+    if quantised is None:
+        search = ModelSearch(problem, base, all_effects, progress)
+    else:
+        # Quantisation is part of the noise, so further effects are judged with it.
+        search = ModelSearch(quantised.candidate.problem, quantised.base, all_effects, progress)
+    recurring = recurring_coordinates(problem)
+    noise = noise_level(search, added)
+    ledger = with_mode_above_band(search, make_ledger(search, noise.loss, added, recurring))
+    decision = decide(search, ledger, noise, recurring)
+    ranked = search.ranked
+    if quantised is not None:
+        decision = _with_quantisation(decision, quantised)
     replacements: Sequence[Replacement] = ()
     if decision.best is None:
         # A missing effect is added first; replacements are searched only where none is missing.
@@ -120,7 +125,7 @@ def diagnose(
     maps = residual_maps(*of_model)
     if decision.verdict == "unexplained":
         maps = compared_with_time(maps, *of_model)
-    ranked, in_full = search.ranked, IN_FULL
+    in_full = IN_FULL
     if decision.best is not None and decision.best not in ranked:
         # The decision may name another variant than the one with the lowest error.
         others = [trial for trial in ranked if trial.public_name != decision.best.public_name]
@@ -143,6 +148,22 @@ def diagnose(
     )
 
 
+def _with_quantisation(decision: Decision, quantised: QuantisedChannel) -> Decision:
+    """A decision with a quantised channel as the first effect."""
+    ledger = decision.ledger
+    further = ledger.explained if ledger.established else 0.0
+    ledger = replace(
+        ledger,
+        entries=(quantised.entry, *ledger.entries),
+        model=ledger.model if ledger.established else quantised.candidate,
+        explained=1.0 - (1.0 - quantised.share) * (1.0 - further),
+    )
+    words = quantised.entry.words
+    return replace(
+        decision, verdict="missing-effect", best=quantised.candidate, ledger=ledger, reason=words, detected_by=words
+    )
+
+
 def _untried(problem: Problem, ranked: Sequence[Candidate]) -> list[str]:
     """One line for each of the user's own effects that is neither in the model nor among the candidates."""
     known = {public_name(e.name) for e in problem.start.effects} | {c.public_name for c in ranked}
@@ -159,57 +180,3 @@ def _added(problem: Problem) -> list[str]:
     revisions = read_history(problem.experiment)
     first = {public_name(name) for name in revisions[0].effects} if revisions else set()
     return [e.name for e in problem.start.effects if revisions and public_name(e.name) not in first]
-
-
-def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
-    """What is known of the noise level, and of the form error of the effects added."""
-    problem, base = search.problem, search.base
-    known = all(_is_known(problem.noise[c]) for c in problem.fit_records[0].measured if c in problem.noise)
-    richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
-    held = _contributions(base.fitted, added, problem.validate_records, base.weights)
-    fit = _contributions(base.fitted, added, problem.fit_records, base.fitted.weights)
-    fit_block = blocks(problem.fit_records, base.fitted.weights)
-    reference = search.reference.held_out
-    parts = [(reference.residual, held, reference.block), (base.fitted.fit.residual, fit, fit_block)]
-    scaled = [(r / np.sqrt(1.0 + FORM_ERROR**2 * c), block) for r, c, block in parts if r.size]
-    losses = [(float(np.mean(huber_square(r))), evenness(r, block)) for r, block in scaled]
-    adequate_loss, even = max(losses, default=(1.0, 1.0))
-    form_error = FORM_ERROR**2 * float(np.mean(held)) if held.size else 0.0
-    return NoiseLevel(
-        loss=(1.0 if known else min(1.0, max(richest, NOISE_FACTOR**-2))) + form_error,
-        form_error=form_error,
-        adequate_loss=adequate_loss,
-        evenness=even,
-    )
-
-
-def _is_known(noise: Noise) -> bool:
-    """Whether the level of a noise is known: stated, or mostly that of rounding.
-
-    The rounding error of a smooth force is a function of the motion itself, so a rich model may leave less.
-    """
-    return noise.source == "given" or (noise.quantisation_step or 0.0) ** 2 / 12.0 >= 0.5 * noise.value**2
-
-
-def _contributions(
-    fitted: FittedModel, added: Sequence[str], records: Sequence[PreparedRecord], weights: ResidualWeights
-) -> np.ndarray:
-    """Sum over the effects added of the squared change (n,) of the residual without the effect, in deviations."""
-    model = fitted.model
-    residual = weighted_residual(model, records, weights)
-    total = np.zeros(residual.size)
-    for effect in model.effects:
-        if effect.name in added:
-            # Without presliding the friction is rigid.
-            rest = without_effect(model, effect.name) if effect.friction_state is None else _rigid(model, effect)
-            total += (weighted_residual(rest, records, weights) - residual) ** 2
-    return total
-
-
-def _rigid(model: Model, state: Effect) -> Model:
-    """The model with rigid friction in place of a friction state model, at the same friction limit."""
-    rigid = rigid_friction()
-    values = {f"{rigid.name}.{p.name}": p.default for p in rigid.parameters}
-    values[f"{rigid.name}.force"] = model.values[f"{state.name}.force"]
-    effects = tuple(rigid if effect is state else effect for effect in model.effects)
-    return Model(effects, {**model.values, **values}, ())

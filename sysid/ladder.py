@@ -11,16 +11,16 @@ from time import perf_counter
 from typing import Any
 
 from sim.effects.catalogue import find, rounding_effects
+from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
+from sysid.diagnose import Diagnosis, diagnose
+from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
 from sysid.estimation.covariance import intervals
-from sysid.estimation.driven_stage_search import lowest_minimum
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
-from sysid.estimation.score_test import profiled_residual
-from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reference_fit
 from sysid.estimation.variant_selection import (
     fits_clearly_better,
     predicts_clearly_better,
@@ -28,12 +28,12 @@ from sysid.estimation.variant_selection import (
     select_variants,
     without_effect,
 )
-from sysid.experiment.experiment import DesignValues, Experiment
+from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.history import Revision, append_revision, edited_by_hand, read_history
 from sysid.experiment.in_memory import with_revision
 from sysid.prediction.model import Model, public_name
-from sysid.prediction.observable import candidate_effects, is_observable
-from sysid.prediction.problem import Problem, build_problem, load_problem
+from sysid.prediction.observable import candidate_effects, is_observable, next_copy
+from sysid.prediction.problem import Problem, build_problem, load_problem, problem_of
 from sysid.report import both_json, noise_json, parameter_unit, parameters_json
 
 
@@ -63,12 +63,37 @@ class Addition:
     experiment: Experiment | None = None
 
 
+def add_all(
+    source: str | Path | Problem, design: DesignValues | None = None, progress: Progress | None = None
+) -> tuple[Diagnosis, list[Addition]]:
+    """Add every effect that a diagnosis establishes, in the order of its ledger, with one revision for each.
+
+    Args:
+        source: folder of the experiment, its `experiment.toml`, or a problem already built.
+        design: values of the design for known quantities stated as `"design"`.
+        progress: of the diagnosis.
+
+    Raises:
+        InputError: as `add_effects`.
+    """
+    problem = source if isinstance(source, Problem) else load_problem(source, design)
+    found = diagnose(problem, progress=progress)
+    steps: list[Addition] = []
+    for entry in found.ledger.established:
+        _, at, channel = (entry.model.law or entry.effect.name).partition("@")
+        step = add_effects(problem, [f"{entry.name}{at}{channel}"], design, near=found.ledger.model.fitted.model)
+        steps.append(step)
+        problem = problem_of(step.experiment or load_experiment(problem.experiment.path, design))
+    return found, steps
+
+
 def add_effects(
     source: str | Path | Problem,
     effects: Sequence[str],
     design: DesignValues | None = None,
     drop: Sequence[str] = (),
     accept: Callable[[Problem, FittedModel], object] = lambda problem, fitted: None,
+    near: Model | None = None,
 ) -> Addition:
     """Add effects to the model of an experiment, fit it, and write the next revision and `experiment.toml`.
 
@@ -78,6 +103,18 @@ def add_effects(
     name is preferred unless another fits clearly better, or fits as well and predicts the held-out records clearly
     better. Variants of effects that the experiment names without one are selected again. A friction state model
     replaces the previous one.
+
+    Args:
+        source: folder of the experiment, its `experiment.toml`, or a problem already built.
+        effects: names of the effects to add.
+        design: values of the design for known quantities stated as `"design"`.
+        drop: names of effects that are removed first, in the same revision.
+        accept: called with the extended model before anything is written; nothing is where it raises.
+        near: a fitted model whose values are tried as further starting points.
+
+    Raises:
+        InputError: an effect that is unknown, already present (to drop: absent), or not observable on this rig; a fault
+            in a file.
     """
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
@@ -94,6 +131,10 @@ def add_effects(
     # A variant selected while an effect was missing may be the wrong one now.
     free = reselectable_effects(problem, effects)
     fitted, _ = select_variants(extended, fitted, free, partial(predicts_clearly_better, extended))
+    if near is not None:
+        known = {key: value for key, value in near.values.items() if key in fitted.model.values}
+        other = fit_model(fitted.model.at(known), extended.fit_records, fitted.weights, iterations=40)
+        fitted = other if other.fit.cost < fitted.fit.cost else fitted
     after_fit = misfit(fitted.model, extended.fit_records)
     after_validate = misfit(fitted.model, extended.validate_records)
     document = {**_revision_document(extended, fitted, after_fit, after_validate), "open_laws": list(free)}
@@ -156,39 +197,21 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
     experiment = problem.experiment
     effect = find(name, problem.custom)
     present = [e.name for e in fitted.model.effects]
-    if name in present or (
-        ":" not in name and "@" not in name and public_name(name) in {public_name(p) for p in present if "@" not in p}
-    ):
+    taken = {public_name(p) for p in present if "@" not in p}
+    if effect.is_periodic and public_name(name) in taken and "#" not in name:
+        name = next_copy(public_name(name), present)
+        effect = find(name, problem.custom)
+    elif name in present or (":" not in name and "@" not in name and public_name(name) in taken):
         raise InputError(f"{experiment.path}: model.effects has '{name}' already")
     if effect.rounds:
         return _with_quantisation(problem, name)
-    candidates = candidate_effects(problem, present, all_effects=True)
-    options = [c for c in candidates if c.name == name]
-    if not options:
-        options = [c for c in candidates if public_name(c.name) == name]
-    if ":" not in name and "@" not in name:
-        options = [c for c in candidates if public_name(c.name) == effect.name] or options
-    if not options and ":" in name and is_observable(problem, effect):
-        # A variant that a diagnosis does not try, since another one contains it, can be added by name.
-        options = [effect]
-    if not options:
-        observable = sorted({public_name(c.name) for c in candidates})
-        raise InputError(
-            f"{experiment.path}: effect '{name}' is not observable on a {problem.kind} rig with these records"
-            f"{nearest(name, observable)}"
-        )
-    profiled = profiled_residual(fitted)
-    refitted = [
-        screen_and_refit(fitted, option, problem.fit_records, problem.scales, profiled, starts=3, iterations=40)
-        for option in options
-    ]
-    found = [c for c in refitted if c is not None]
+    search = ModelSearch(problem, reference_fit(problem, fitted), options=_options(problem, effect, present))
+    found = sorted(search.singles, key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     if not found:
         also = ", or its law is not finite there" if effect in problem.custom else ""
         raise InputError(
             f"{experiment.path}: effect '{name}' has no influence on the channels measured in these records{also}"
         )
-    found.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     best = found[0]
     mode = detect_structural_mode(problem, fitted) if effect.is_mode else None
     if mode is not None:
@@ -200,14 +223,32 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
         best = next(
             (c for c in found if c is not named and predicts_clearly_better(problem, c.fitted, named.fitted)), named
         )
-    extended = lowest_minimum(best.fitted, problem.fit_records)
-    weights = residual_weights(fitted.model, problem.validate_records)
-    base = ReferenceFit(fitted, weights, weighted_residual(fitted.model, problem.validate_records, weights))
-    for other in ModelSearch(problem, base).reshaped(best.effect):
+    extended = search.converged(best).fitted
+    for other in search.reshaped(best.effect):
         # Without this effect, an effect of the model may have been fitted to a wrong local minimum.
         if fits_clearly_better(other.fitted, extended):
             extended = other.fitted
     return problem, fit_model(extended.model, problem.fit_records, iterations=40)
+
+
+def _options(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
+    """The laws and channels of an effect that may be added to a model; those of its public name where it is named
+    without variant and channel."""
+    name = effect.name
+    candidates = candidate_effects(problem, present, all_effects=True)
+    options = [c for c in candidates if c.name == name] or [c for c in candidates if public_name(c.name) == name]
+    if ":" not in name and "@" not in name:
+        options = [c for c in candidates if public_name(c.name) == public_name(name)] or options
+    if not options and ":" in name and is_observable(problem, effect):
+        # A variant that a diagnosis does not try, since another one contains it, can be added by name.
+        options = [effect]
+    if not options:
+        observable = sorted({public_name(c.name) for c in candidates})
+        raise InputError(
+            f"{problem.experiment.path}: effect '{name}' is not observable on a {problem.kind} rig with these records"
+            f"{nearest(name, observable)}"
+        )
+    return options
 
 
 def _with_quantisation(problem: Problem, name: str) -> tuple[Problem, FittedModel]:

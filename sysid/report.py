@@ -18,7 +18,7 @@ from sysid.estimation.covariance import Intervals, intervals
 from sysid.estimation.fit import FittedModel, root_mean_huber
 from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key, substitution_angle
 from sysid.estimation.information_criteria import information_criteria
-from sysid.estimation.misfit import ChannelMisfit
+from sysid.estimation.misfit import ChannelMisfit, worst_over_noise
 from sysid.estimation.residual_correlation import residual_correlation
 from sysid.experiment.rigs import CHANNELS
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
@@ -233,8 +233,50 @@ def rivals_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """Shares of the excess that the best free curve and the best named effect remove; null without an excess."""
     curve, named = diagnosis.decision.free_curve, diagnosis.decision.best_named
     return {
-        "free_curve": None if curve is None else {"coordinate": curve.coordinate, "share": curve.share},
+        "free_curve": None
+        if curve is None
+        else {"coordinate": curve.coordinate, "share": curve.share, "recurs": curve.recurs},
         "best_named": None if named is None else {"effect": named[0], "share": named[1]},
+    }
+
+
+def ledger_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Every effect of the ledger with its state and evidence, and what the established ones leave.
+
+    `share` and `gain` (of the held-out rms) are those of the effect beside all others of the set, `form` is the gain of
+    its law over that with a free curve of its coordinates on top, `of_the_rest` the part of what is left without it.
+    """
+    problem, ledger = diagnosis.problem, diagnosis.ledger
+    rows = []
+    for entry in ledger.entries:
+        row: dict[str, Any] = {"effect": entry.name, "state": entry.state}
+        evidence = entry.evidence
+        if evidence is not None and entry.below is not None:
+            channel = worst_channel(problem, entry.below.after_validate)
+            gain = entry.below.after_validate[channel].rms - entry.model.after_validate[channel].rms
+            row |= {
+                "share": evidence.share,
+                "gain": as_json(gain, channel_unit(problem, channel)),
+                "p_value": p_value_json(evidence.p_value),
+                "form": 1.0 / (1.0 + max(evidence.form, 0.0)),
+                "of_the_rest": evidence.own_share,
+                "amplitude_held_out": evidence.held.amplitude,
+                "deviations": evidence.z,
+            }
+        row["indistinguishable"] = list(entry.ties)
+        row["parameters"] = parameters_json(problem, entry.model.fitted, only=entry.effect.name)
+        row["reason"] = entry.reason
+        rows.append(row)
+    after = ledger.model.after_validate or ledger.model.after_fit
+    percent = after[headline_channel(problem)].fit_percent if headline_channel(problem) in after else math.nan
+    return {
+        "ledger": rows,
+        "explained_percent": percent if math.isfinite(percent) else None,
+        "remainder": {
+            "share": diagnosis.unexplained_share,
+            "coordinate": ledger.coordinate or None,
+            "over_noise": worst_over_noise({}, after),
+        },
     }
 
 
@@ -253,6 +295,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "effect": diagnosis.effect,
         "indistinguishable": list(diagnosis.indistinguishable),
         "reason": diagnosis.reason,
+        **ledger_json(diagnosis),
         "noise": noise_json(problem),
         "before": both_json(problem, diagnosis.before_fit, diagnosis.before_validate),
         "after": both_json(problem, after.after_fit, after.after_validate)

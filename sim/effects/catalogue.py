@@ -60,9 +60,9 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
     """The effect called `name`, among the built-ins and the user's own.
 
     Args:
-        name: an effect; `effect:variant` picks a variant, `sensor_effect@channel` the channel a sensor effect acts on,
-            `contact.effect` puts a friction effect between tip and stage. The effect returned carries the requested
-            name.
+        name: an effect; `effect:variant` picks a variant, `effect#2` is a second copy of an effect that is periodic in
+            the position, `sensor_effect@channel` the channel a sensor effect acts on, `contact.effect` puts a friction
+            effect between tip and stage. The effect returned carries the requested name.
         custom: the user's own effects (`load_custom`).
 
     Raises:
@@ -72,10 +72,13 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
     plain, at, channel = name.partition("@")
     contact = plain.startswith("contact.")
     plain = plain.removeprefix("contact.")
+    plain, copied, copy = plain.partition("#")
     base, colon, variant = plain.partition(":")
     if base not in effects:
         raise InputError(f"no effect '{name}'{nearest(base, effects)}")
     effect = effects[base]
+    if copied and not (effect.is_periodic and copy.isdecimal() and int(copy) > 1):
+        raise InputError(f"effect '{name}': only a periodic effect has copies, '#2' and so on")
     if colon:
         variants = {other.name.partition(":")[2]: other for other in effect.variants}
         if variant not in variants:
@@ -125,9 +128,10 @@ def laws_of(name: str, custom: Sequence[Effect] = ()) -> tuple[Effect, ...]:
         custom: the user's own effects.
     """
     plain, at, channel = name.partition("@")
+    _, copied, copy = plain.partition("#")
     where = "contact." if plain.startswith("contact.") else ""
-    variants = find(name, custom).variants
-    return tuple(find(f"{where}{variant.name.removeprefix(where)}{at}{channel}", custom) for variant in variants)
+    variants = [variant.name.removeprefix(where) for variant in find(name, custom).variants]
+    return tuple(find(f"{where}{variant}{copied}{copy}{at}{channel}", custom) for variant in variants)
 
 
 def valid_name(name: str) -> bool:

@@ -225,6 +225,11 @@ class Effect:
         return self.acts_on == "structure" and self.signal is not None
 
     @property
+    def is_periodic(self) -> bool:
+        """Whether it is periodic in the position, so that a model may have several of it, one for each pitch."""
+        return any(p.scan is not None and p.scan.shortest > 0.0 for p in self.parameters)
+
+    @property
     def has_presliding(self) -> bool:
         """Whether it is a friction state model whose presliding displacement a record resolves."""
         return self.friction_state is not None and not self.friction_state.rigid

@@ -62,6 +62,11 @@ class Candidate:
         return self.law or self.effect.name
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects added."""
+        return tuple(effect.name for effect in self.added)
+
+    @property
     def public_name(self) -> str:
         """Public name of the first effect added."""
         return public_name(self.name)

@@ -76,6 +76,7 @@ def screen_all(
     progress: Progress | None = None,
     promising: int | None = None,
     jacobians: CandidateJacobians | None = None,
+    options: Sequence[Effect] | None = None,
 ) -> ScreeningResult:
     """Screen every candidate on top of a fitted model."""
     fitted, records = truncated(base.fitted, problem.fit_records)
@@ -86,7 +87,7 @@ def screen_all(
     rows = EVERY_ROW if jacobians is None else jacobians.rows
     kept = slice(None, None, max(1, size // ROWS_SEEN))
     basis, target = profiled_residual(fitted, rows)
-    effects = candidate_effects(problem, present, all_effects)
+    effects = candidate_effects(problem, present, all_effects) if options is None else list(options)
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _preload(problem, effects)
 
@@ -98,7 +99,7 @@ def screen_all(
             progress(effect.name, next(steps), 2 * len(effects))
 
     def score(effect: Effect) -> tuple[ScoredCandidate, list[GridPoint]]:
-        if jacobians is not None and effect.name in jacobians.grids:
+        if jacobians is not None and effect.name in jacobians.grids and not effect.is_periodic:
             return ScoredCandidate(effect, score_test(effect, jacobians.grids[effect.name], basis, target)), []
         grid = candidate_directions(fitted, effect, records, problem.scales, rows)
         thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if jacobians is None else []
@@ -113,9 +114,8 @@ def screen_all(
     # Effects without a linear amplitude are always fitted.
     best = max((one.score for one in known if one.linear), default=0.0)
     least = max(LEAST_PROMISE, OF_THE_BEST * best)
-    fits = [
-        promising is None or not one.linear or (k < promising and one.score >= least) for k, one in enumerate(known)
-    ]
+    ranked = {one.effect.name for one in [o for o in known if o.linear and o.score >= least][:promising]}
+    fits = [promising is None or not one.linear or one.effect.name in ranked for one in known]
     fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))

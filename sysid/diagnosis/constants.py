@@ -1,4 +1,4 @@
-"""Constants of the decision of a diagnosis. docs/theory.md lists them (docs/make_thresholds.py).
+"""Constants of the ledger of a diagnosis. docs/theory.md lists them (docs/make_thresholds.py).
 
 Losses are mean Huber squares of the held-out residual in standard deviations of the noise: 1 for noise alone. The
 excess is the loss above that of a complete model; the share of a model is the part of the excess that it removes.
@@ -6,38 +6,57 @@ excess is the loss above that of a complete model; the share of a model is the p
 
 from __future__ import annotations
 
-LEAST_SIGNIFICANCE = 4.0
-"""Least gain over its standard error, if the residual of the better model is noise; blocks of time count once."""
+MOST_EFFECTS = 8
+"""Largest number of effects of a set."""
 
-LEAST_STEADINESS = 1.0
-"""Least gain over its standard error from the scatter of the blocks: it does not come from one short stretch."""
+STEP_Z = 2.5
+"""Least significance of a step of the selection of effects, or of a free curve."""
+
+STEP_GAIN = 0.01
+"""Least gain of a step, over the loss before it."""
+
+CERTAIN_Z = 4.06
+"""Least significance of an effect on all records: probability 1e-3 that one of 40 candidates has it by chance."""
+
+EACH_Z = 2.33
+"""Least significance on the records of the fit and on the held-out ones, each: probability 1 %."""
+
+LEAST_OWN_SHARE = 0.1
+"""Least part of what is left without an effect that it removes."""
+
+MOST_AMPLITUDE = 2.0
+"""Largest factor between the amplitude of an effect on the held-out records and the fitted one."""
+
+MOST_FORM_ERROR = 0.25
+"""Largest gain of a free curve of an effect's own coordinates on top of it, over its own gain."""
+
+FORM_ERROR = 0.08
+"""Relative error of the form of a law: twice the median error of published laws of one effect, fitted to each other
+(benchmarks/form_errors.py). An effect must gain more than this error of the other effects can leave."""
+
+NEAR_NOISE_LOSS = 1.1
+"""Loss without an effect, over that of noise, up to which its significance has to be twice as large."""
+
+WELL_EXPLAINED = 0.75
+"""Part of the excess up to which that is so too: more than a quarter is unknown, and may be mimicked."""
+
+TIE = 0.03
+"""Largest loss of gain, over the gain, by another effect in the place of one that is indistinguishable from it."""
+
+CURVE_MARGIN = 0.07
+"""Part of the excess by which a free curve must exceed a set of effects to refute it."""
+
+MOST_DAMPING = 0.3
+"""Damping ratio from which a fitted mode is a filter of the signal."""
 
 LEAST_GAIN = 0.03
-"""Least gain, over the loss of the model without the effect."""
-
-SUFFICIENT_SHARE = 0.5
-"""Share of the excess from which a model is a sufficient explanation: it explains more than it leaves."""
-
-CLEAR_MARGIN = 0.07
-"""Share of the excess by which a free curve, or a second effect, must exceed a single named effect."""
-
-CURVE_STEADINESS = 2.0
-"""Steadiness of that margin for a free curve, since it is the best of several."""
+"""Least gain of a mode detected above the filter band, and of an effect that counts as detectable, over the loss."""
 
 NOTABLE_SHARE = 0.2
-"""Part of the loss; a model is not adequate if a free curve explains more."""
-
-FORM_ERROR = 0.04
-"""Relative error of the form of a law: each further effect must gain more than its square, and where a model is judged
-adequate, it is part of the variance of the residual. Published laws of one effect, fitted to each other, have errors of
-about this size (median and quartiles: benchmarks/form_errors.py)."""
+"""Part of the loss; a model is not adequate if a free curve of a recurring coordinate explains more."""
 
 NOISE_FACTOR = 2.0
 """Factor by which the level of the noise may be too low or too high, where no model gains."""
 
-EQUIVALENT_GAIN = 0.03
-EQUIVALENT_SIGNIFICANCE = 2.5
-"""Largest difference of the gains of indistinguishable effects, over the gain, and over its standard error."""
-
-NEAR_NOISE_LOSS = 1.1
-"""Loss of the stated model up to which a gain has to be twice as significant and twice as steady."""
+EVEN_SHARE = 0.5
+"""Least evenness of an error above that factor that may be noise of a wrong level."""

@@ -1,58 +1,42 @@
-"""Decision of a diagnosis: an effect is missing, the model is adequate, or the misfit is unexplained.
+"""Verdict of a diagnosis: an effect is missing, the model is adequate, or the misfit is unexplained.
 
-All models are compared by their held-out losses (`sysid/diagnosis/held_out.py`). With L0 the loss of the stated model,
-L that of another one and n that of a complete model (`NoiseLevel.loss`), the excess is L0 - n and the share of the
-other model (L0 - L) / (L0 - min(n, L)).
-
-1. The best named model is the effect of lowest loss with plausible values, or a pair of effects that is clearly better.
-2. If its gain is certain (over its standard error, over the scatter of the blocks, and large enough), and its share is
-   sufficient, and no free curve of a coordinate is clearly better, the effect is missing.
-3. If no named model is sufficient and no free curve explains a notable part, the model is adequate, as far as the level
-   of the noise is known.
-4. Otherwise the misfit is unexplained.
-
-The constants are in `sysid/diagnosis/constants.py`.
+1. An effect that is established in the ledger (`sysid/diagnosis/ledger.py`) is missing: the one of largest gain first.
+2. Without one, the model is adequate if its error is at most that of noise whose level was estimated too low, and no
+   free curve of a recurring coordinate explains a notable part of it.
+3. Otherwise the misfit is unexplained.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+
+import numpy as np
 
 from sim.effects.effect import Coordinate
 from sysid.diagnosis.candidate import Candidate
-from sysid.diagnosis.constants import (
-    CLEAR_MARGIN,
-    CURVE_STEADINESS,
-    EQUIVALENT_GAIN,
-    EQUIVALENT_SIGNIFICANCE,
-    FORM_ERROR,
-    LEAST_GAIN,
-    LEAST_SIGNIFICANCE,
-    LEAST_STEADINESS,
-    NEAR_NOISE_LOSS,
-    NOISE_FACTOR,
-    NOTABLE_SHARE,
-    SUFFICIENT_SHARE,
-)
-from sysid.diagnosis.held_out import HeldOut
-from sysid.diagnosis.model_search import ModelSearch
+from sysid.diagnosis.constants import CERTAIN_Z, EVEN_SHARE, FORM_ERROR, NOISE_FACTOR, NOTABLE_SHARE
+from sysid.diagnosis.held_out import evenness
+from sysid.diagnosis.ledger import Entry, Ledger
+from sysid.diagnosis.model_search import ModelSearch, without_added
+from sysid.estimation.fit import FittedModel
+from sysid.estimation.misfit import ResidualWeights, blocks, huber_square, weighted_residual
+from sysid.noise.estimate import Noise
+from sysid.prediction.prepared_record import PreparedRecord
 
 
 @dataclass(frozen=True)
 class NoiseLevel:
-    """Noise level as far as it is known, and form error of the laws that were added.
+    """Noise level as far as it is known.
 
     Args:
-        loss: of a complete model: 1, or less where the estimated level was too high, and the form error.
-        form_error: mean square of the form error, in standard deviations.
-        adequate_loss: largest loss of the stated model on any records, with the form error in the variance.
+        loss: of a complete model: 1, or less where the estimated level was too high.
+        adequate_loss: largest loss of the stated model on any records, with the form error of the laws added to it
+            before in the variance.
         evenness: median over mean of the variances of that residual in the blocks of time (`evenness`).
     """
 
     loss: float = 1.0
-    form_error: float = 0.0
     adequate_loss: float = 1.0
     evenness: float = 1.0
 
@@ -63,18 +47,19 @@ class NoiseLevel:
         A wrong level is the same at all times: an error that occurs mostly in less than half of the blocks has another
         cause, such as an effect that acts for some of the time.
         """
-        even = self.adequate_loss <= NOISE_FACTOR or self.evenness >= SUFFICIENT_SHARE
+        even = self.adequate_loss <= NOISE_FACTOR or self.evenness >= EVEN_SHARE
         return self.adequate_loss <= NOISE_FACTOR**2 and even
 
 
 @dataclass(frozen=True)
 class FreeCurve:
-    """The best free curve: its coordinate, its share of the excess, and the quantity that is a function of the
-    coordinate, as text."""
+    """The best free curve: its coordinate, its share of the excess, the quantity that is a function of the coordinate,
+    as text, and whether the coordinate recurs, so that the curve is a rival of the effects."""
 
     coordinate: Coordinate
     share: float
     quantity: str = "force"
+    recurs: bool = True
 
 
 @dataclass(frozen=True)
@@ -83,231 +68,140 @@ class Decision:
 
     Args:
         verdict: `missing-effect`, `adequate` or `unexplained`.
-        best: the candidate named, for `missing-effect`.
-        ties: effects that these records cannot distinguish from it.
-        unexplained_share: of the excess, that remains with the effect.
+        best: the stated model with the effect named, for `missing-effect`.
+        ledger: every effect with its state.
         reason: as text.
-        free_curve: best free curve; none where there is no excess.
+        free_curve: best free curve on top of the stated model; none where there is no excess.
         best_named: best named candidate, and its share of the excess.
         detected_by: method of detection as text, if not a reduction of the error.
     """
 
     verdict: str
     best: Candidate | None
-    ties: tuple[str, ...]
-    unexplained_share: float
+    ledger: Ledger
     reason: str
     free_curve: FreeCurve | None = None
     best_named: tuple[str, float] | None = None
     detected_by: str = ""
 
-
-class _BestShares(NamedTuple):
-    """Fields of a decision that do not depend on its verdict."""
-
-    free_curve: FreeCurve | None = None
-    best_named: tuple[str, float] | None = None
-
-
-@dataclass(frozen=True)
-class _Comparison:
-    """Comparison of candidates with the stated model."""
-
-    reference: HeldOut
-    noise: NoiseLevel
+    @property
+    def ties(self) -> tuple[str, ...]:
+        """Effects that these records cannot distinguish from the one named."""
+        return self.ledger.established[0].ties if self.ledger.established else ()
 
     @property
-    def excess(self) -> float:
-        """Loss of the stated model above the noise."""
-        return max(self.reference.loss - self.noise.loss, 0.0)
-
-    def share(self, candidate: Candidate) -> float:
-        """Part of the excess that a candidate removes."""
-        loss = candidate.held_out.loss
-        return (self.reference.loss - loss) / max(self.reference.loss - min(self.noise.loss, loss), 1e-9)
-
-    def certain(self, candidate: Candidate) -> bool:
-        """Whether the gain of a candidate is significant, steady and large enough."""
-        gain = candidate.gain
-        if self.excess == 0.0:
-            return False
-        strict = 2.0 if self.reference.loss <= NEAR_NOISE_LOSS * self.noise.loss else 1.0
-        return (
-            gain.significance >= strict * LEAST_SIGNIFICANCE
-            and gain.steadiness >= strict * LEAST_STEADINESS
-            and gain.loss >= max(LEAST_GAIN * self.reference.loss, len(candidate.added) * self.noise.form_error)
-            and candidate.fit_gain > 0.0
-        )
-
-    def clearly_better(self, other: Candidate, candidate: Candidate, steadiness: float) -> bool:
-        """Whether another candidate removes a clearly larger part of the excess, by more than the form error of the
-        laws added before."""
-        gain = candidate.held_out.gain_of(other.held_out)
-        return gain.loss > max(CLEAR_MARGIN * self.excess, self.noise.form_error) and gain.steadiness >= steadiness
-
-    def notable(self, curve: Candidate) -> bool:
-        """Whether a free curve explains a notable part of the residual."""
-        gain = curve.gain
-        return (
-            self.excess > 0.0
-            and gain.loss >= max(NOTABLE_SHARE * self.reference.loss, self.noise.form_error)
-            and gain.significance >= LEAST_SIGNIFICANCE
-            and gain.steadiness >= CURVE_STEADINESS
-        )
+    def unexplained_share(self) -> float:
+        """Part of the excess that the established effects leave."""
+        return 0.0 if self.verdict == "adequate" else 1.0 - self.ledger.explained
 
 
-def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decision:
-    """The decision on a stated model and its candidates."""
-    compared = _Comparison(reference, noise)
-    best, curve = _plausible(models.ranked), next(iter(models.curves), None)
-    shares = _best_shares(compared, best, curve)
-    named = best if best is not None and compared.certain(best) else None
-    model = named
-    if compared.excess > 0.0 and (named is None or compared.share(named) < 1.0 - CLEAR_MARGIN):
-        pair = _plausible(models.pairs)
-        if pair is not None and compared.certain(pair) and _needs_both(compared, pair, models.ranked, named):
-            model = pair
-    if model is None:
-        return _insufficient(compared, None, curve, shares)
-    beaten = curve is not None and compared.clearly_better(curve, model, CURVE_STEADINESS)
-    if compared.share(model) >= SUFFICIENT_SHARE and not beaten:
-        if len(model.added) == 2:
-            pair = _of_pair(reference, models, model)
-            if pair is not None:
-                first, partner, ties = pair
-                ties = _with_form_error(compared, models.ranked, first, ties, partner)
-                return _missing(compared, first, ties, f"explains a part; {partner} explains the rest", shares)
-        elif named is not None:
-            chosen, ties = equivalent(reference, models.ranked, named)
-            ties = _with_form_error(compared, models.ranked, chosen, ties)
-            return _missing(compared, chosen, ties, "explains the residual", shares)
-    return _insufficient(compared, model, curve, shares)
+def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: frozenset[Coordinate]) -> Decision:
+    """The decision on a stated model.
 
-
-def _plausible(candidates: Sequence[Candidate]) -> Candidate | None:
-    """The best candidate whose fitted values are plausible."""
-    return next((c for c in candidates if c.implausible is None), None)
-
-
-def _needs_both(compared: _Comparison, pair: Candidate, ranked: Sequence[Candidate], named: Candidate | None) -> bool:
-    """Whether a pair is clearly better than the effect that would be named, and than each of its own effects alone."""
-    alone = [c for c in ranked if c.public_name in pair.families and c.implausible is None]
-    return all(_clear_pair(compared, pair, one) for one in [*alone, *([] if named is None else [named])])
-
-
-def _clear_pair(compared: _Comparison, pair: Candidate, single: Candidate) -> bool:
-    gain = single.held_out.gain_of(pair.held_out)
-    return gain.significance >= LEAST_SIGNIFICANCE and compared.clearly_better(pair, single, LEAST_STEADINESS)
-
-
-def _of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> tuple[Candidate, str, tuple[str, ...]] | None:
-    """The effect of a pair that is named, its partner, and the effects that may replace it beside the partner.
-
-    Of the pairs whose gains do not differ significantly from the best one's the simplest is taken; of its members the
-    one that is in most of these pairs, then the one that gains more alone.
+    Args:
+        search: its candidates.
+        ledger: effects that are missing from it.
+        noise: noise level as far as it is known.
+        recurring: coordinates whose values recur.
     """
-    gained = reference.loss - best.held_out.loss
-    group = [pair for pair in models.pairs if pair.implausible is None and _equivalent(pair, best, gained)]
-    chosen = min(group, key=lambda c: (c.parameter_count, c.held_out.loss))
-    alone = [c for c in models.ranked if c.public_name in chosen.families and c.implausible is None]
-    if not alone:
-        return None
-    first = max(alone, key=lambda c: (sum(c.public_name in pair.families for pair in group), c.gain.loss))
-    partner = next((name for name in chosen.families if name != first.public_name), "")
-    ties = [name for pair in group if partner in pair.families for name in pair.families]
-    others = dict.fromkeys(name for name in ties if name not in (partner, first.public_name))
-    return first, partner, tuple(others)[:2]
+    reference = search.reference.held_out
+    curve = next(iter(search.curves), None)
+    fair = next((c for c in search.curves if c.effect.coordinates[0] in recurring), None)
+    named = next((c for c in search.ranked if c.implausible is None), None)
 
+    def share(candidate: Candidate) -> float:
+        loss = candidate.held_out.loss
+        return max(0.0, (reference.loss - loss) / max(reference.loss - min(noise.loss, loss), 1e-9))
 
-def _equivalent(other: Candidate, best: Candidate, gained: float) -> bool:
-    """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
-    if other is best:
-        return True
-    behind = other.held_out.loss - best.held_out.loss
-    if behind <= FORM_ERROR**2 * gained:
-        # A relative form error e of a law leaves e^2 of the gain.
-        return True
-    return (
-        behind <= EQUIVALENT_GAIN * gained
-        and other.held_out.gain_of(best.held_out).significance < EQUIVALENT_SIGNIFICANCE
-    )
-
-
-def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate) -> tuple[Candidate, tuple[str, ...]]:
-    """The simplest of the effects whose gains do not differ significantly from the best one's, and the others."""
-    gained = reference.loss - best.held_out.loss
-    group = [c for c in ranked if c.implausible is None and _equivalent(c, best, gained)]
-    chosen = min(group, key=lambda c: (c.parameter_count, c.held_out.loss))
-    rivals = [c for c in group if c is not chosen and (c is best or c.parameter_count <= chosen.parameter_count)]
-    return chosen, tuple(c.public_name for c in rivals)[:2]
-
-
-def _with_form_error(
-    compared: _Comparison, ranked: Sequence[Candidate], chosen: Candidate, ties: tuple[str, ...], partner: str = ""
-) -> tuple[str, ...]:
-    """The ties of an effect, at most two: also the effects with no more parameters whose losses exceed its own by less
-    than the form error of the laws added before."""
-    behind = [
-        c.public_name
-        for c in ranked
-        if c.implausible is None
-        and compared.certain(c)
-        and c.parameter_count <= chosen.parameter_count
-        and c.held_out.loss - chosen.held_out.loss < compared.noise.form_error
-    ]
-    names = dict.fromkeys([*ties, *behind])
-    return tuple(name for name in names if name not in (chosen.public_name, partner))[:2]
-
-
-def _insufficient(
-    compared: _Comparison, model: Candidate | None, curve: Candidate | None, shares: _BestShares
-) -> Decision:
-    """The decision where no named model is sufficient: adequate as far as the level of the noise is known."""
-    notable = curve is not None and compared.notable(curve)
-    if compared.noise.plausible and not notable:
+    best_curve = best_named = None
+    if reference.loss > noise.loss:
+        if curve is not None:
+            quantity = {"friction": "friction level", "piezo": "voltage"}.get(curve.effect.acts_on, "force")
+            place = curve.effect.coordinates[0]
+            best_curve = FreeCurve(place, share(curve), quantity, place in recurring)
+        if named is not None:
+            best_named = named.public_name, share(named)
+    if ledger.established:
+        first, rest = ledger.established[0], ledger.established[1:]
+        words = "explains the residual" if not rest else f"explains a part; {_listed(rest)} the rest"
+        if first.words:
+            words = first.reason
+        best = _alone(search, first, ledger)
+        return Decision("missing-effect", best, ledger, words, best_curve, best_named, first.words)
+    gain = None if fair is None else fair.gain
+    notable = gain is not None and gain.loss >= NOTABLE_SHARE * reference.loss and gain.z >= CERTAIN_Z
+    if noise.plausible and not (notable and reference.loss > noise.loss):
         words = "no effect and no coordinate explains the residual"
-        if compared.noise.adequate_loss > NOISE_FACTOR:
+        if noise.adequate_loss > NOISE_FACTOR:
             words += (
                 ", but the error exceeds the noise: the level of the noise is too low, or an effect acts that no "
                 "coordinate shows"
             )
-        return Decision("adequate", None, (), 0.0, words, *shares)
-    better = curve is not None and (
-        notable if model is None else compared.clearly_better(curve, model, CURVE_STEADINESS)
-    )
-    return _unexplained(compared, model, curve, better, shares)
-
-
-def _unexplained(
-    compared: _Comparison, model: Candidate | None, curve: Candidate | None, beaten: bool, shares: _BestShares
-) -> Decision:
-    left = 1.0 if model is None else 1.0 - max(compared.share(model), 0.0)
+        return Decision("adequate", None, ledger, words, best_curve, best_named)
     words = "no effect lowers the error significantly on the held-out records"
-    if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not compared.noise.plausible:
+    if ledger.entries:
+        entry = ledger.entries[0]
+        words = f"{entry.name} is {'possible' if entry.state == 'possible' else 'not established'}: {entry.reason}"
+    elif noise.adequate_loss <= NOISE_FACTOR**2 and not noise.plausible:
         words += "; most of the error occurs in less than half of the time"
-    if model is not None:
-        words = f"{' with '.join(model.families)} explains only {100.0 * (1.0 - left):.0f} % of the misfit"
-    if beaten and curve is not None:
-        words += f"; a free curve of {curve.effect.coordinates[0]} explains {100.0 * compared.share(curve):.0f} %"
-    return Decision("unexplained", None, (), left, words, *shares)
+    if fair is not None and notable:
+        words += f"; a free curve of {fair.effect.coordinates[0]} explains {100.0 * share(fair):.0f} %"
+    return Decision("unexplained", None, ledger, words, best_curve, best_named)
 
 
-def _missing(
-    compared: _Comparison, best: Candidate, ties: tuple[str, ...], reason: str, shares: _BestShares
-) -> Decision:
-    left = min(1.0, max(0.0, 1.0 - compared.share(best)))
-    return Decision("missing-effect", best, ties, left, reason, *shares)
+def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:
+    """The stated model with one effect of the ledger alone."""
+    if len(ledger.model.added) == 1:
+        return ledger.model
+    alone = ledger.model
+    for effect in ledger.model.added:
+        if effect.name != entry.effect.name:
+            alone = search.without(alone, effect.name) or alone
+    return alone
 
 
-def _free_curve(curve: Candidate, share: float) -> FreeCurve:
-    quantity = {"friction": "friction level", "piezo": "voltage"}.get(curve.effect.acts_on, "force")
-    return FreeCurve(curve.effect.coordinates[0], share, quantity)
+def _listed(entries: Sequence[Entry]) -> str:
+    names = list(dict.fromkeys(entry.name for entry in entries))
+    verb = "explains" if len(names) == 1 else "explain"
+    return f"{', '.join(names[:-1])} and {names[-1]} {verb}" if len(names) > 1 else f"{names[0]} {verb}"
 
 
-def _best_shares(compared: _Comparison, best: Candidate | None, curve: Candidate | None) -> _BestShares:
-    if compared.excess <= 0.0:
-        return _BestShares()
-    return _BestShares(
-        None if curve is None else _free_curve(curve, max(compared.share(curve), 0.0)),
-        None if best is None else (best.public_name, max(compared.share(best), 0.0)),
-    )
+def noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
+    """What is known of the noise level; `added` has the names of the effects that were added to the stated model."""
+    problem, base = search.problem, search.base
+    known = all(_is_known(problem.noise[c]) for c in problem.fit_records[0].measured if c in problem.noise)
+    richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
+    held = _contributions(search, base.fitted, added, problem.validate_records, base.weights)
+    fit = _contributions(search, base.fitted, added, problem.fit_records, base.fitted.weights)
+    fit_block = blocks(problem.fit_records, base.fitted.weights)
+    reference = search.reference.held_out
+    parts = [(reference.residual, held, reference.block), (base.fitted.fit.residual, fit, fit_block)]
+    scaled = [(r / np.sqrt(1.0 + (0.5 * FORM_ERROR) ** 2 * c), block) for r, c, block in parts if r.size]
+    losses = [(float(np.mean(huber_square(r))), evenness(r, block)) for r, block in scaled]
+    adequate_loss, even = max(losses, default=(1.0, 1.0))
+    return NoiseLevel(1.0 if known else min(1.0, max(richest, NOISE_FACTOR**-2)), adequate_loss, even)
+
+
+def _is_known(noise: Noise) -> bool:
+    """Whether the level of a noise is known: stated, or mostly that of rounding.
+
+    The rounding error of a smooth force is a function of the motion itself, so a rich model may leave less.
+    """
+    return noise.source == "given" or (noise.quantisation_step or 0.0) ** 2 / 12.0 >= 0.5 * noise.value**2
+
+
+def _contributions(
+    search: ModelSearch,
+    fitted: FittedModel,
+    added: Sequence[str],
+    records: Sequence[PreparedRecord],
+    weights: ResidualWeights,
+) -> np.ndarray:
+    """Sum over the effects added of the squared change (n,) of the residual without the effect, in deviations."""
+    residual = weighted_residual(fitted.model, records, weights)
+    total = np.zeros(residual.size)
+    for effect in fitted.model.effects:
+        if effect.name in added:
+            rest = without_added(fitted.model, effect.name, fitted.model, search.problem.scales)
+            total += (weighted_residual(rest, records, weights) - residual) ** 2
+    return total

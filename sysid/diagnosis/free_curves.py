@@ -82,6 +82,7 @@ def free_curves(problem: Problem) -> list[Effect]:
     records = [*problem.fit_records, *problem.validate_records]
     if any(isinstance(r, FrictionDriveRecord) for r in records):
         return []
+    rotary = problem.experiment.rig.rotary
     piezo = isinstance(records[0], TipRecord)
     framed = any(e.friction_state is not None for e in problem.start.effects)
     found = []
@@ -91,10 +92,69 @@ def free_curves(problem: Problem) -> list[Effect]:
         if (curve.place == "level" and not framed) or (curve.field == "velocity" and curve.place == "force" and framed):
             continue
         width = smoothing if curve.field == "acceleration" else 0.0
-        knots = _knots(curve, records, width)
+        turn = _turn(curve, records, rotary)
+        knots = np.linspace(0.0, turn, curve.knots) if turn else _knots(curve, records, width)
         if knots.size >= LEAST_KNOTS:
-            found.append(_effect(curve, knots, width))
+            found.append(_effect(curve, knots, width, turn))
     return found
+
+
+VISITS = 3.0
+"""Least mean number of visits to each part of the range of a coordinate from which it recurs."""
+
+PARTS = 12
+
+
+def recurring_coordinates(problem: Problem) -> frozenset[Coordinate]:
+    """Coordinates whose values recur on the records of the fit and on the held-out ones.
+
+    On a motion that never returns a function of the position is a function of time: a free curve of such a coordinate
+    can represent any error, and decides nothing.
+    """
+    parts = [records for records in (problem.fit_records, problem.validate_records) if records]
+    if any(isinstance(r, FrictionDriveRecord) for r in problem.fit_records):
+        return frozenset()
+    piezo = isinstance(problem.fit_records[0], TipRecord)
+    curves = _VOLTAGE_CURVES if piezo else _CURVES
+    rotary = problem.experiment.rig.rotary
+    return frozenset(c.coordinate for c in curves if all(_recurs(c, records, rotary) for records in parts))
+
+
+def _recurs(curve: _Curve, records: Sequence[PreparedRecord], rotary: bool) -> bool:
+    signals = [signal for record in records for signal in _values(curve, record, 0.0)]
+    if _turn(curve, records, rotary):
+        signals = [np.mod(signal, TURN) for signal in signals]
+    return _visits(signals, curve.by_rank) >= VISITS
+
+
+def _visits(signals: Sequence[np.ndarray], by_rank: bool) -> float:
+    """Mean number of visits to each of `PARTS` parts of the range of a coordinate, weighted by the samples there.
+
+    A visit ends when the coordinate is more than half a part beyond the ends of the part, so that noise at an end does
+    not count.
+    """
+    every = np.concatenate(signals)
+    if by_rank:
+        ranks = np.linspace(0.0, 1.0, 257)
+        levels = np.quantile(every, ranks)
+        signals = [np.interp(signal, levels, ranks) for signal in signals]
+        every = np.concatenate(signals)
+    low, width = float(every.min()), float(np.ptp(every)) / PARTS
+    if width <= 0.0:
+        return 0.0
+    total = 0.0
+    for part in range(PARTS):
+        centre = low + (part + 0.5) * width
+        samples = visits = 0
+        for signal in signals:
+            away = np.abs(signal - centre)
+            inside = away <= 0.5 * width
+            state = np.where(inside, 1, np.where(away > width, -1, 0))
+            state = state[state != 0]
+            visits += int(np.sum((state[1:] == 1) & (state[:-1] == -1))) + int(state.size > 0 and state[0] == 1)
+            samples += int(inside.sum())
+        total += samples * visits / every.size
+    return total
 
 
 def with_curve(model: Model, curve: Effect, scales: Scales) -> Model:
@@ -119,6 +179,17 @@ def _knots(curve: _Curve, records: Sequence[PreparedRecord], width: float) -> np
     return np.unique(np.quantile(values, np.linspace(0.0, 1.0, curve.knots)))
 
 
+def _turn(curve: _Curve, records: Sequence[PreparedRecord], rotary: bool) -> float:
+    """A full turn, rad, where a curve of the angle of a rotary axis repeats after it; zero otherwise."""
+    if not (rotary and curve.field == "position"):
+        return 0.0
+    reach = max(float(np.ptp(part)) for record in records for part in _values(curve, record, 0.0))
+    return TURN if reach > TURN else 0.0
+
+
+TURN = 2.0 * np.pi
+
+
 def _values(curve: _Curve, record: PreparedRecord, width: float) -> list[np.ndarray]:
     if isinstance(record, TipRecord):
         return record.drives if curve.field == "input" else [_rate(u, record.step) for u in record.drives]
@@ -140,11 +211,12 @@ def _rate(signal: np.ndarray, step: float) -> np.ndarray:
     return np.gradient(signal, step)
 
 
-def _effect(curve: _Curve, knots: np.ndarray, width: float) -> Effect:
-    """The effect of a free curve with these knots, of a coordinate smoothed by a filter of a width, s."""
+def _effect(curve: _Curve, knots: np.ndarray, width: float, turn: float = 0.0) -> Effect:
+    """The effect of a free curve with these knots, of a coordinate smoothed by a filter of a width, s, that repeats
+    after a `turn` if it is not zero."""
 
     def value(at: Any, p: Any) -> Any:
-        return np.interp(at, knots, np.array(p))
+        return np.interp(np.mod(at, turn) if turn else at, knots, np.array(p))
 
     def law(axis: Axis, p: Any) -> Any:
         return value(_smoothed(getattr(axis, curve.field), axis.time, width), p)

@@ -17,9 +17,10 @@ from functools import cached_property
 
 import numpy as np
 
+from sysid.diagnosis.transfer import Transfer, transfer
 from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import huber_weights, jacobian, robust_scale
-from sysid.estimation.misfit import LOSS_CORNER, ResidualWeights, blocks, huber_square
+from sysid.estimation.misfit import ResidualWeights, blocks, huber_square
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord
@@ -33,25 +34,23 @@ OFFSET_KEYS = "rig.offset_"
 """Keys of the offsets of measured channels, which are estimated on the held-out records alone: the zero of a sensor and
 the state of a piezo at the start of a record differ between records."""
 
-FLIPS = 2000
-"""Random signs of the blocks in the p value of a gain."""
-
 
 @dataclass(frozen=True)
 class Gain:
-    """Reduction of the held-out loss by a better model.
-
-    Args:
-        loss: reduction of the mean loss.
-        significance: that over its standard error, if the residual of the better model is only noise.
-        steadiness: t statistic of the reduction per block of time.
-        p_value: from a sign-flip test over the blocks.
-    """
+    """Reduction of the held-out loss by a better model: of the mean loss, and the transfer of what it adds."""
 
     loss: float
-    significance: float
-    steadiness: float
-    p_value: float
+    transfer: Transfer
+
+    @property
+    def z(self) -> float:
+        """Significance, a normal deviate."""
+        return self.transfer.z
+
+    @property
+    def p_value(self) -> float:
+        """One-sided p value."""
+        return self.transfer.p_value
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,16 +74,7 @@ class HeldOut:
 
     def gain_of(self, better: HeldOut) -> Gain:
         """Reduction of the loss by another model of the same samples."""
-        count = int(self.block.max()) + 1 if self.block.size else 0
-        reduction = huber_square(self.residual) - huber_square(better.residual)
-        drops = np.bincount(self.block, reduction, minlength=count)
-        drops = drops[np.bincount(self.block, minlength=count) > 0]
-        return Gain(
-            loss=self.loss - better.loss,
-            significance=_significance(self.residual, better.residual, self.block),
-            steadiness=_steadiness(drops),
-            p_value=_sign_flip_p_value(drops),
-        )
+        return Gain(self.loss - better.loss, transfer(self.residual, better.residual, self.block))
 
 
 def held_out(
@@ -164,30 +154,3 @@ def linear_keys(model: Model) -> set[str]:
     """Keys of the unknowns in which the prediction is nearly linear: amplitudes, levels and the rig's own values."""
     roles = {f"{e.name}.{p.name}": p.role for e in model.effects for p in e.parameters}
     return {u.key for u in model.unknowns if roles.get(u.key, "amplitude") in LINEAR_ROLES}
-
-
-def _significance(worse: np.ndarray, better: np.ndarray, number: np.ndarray) -> float:
-    """Reduction of the Huber loss over its standard error, if the residual of the better model is only noise.
-
-    The reduction from r^2 to (r - d)^2 is 2 r d - d^2. Its standard error is that of 2 r d, summed within blocks of
-    time so that correlated samples count once. Beyond the corner the loss is linear, so residuals are clipped in d.
-    """
-    d = np.clip(worse, -LOSS_CORNER, LOSS_CORNER) - np.clip(better, -LOSS_CORNER, LOSS_CORNER)
-    reduction = float(huber_square(worse).sum() - huber_square(better).sum())
-    product = d * np.clip(better, -2.0 * LOSS_CORNER, 2.0 * LOSS_CORNER)
-    sums = np.bincount(number, product)
-    # Noise may cancel within a block: the spread is at least that of independent samples.
-    spread = 2.0 * float(np.sqrt(max(float(sums @ sums), float(product @ product))))
-    return reduction / spread if spread > 0.0 else 0.0
-
-
-def _steadiness(drops: np.ndarray) -> float:
-    """t statistic of the mean reduction per block of time, (m,) blocks."""
-    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
-    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0.0 else 0.0
-
-
-def _sign_flip_p_value(drops: np.ndarray) -> float:
-    """Sign-flip p value of the total reduction, from the reductions of (m,) blocks of time."""
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(FLIPS, drops.size))
-    return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + FLIPS))

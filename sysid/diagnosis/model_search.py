@@ -3,29 +3,32 @@
 Candidates are screened by the score test; the most promising are refitted in full and compared on the held-out records
 (`sysid/diagnosis/candidate.py`). The moves are
 
-- one effect added, in its best variant and channel;
-- two effects added, chosen by their joint score, or the second one on top of the fit of the first;
-- one effect added together with a new search of the shape of an effect of the model, which may be in a local minimum;
-- a free curve of one coordinate added;
-- an effect of the model removed, or replaced by another.
+- one effect added (`step`), in its best variant and channel, also a further copy of a periodic one; to the stated model
+  also together with a new search of the shape of one of its effects, which may be in a local minimum;
+- two effects added at once (`pairs`), chosen by their joint score, where neither shows alone;
+- a free curve of one coordinate added (`with_curves`);
+- an effect removed (`without`), and another one in its place (`step` on top of that).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
+import numpy as np
+
+from sim.effects.catalogue import rigid_friction
 from sim.effects.effect import Effect
 from stagecad.processes import fork_map
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
 from sysid.diagnosis.candidate_screening import Progress, ScreeningResult, screen_all
-from sysid.diagnosis.constants import SUFFICIENT_SHARE
 from sysid.diagnosis.free_curves import free_curves, with_curve
+from sysid.diagnosis.held_out import HeldOut, held_out
 from sysid.diagnosis.pair_scores import ScoredPair, scored_pairs
-from sysid.estimation.driven_stage_search import truncated
-from sysid.estimation.fit import FittedModel, fit_model
+from sysid.estimation.driven_stage_search import lowest_minimum, truncated
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import (
@@ -40,9 +43,9 @@ from sysid.estimation.variant_selection import (
     reselectable_effects,
     select_variants,
     with_bounds_of,
-    without_public_effect,
+    without_effect,
 )
-from sysid.prediction.model import Model, in_contact, public_name
+from sysid.prediction.model import Model, Scales, in_contact, public_name, with_effect
 from sysid.prediction.problem import Problem
 
 REFITTED = 10
@@ -55,13 +58,19 @@ PAIRS_REFITTED = 6
 """Pairs refitted, in the order of the joint score."""
 
 ON_TOP = 3
-"""Effects refitted on top of another one."""
+"""Effects refitted on top of a model other than the stated one."""
+
+WORTH_REFITTING = 0.5
+"""Least reduction of the error by their short fit, over the largest one."""
 
 SCREENED_ON_TOP = 10
-"""Effects with a short fit on top of another one, in the order of the score test."""
+"""Effects with a short fit on top of it, in the order of the score test."""
 
-REPLACEMENTS = 4
-"""Candidates refitted in the place of an effect of the model."""
+CONVERGED = 40
+"""Steps of the fit of a model that is reported."""
+
+SUFFICIENT_SHARE = 0.5
+"""Share of the excess over the noise up to which further minima and variants of the stated model are searched."""
 
 CURVE_STEPS = 8
 """Steps of the fit of a free curve: its values enter linearly."""
@@ -81,21 +90,34 @@ class ModelSearch:
     """
 
     def __init__(
-        self, problem: Problem, base: ReferenceFit, all_effects: bool = False, progress: Progress | None = None
+        self,
+        problem: Problem,
+        base: ReferenceFit,
+        all_effects: bool = False,
+        progress: Progress | None = None,
+        options: Sequence[Effect] | None = None,
     ) -> None:
         self.problem = problem
         self.base = base
         self.all_effects = all_effects
         self.reference = Reference.of(problem, base)
         self._progress = progress
-        self._on_top: dict[str, list[Candidate]] = {}
-        self._without: dict[str, Candidate | None] = {}
+        self._options = options
+        self._steps: dict[tuple[str, ...], list[Candidate]] = {}
+        self._without: dict[tuple[str, ...], Candidate | None] = {}
+
+    @cached_property
+    def stated(self) -> Candidate:
+        """The stated model as a candidate without added effects."""
+        found = self.reference.evaluate(self.base.fitted, ())
+        assert found is not None
+        return found
 
     @cached_property
     def screening(self) -> ScreeningResult:
         """Screening of every candidate effect on top of the base model."""
         present = [effect.name for effect in self.problem.start.effects]
-        return screen_all(self.problem, self.base, present, self.all_effects, self._report)
+        return screen_all(self.problem, self.base, present, self.all_effects, self._report, options=self._options)
 
     @cached_property
     def singles(self) -> list[Candidate]:
@@ -128,35 +150,35 @@ class ModelSearch:
 
     @cached_property
     def pairs(self) -> list[Candidate]:
-        """The base model with two effects, by their joint score and on top of the best single one, best first."""
+        """The base model with two effects, by their joint score, best first."""
         pairs = scored_pairs(self.base, self.screening, PAIRS_REFITTED)
         found = self._map(lambda pair: self._fit_pair(pair, self.base.fitted.model), pairs, self._effects_of(pairs))
-        best = self.ranked[:1]
-        return sorted([*found, *(self.on_top(best[0]) if best else [])], key=lambda c: c.held_out.loss)
+        return sorted(found, key=lambda c: c.held_out.loss)
 
-    def on_top(self, first: Candidate) -> list[Candidate]:
-        """Pairs whose second effect is screened on top of the fit of the first, best first."""
-        if first.name not in self._on_top:
+    def step(self, model: Candidate) -> list[Candidate]:
+        """A model with one more effect, best first."""
+        if not model.added and not model.removed:
+            return self.ranked
+        key = model.names
+        if key not in self._steps:
             problem = self.problem
-            below = reference_fit(problem, first.fitted, self.base.weights)
-            present = [effect.name for effect in first.fitted.model.effects]
+            below = reference_fit(problem, model.fitted, self.base.weights)
+            present = [effect.name for effect in model.fitted.model.effects]
+            jacobians = self.screening.jacobians
             screening = screen_all(
-                problem,
-                below,
-                present,
-                self.all_effects,
-                promising=SCREENED_ON_TOP,
-                jacobians=self.screening.jacobians,
+                problem, below, present, self.all_effects, promising=SCREENED_ON_TOP, jacobians=jacobians
             )
 
             def refit(fit: ScreeningFit) -> Candidate | None:
-                fitted = refit_candidate(first.fitted, fit, problem.fit_records, problem.scales).fitted
-                return self.reference.evaluate(fitted, (first.effect, fit.effect))
+                fitted = refit_candidate(model.fitted, fit, problem.fit_records, problem.scales).fitted
+                return self.reference.evaluate(fitted, (*model.added, fit.effect), model.removed)
 
-            fits = screening.fits[:ON_TOP]
-            found = self._map(refit, fits, [*(fit.effect for fit in fits), *first.fitted.model.effects])
-            self._on_top[first.name] = sorted(found, key=lambda c: c.held_out.loss)
-        return self._on_top[first.name]
+            fits = [fit for fit in screening.fits if public_name(fit.effect.name) != model.removed][:ON_TOP]
+            before = root_mean_huber(model.fitted.fit.residual)
+            fits = [fit for fit in fits if before - fit.error >= WORTH_REFITTING * (before - fits[0].error)]
+            found = self._map(refit, fits, [*(fit.effect for fit in fits), *model.fitted.model.effects])
+            self._steps[key] = sorted(found, key=lambda c: c.held_out.loss)
+        return self._steps[key]
 
     def on_stated_variants(self) -> list[Candidate]:
         """One effect added to the model with the variants as stated, best first: a variant that the program selected
@@ -181,7 +203,7 @@ class ModelSearch:
         given, found = self.base.fitted.model, []
         selected = [public_name(name) for name in self.base.laws]
         for name in dict.fromkeys([*shaped_effects(given), *selected]):
-            below = self.without(name)
+            below = self.without(self.stated, name)
             if below is None:
                 continue
             screening = self._screening_without(below) if option is None else self._screening_of(below, option)
@@ -195,39 +217,56 @@ class ModelSearch:
     @cached_property
     def curves(self) -> list[Candidate]:
         """The base model with one free curve, best first."""
-        below, effects = self.base.fitted, free_curves(self.problem)
+        return self.with_curves(self.stated)
+
+    def with_curves(self, model: Candidate, coordinates: Collection[str] | None = None) -> list[Candidate]:
+        """A model with one free curve, of any of these coordinates, best first."""
+        below = model.fitted
+        effects = [e for e in free_curves(self.problem) if coordinates is None or e.coordinates[0] in coordinates]
 
         def fit(curve: Effect) -> Candidate | None:
-            model = with_curve(below.model, curve, self.problem.scales)
-            fitted = fit_model(model, self.problem.fit_records, below.weights, CURVE_STEPS, near=below)
-            return self.reference.evaluate(fitted, (curve,))
+            start = with_curve(below.model, curve, self.problem.scales)
+            fitted = fit_model(start, self.problem.fit_records, below.weights, CURVE_STEPS, near=below)
+            return self.reference.evaluate(fitted, (*model.added, curve))
 
         found = self._map(fit, effects, [*effects, *below.model.effects])
         return sorted(found, key=lambda c: c.held_out.loss)
 
-    def without(self, name: str) -> Candidate | None:
-        """The model without every effect of a public name."""
-        if name not in self._without:
-            model = without_public_effect(self.base.fitted.model, name)
-            fitted = fit_model(model, self.problem.fit_records, self.base.fitted.weights, near=self.base.fitted)
-            self._without[name] = self.reference.evaluate(fitted, (), removed=name)
-        return self._without[name]
+    def without(self, model: Candidate, name: str) -> Candidate | None:
+        """A model without one of its effects, by name, or by public name every effect of it, refitted; a friction state
+        model is replaced by rigid friction at the same limit."""
+        key = (*model.names, "without", name)
+        if key not in self._without:
+            kept = tuple(e for e in model.added if name not in (e.name, public_name(e.name)))
+            if model.added and not kept:
+                self._without[key] = self.stated
+                return self.stated
+            start = without_added(model.fitted.model, name, self.base.fitted.model, self.problem.scales)
+            fitted = fit_model(start, self.problem.fit_records, self.base.fitted.weights, near=model.fitted)
+            removed = "" if len(kept) < len(model.added) else name
+            self._without[key] = self.reference.evaluate(fitted, kept, removed)
+        return self._without[key]
 
-    def replacements(self, name: str) -> list[Candidate]:
-        """The model with another effect in the place of one of its own, best first."""
-        below = self.without(name)
-        if below is None:
-            return []
-        problem = self.problem
-        fits = [fit for fit in self._screening_without(below).fits if public_name(fit.effect.name) != name]
+    def converged(self, model: Candidate) -> Candidate:
+        """A model with its fit continued until it converges, in the lowest minimum nearby, and the variants of the
+        stated effects selected again."""
+        records = self.problem.fit_records
+        lowest = lowest_minimum(model.fitted, records)
+        fitted = fit_model(lowest.model, records, self.base.fitted.weights, CONVERGED, near=lowest)
+        found = self.reference.evaluate(
+            fitted, model.added, model.removed, model.predicted_reduction, model.blocked_reduction
+        )
+        return self._with_reselected_variants(model if found is None else found)
 
-        def refit(fit: ScreeningFit) -> Candidate | None:
-            fitted = refit_candidate(below.fitted, fit, problem.fit_records, problem.scales).fitted
-            return self.reference.evaluate(fitted, (fit.effect,), removed=name)
-
-        fits = fits[:REPLACEMENTS]
-        found = self._map(refit, fits, [*(fit.effect for fit in fits), *below.fitted.model.effects])
-        return sorted((self._with_reselected_variants(c) for c in found), key=lambda c: c.held_out.loss)
+    def exchanged(self, model: Candidate) -> HeldOut | None:
+        """Residual on the records of the fit of a model that is fitted to the held-out records; None where it is not
+        finite."""
+        problem, base = self.problem, self.base
+        if not problem.validate_records:
+            return None
+        fitted = fit_model(model.fitted.model, problem.validate_records, base.weights, CONVERGED)
+        found = held_out(fitted, problem.fit_records, base.fitted.weights, base.fitted.model)
+        return found if np.isfinite(found.residual).all() else None
 
     def _map(
         self, function: Callable[[Any], Candidate | None], items: Sequence[Any], identical: Sequence[object]
@@ -251,7 +290,7 @@ class ModelSearch:
         return self.reference.evaluate(fitted, tuple(part.known.effect for part in pair.parts))
 
     def _screening_without(self, below: Candidate) -> ScreeningResult:
-        names = [e.name for e in self.problem.start.effects if public_name(e.name) != below.removed]
+        names = [e.name for e in below.fitted.model.effects]
         base = reference_fit(self.problem, below.fitted, self.base.weights)
         return screen_all(
             self.problem,
@@ -335,6 +374,23 @@ class ModelSearch:
     def _report(self, name: str, count: int, total: int) -> None:
         if self._progress is not None:
             self._progress(name, count, total)
+
+
+def without_added(model: Model, name: str, stated: Model, scales: Scales) -> Model:
+    """The model without the effect of a name, or every effect of a public name; a friction state model is replaced by
+    that of the `stated` model, or rigid friction, at the same friction limit."""
+    for effect in [e for e in model.effects if name in (e.name, public_name(e.name))]:
+        if effect.friction_state is None or in_contact(effect):
+            model = without_effect(model, effect.name)
+            continue
+        before = next((e for e in stated.effects if e.friction_state is not None and not in_contact(e)), effect)
+        core = rigid_friction() if before.name == effect.name else before
+        model = with_effect(model, core, scales)
+        known = {u.key: u for u in stated.unknowns if u.key.startswith(f"{core.name}.")}
+        values = {key: stated.values[key] for key in known if key != f"{core.name}.force"}
+        others = tuple(u for u in model.unknowns if u.key not in known)
+        model = replace(model, unknowns=(*others, *known.values())).at({**model.values, **values})
+    return model
 
 
 def shaped_effects(model: Model) -> list[str]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
 from sim.effects.catalogue import find_where, rounding_effects
 from sysid.diagnosis.candidate import Candidate, Reference
-from sysid.diagnosis.constants import CLEAR_MARGIN, NOISE_FACTOR
-from sysid.diagnosis.decision import Decision
+from sysid.diagnosis.constants import CURVE_MARGIN, NOISE_FACTOR
 from sysid.diagnosis.held_out import Gain
+from sysid.diagnosis.ledger import Entry
+from sysid.diagnosis.transfer import LARGEST, Transfer
 from sysid.estimation.misfit import misfit, worst_over_noise
-from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.prediction.problem import Problem, build_problem
 from sysid.signals.trimmed_rms import KEPT, TRIM_FACTOR
 
@@ -24,8 +25,23 @@ CLEAR_FALL = 0.5
 """Ratio of the held-out errors, in their unit, up to which they fall clearly."""
 
 
-def quantised_channel(reference: Reference) -> Decision | None:
-    """The decision that a channel is quantised, if the stated noise is less than its quantisation noise.
+@dataclass(frozen=True)
+class QuantisedChannel:
+    """The stated model with the quantisation noise of a channel, its fit, and the part of the excess it explains."""
+
+    candidate: Candidate
+    base: ReferenceFit
+    share: float
+
+    @property
+    def entry(self) -> Entry:
+        """Its entry in the ledger."""
+        words = "the measured values lie on a grid coarser than the noise"
+        return Entry(self.candidate.effect, "established", words, self.candidate, words=words)
+
+
+def quantised_channel(reference: Reference) -> QuantisedChannel | None:
+    """The stated model with the quantisation of a channel, if the stated noise is less than its quantisation noise.
 
     None if there is no such channel (an estimated noise includes the quantisation), or if the held-out error rises. A
     larger standard deviation alone explains nothing, since it is the unit of the error: the quantisation noise has to
@@ -51,7 +67,7 @@ def quantised_channel(reference: Reference) -> Decision | None:
         added=(rounding,),
         fitted=refit.fitted,
         held_out=with_steps.held_out,
-        gain=Gain(0.0, np.inf, np.inf, 0.0),
+        gain=Gain(0.0, Transfer(1.0, LARGEST)),
         fit_gain=0.0,
         law=added[-1],
     )
@@ -66,11 +82,10 @@ def quantised_channel(reference: Reference) -> Decision | None:
     # If the stated noise is too small, the filter of a force balance is too narrow, and the times of events are wrong.
     fallen = all(candidate.after_validate[c].rms <= CLEAR_FALL * m.rms for c, m in validated.items())
     resolved = fallen and worst_over_noise(candidate.after_fit, candidate.after_validate) <= NOISE_FACTOR
-    explained = before > NOISE_FACTOR and (resolved or share >= CLEAR_MARGIN)
+    explained = before > NOISE_FACTOR and (resolved or share >= CURVE_MARGIN)
     if risen or not (hidden or explained):
         return None
-    words = "the measured values lie on a grid coarser than the noise"
-    return Decision("missing-effect", candidate, (), 1.0 - share, words, detected_by=words)
+    return QuantisedChannel(candidate, refit, share)
 
 
 def _added_variance(problem: Problem, other: Problem) -> float:

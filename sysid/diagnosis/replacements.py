@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sysid.diagnosis.candidate import Candidate
-from sysid.diagnosis.constants import CLEAR_MARGIN, LEAST_GAIN, LEAST_SIGNIFICANCE, LEAST_STEADINESS
+from sysid.diagnosis.constants import CERTAIN_Z, CURVE_MARGIN, LEAST_GAIN
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.misfit import misfit, worst_over_noise
 from sysid.prediction.model import public_name
@@ -33,13 +33,13 @@ def find_replacements(search: ModelSearch, added: Sequence[str], others_too: boo
     found = []
     for name in added:
         family = public_name(name)
-        below = search.without(family) if _removable(search, family) else None
+        below = search.without(search.stated, family) if _removable(search, family) else None
         if below is None:
             continue
         if not _needed(search, below):
             found.append(_replacement(search, name, below))
             continue
-        best = next(iter(search.replacements(family) if others_too else []), None)
+        best = next(iter(search.step(below) if others_too else []), None)
         if best is not None and _clearly_better(search, best):
             found.append(_replacement(search, name, best))
     return found
@@ -56,14 +56,13 @@ def _removable(search: ModelSearch, family: str) -> bool:
 
 def _needed(search: ModelSearch, below: Candidate) -> bool:
     gain = below.held_out.gain_of(search.reference.held_out)
-    return gain.loss >= LEAST_GAIN * below.held_out.loss or gain.significance >= LEAST_SIGNIFICANCE
+    return gain.loss >= LEAST_GAIN * below.held_out.loss or gain.z >= CERTAIN_Z
 
 
 def _clearly_better(search: ModelSearch, other: Candidate) -> bool:
     excess = max(search.reference.held_out.loss - 1.0, 0.0)
     gain = other.gain
-    certain = gain.significance >= LEAST_SIGNIFICANCE and gain.steadiness >= LEAST_STEADINESS
-    return certain and gain.loss > max(CLEAR_MARGIN * excess, LEAST_GAIN * search.reference.held_out.loss)
+    return gain.z >= CERTAIN_Z and gain.loss > max(CURVE_MARGIN * excess, LEAST_GAIN * search.reference.held_out.loss)
 
 
 def _replacement(search: ModelSearch, old: str, candidate: Candidate) -> Replacement:

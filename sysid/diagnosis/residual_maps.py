@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sysid.diagnosis.explained_share import (
+from sysid.diagnosis.coordinate_dependence import (
     Samples,
     cells_of,
     common_coordinates,

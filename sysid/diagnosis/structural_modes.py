@@ -25,9 +25,9 @@ import numpy as np
 
 from sim.effects.catalogue import find_where
 from sim.effects.effect import Effect
-from sysid.diagnosis.candidate import Candidate, Reference
-from sysid.diagnosis.constants import LEAST_GAIN
-from sysid.diagnosis.decision import Decision
+from sysid.diagnosis.constants import LEAST_GAIN, NOISE_FACTOR
+from sysid.diagnosis.ledger import Entry, Ledger
+from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.variant_selection import fits_clearly_better
@@ -177,35 +177,34 @@ def with_structural_mode(problem: Problem, fitted: FittedModel, found: Structura
     return effect, fit_model(model, problem.fit_records, fitted.weights)
 
 
-def structural_mode_candidate(
-    reference: Reference, ranked: Sequence[Candidate], otherwise: Decision
-) -> Decision | None:
-    """A structural mode above the filter band of the force balance as the missing effect; None without one."""
-    problem, base = reference.problem, reference.base
-    if otherwise.best is not None and not otherwise.best.effect.is_mode:
-        return None
-    mode = detect_structural_mode(problem, base.fitted)
-    if mode is None:
-        return None
-    effect, fitted = with_structural_mode(problem, base.fitted, mode)
-    candidate = next((c for c in ranked if c.name == effect.name), None)
-    if candidate is None or not prefers_balance_fit(candidate.fitted, fitted):
-        candidate = reference.evaluate(fitted, (effect,))
-    if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(reference.held_out.loss):
-        return None
-    if otherwise.verdict == "unexplained" and candidate.gain.loss < LEAST_GAIN * reference.held_out.loss:
+def with_mode_above_band(search: ModelSearch, ledger: Ledger) -> Ledger:
+    """The ledger with a structural mode above the filter band of the force balance, if there is one.
+
+    The mode is detected in the residual of the established effects. Where the ledger has a mode already, the modal
+    values above the band are more accurate than those of the balance.
+    """
+    below = ledger.model
+    found = next((e for e in below.added if e.is_mode), None)
+    if found is not None:
+        below = search.without(below, found.name) or below
+    mode = detect_structural_mode(search.problem, below.fitted)
+    if mode is None or any(e.is_mode for e in below.fitted.model.effects):
+        return ledger
+    effect, fitted = with_structural_mode(search.problem, below.fitted, mode)
+    candidate = search.reference.evaluate(fitted, (*below.added, effect))
+    loss = below.held_out.loss
+    if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(loss):
+        return ledger
+    if found is not None and prefers_balance_fit(ledger.model.fitted, fitted):
+        return ledger
+    if loss > NOISE_FACTOR and loss - candidate.held_out.loss < LEAST_GAIN * loss:
         # Errors of a wrong model near its events are not white either: without a gain they do not indicate a mode.
-        return None
-    left = min(1.0, max(candidate.held_out.loss - 1.0, 0.0) / max(reference.held_out.loss - 1.0, 1e-9))
-    left = 0.0 if otherwise.verdict == "adequate" else left
-    return replace(
-        otherwise,
-        verdict="missing-effect",
-        best=candidate,
-        unexplained_share=left,
-        reason="explains the oscillation above the filter band",
-        detected_by=mode.words,
-    )
+        return ledger
+    entry = Entry(effect, "established", "explains the oscillation above the filter band", candidate, words=mode.words)
+    others = [e for e in ledger.entries if not e.effect.is_mode]
+    before = search.reference.held_out.loss
+    explained = 1.0 if loss <= NOISE_FACTOR else (before - candidate.held_out.loss) / max(before - 1.0, 1e-9)
+    return Ledger((entry, *others), candidate, min(1.0, max(0.0, explained)), ledger.coordinate)
 
 
 LARGEST_INCREASE = 1.1

@@ -4,7 +4,7 @@ A candidate is detected if it removes a least share of the loss and this gain is
 the change of the residual r (n,) per unit of the amplitude, parameters of the model profiled out, h Huber's square, and
 Q the root of the sum of squares of s'r over blocks of time, both conditions hold for amplitudes of at least
 
-    amplitude = max( sqrt(LEAST_GAIN * sum h(r) / s's),  2 * LEAST_SIGNIFICANCE * Q / s's )
+    amplitude = max( sqrt(LEAST_GAIN * sum h(r) / s's),  2 * CERTAIN_Z * Q / s's )
 
 Effects without an amplitude (lag, gap, presliding displacement) are inserted at increasing sizes until they are
 detected.
@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.effects.effect import Effect, Parameter
 from sysid.diagnose import Diagnosis
-from sysid.diagnosis.constants import LEAST_GAIN, LEAST_SIGNIFICANCE
+from sysid.diagnosis.constants import CERTAIN_Z, LEAST_GAIN
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal
@@ -68,7 +68,7 @@ class _DetectionLimit:
         self.basis = orthonormal(fitted.fit.jacobian)
         self.numbers = blocks(records, fitted.weights, PER_RECORD)
         self.loss = LEAST_GAIN * float(huber_square(self.residual).sum())
-        self.significance = 2.0 * LEAST_SIGNIFICANCE
+        self.significance = 2.0 * CERTAIN_Z
         self.clipped = np.clip(self.residual, -8.0, 8.0)
         # Beyond the corner the loss is linear: a small change there does not reduce it on average.
         self.inner = np.abs(self.residual) <= LOSS_CORNER

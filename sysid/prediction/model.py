@@ -276,11 +276,12 @@ def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str
 
 
 def public_name(effect: str) -> str:
-    """Public name of an effect: without its variant and channel."""
-    return split_channel(effect)[0].partition(":")[0]
+    """Public name of an effect: without its variant, number of the copy and channel."""
+    return split_channel(effect)[0].partition("#")[0].partition(":")[0]
 
 
 def variant_group(effect: str) -> str:
-    """Name of the group in which one variant replaces another: without its variant, with its channel."""
+    """Name of the group in which one variant replaces another: without its variant, with its copy and channel."""
     plain, channel = split_channel(effect)
-    return plain.partition(":")[0] + (f"@{channel}" if channel else "")
+    law, copied, copy = plain.partition("#")
+    return law.partition(":")[0] + copied + copy + (f"@{channel}" if channel else "")

@@ -16,8 +16,8 @@ from sysid.prediction.problem import Problem
 def candidate_effects(problem: Problem, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
     """Effects to try on top of a model whose effects are named `present`, in the order of the interface.
 
-    Effects of the model and other laws of their families are excluded. A friction effect that multiplies the
-    level needs a level to multiply.
+    Effects of the model and other laws of their families are excluded; of one that is periodic in the position there
+    may be a further copy, with another pitch. A friction effect that multiplies the level needs a level to multiply.
     """
     taken = {public_name(name) for name in present}
     effects = [find(name, problem.custom) for name in taken]
@@ -27,6 +27,9 @@ def candidate_effects(problem: Problem, present: Sequence[str], all_effects: boo
     names += [e.name for e in problem.custom]
     found: list[Effect] = []
     for name in names:
+        if name in taken and find(name, problem.custom).is_periodic:
+            found.append(find(next_copy(name, present), problem.custom))
+            continue
         if name in taken and not _another_channel(problem, name, present):
             continue
         effect = find(name, problem.custom)
@@ -46,6 +49,15 @@ def candidate_effects(problem: Problem, present: Sequence[str], all_effects: boo
     return [*found, *problem.rig.further_candidates(problem.fit_records, present)]
 
 
+def next_copy(name: str, present: Sequence[str]) -> str:
+    """Name of the next copy of a periodic effect on top of a model whose effects are named `present`."""
+    return f"{name}#{1 + sum(public_name(other) == name for other in present)}"
+
+
+LEAST_OF_A_DIRECTION = 0.02
+"""Least part of the rows in either direction of motion where an effect depends on the direction."""
+
+
 def _another_channel(problem: Problem, name: str, present: Sequence[str]) -> bool:
     return any(p.startswith(f"{name}@") for p in present) and name not in present
 
@@ -57,6 +69,14 @@ def is_observable(problem: Problem, effect: Effect) -> bool:
         return False
     if "rotary" in needs and not problem.experiment.rig.rotary:
         return False
+    balances = [record for record in records if isinstance(record, ForceBalanceRecord)]
+    if effect.signal is not None and balances and all(record.is_free for record in balances):
+        # With a constant drive, a delay of a channel can make the whole compared force vanish.
+        return False
+    if effect.coordinates[:1] == ("direction",) and effect.friction_state is None and balances:
+        forward = np.mean(np.concatenate([record.axis.direction > 0.0 for record in balances]))
+        if not LEAST_OF_A_DIRECTION <= forward <= 1.0 - LEAST_OF_A_DIRECTION:
+            return False
     return problem.rig.shows(effect, records, set().union(*(r.channels for r in problem.records)))
 
 

@@ -71,7 +71,7 @@ def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> N
 def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
     search = _search(write(tmp_path, uneven))
     first = next(candidate for candidate in search.singles if candidate.name == "cable_spring")
-    on_top = search.on_top(first)[0]
+    on_top = search.step(first)[0]
     assert set(on_top.families) == {"cable_spring", "position_dependent_friction"}
     assert on_top.error == pytest.approx(1.0, abs=0.1)
     jacobians = search.screening.jacobians
@@ -119,7 +119,7 @@ def test_ranked_effects_are_one_per_family_and_do_not_change_the_base_model(tmp_
     assert names[0] == "viscous"
     assert len(set(names)) == len(names)
     assert [c.held_out.loss for c in search.ranked] == sorted(c.held_out.loss for c in search.ranked)
-    below = search.without("coulomb")
+    below = search.without(search.stated, "coulomb")
     assert below is not None
     assert below.held_out.loss > 100.0
     assert base.fitted.model.values == before

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from sysid.diagnosis.explained_share import coordinates_of
+from sysid.diagnosis.coordinate_dependence import coordinates_of
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, order_maps, residual_maps, standard_errors
 from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import residual_weights

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.decision import Decision, FreeCurve
+from sysid.diagnosis.ledger import Ledger
 from workbench.operations.measurement.statements import (
     diagnosis_statement,
     in_command,
@@ -24,7 +25,7 @@ def _diagnosis(
     problem = SimpleNamespace(
         experiment=SimpleNamespace(folder=Path("rig")), noise={"friction_force": SimpleNamespace(source=source)}
     )
-    decision = Decision(verdict, best, (), left, "a reason", curve, named)
+    decision = Decision(verdict, best, cast(Ledger, None), "a reason", curve, named)
     found = SimpleNamespace(
         problem=problem,
         decision=decision,

@@ -285,3 +285,21 @@ def _share(residual: np.ndarray, predicted: np.ndarray) -> float:
     if total <= 0.0 or own <= 0.0:
         return 0.0
     return max(0.0, float(residual @ predicted)) ** 2 / (total * own)
+
+
+def explained_variance(
+    change: np.ndarray, records: Sequence[PreparedRecord], weights: ResidualWeights, coordinates: Sequence[str]
+) -> float:
+    """Largest share of the square of a change (n,) of the residual that is a function of one of the coordinates."""
+    known = [coordinates_of(record) for record in records]
+    total, best = float(change @ change), 0.0
+    for name in coordinates:
+        if total <= 0.0 or not all(name in of_record for of_record in known):
+            continue
+        values = np.concatenate([of[name][pick] for of, s in zip(known, weights.samples) for pick in s.values()])
+        edges = edges_of(values, name, DRAWN_BINS)
+        cells = cells_of(values, np.ones(values.size), edges)
+        count = np.maximum(np.bincount(cells, minlength=edges.size - 1), 1)
+        sums = np.bincount(cells, change, minlength=edges.size - 1)
+        best = max(best, float(np.sum(sums**2 / count)) / total)
+    return best

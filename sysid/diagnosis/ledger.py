@@ -1,0 +1,428 @@
+"""Ledger of a diagnosis: the effects that are missing from a model, each with its state and its evidence.
+
+A set S of effects is found by forward selection: the effect that lowers the held-out loss most is added, all values are
+refitted, and again, until no effect gains significantly. With L0 the loss of the stated model, L that of the model with
+S, L- that of the model without the effect e of S, refitted, and n the loss of noise,
+
+    gain g = L- - L,   share = g / (L0 - n),   own share q = g / (L- - n),   explained T = (L0 - L) / (L0 - n).
+
+q is what the effect removes of what is left without it: a true effect of one percent of the misfit removes most of what
+is left, once the others are in S; a mimic does not. The evidence of an effect (`Evidence`) is compared with the limits
+of `judge`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from sim.effects.effect import Coordinate, Effect
+from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.constants import (
+    CERTAIN_Z,
+    CURVE_MARGIN,
+    EACH_Z,
+    FORM_ERROR,
+    LEAST_OWN_SHARE,
+    MOST_AMPLITUDE,
+    MOST_DAMPING,
+    MOST_EFFECTS,
+    MOST_FORM_ERROR,
+    NEAR_NOISE_LOSS,
+    STEP_GAIN,
+    STEP_Z,
+    TIE,
+    WELL_EXPLAINED,
+)
+from sysid.diagnosis.coordinate_dependence import explained_variance
+from sysid.diagnosis.model_search import ModelSearch, without_added
+from sysid.diagnosis.transfer import Transfer, transfer
+from sysid.estimation.fit import FittedModel
+from sysid.estimation.misfit import blocks, huber_square, weighted_residual
+from sysid.estimation.plausibility import implausible
+from sysid.prediction.model import public_name
+
+State = Literal["established", "possible", "refused"]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Evidence of one effect of a set; symbols as above.
+
+    Args:
+        gain, share, own_share: g, share and q.
+        before: L-, over the loss of noise.
+        held: transfer to the held-out records.
+        fit: the same on the records of the fit.
+        exchanged: the same with the roles of the records exchanged; none where there are blocks enough.
+        form: gain of the best free curve of its own coordinates on top of S, over g.
+        floor: loss that the form errors of the other effects may leave in its coordinates.
+        margin: loss of gain by the best other effect in its place, over g; infinite where none was tried.
+        implausible: reason why its values are implausible; empty if they are not.
+    """
+
+    gain: float
+    share: float
+    own_share: float
+    before: float
+    held: Transfer
+    fit: Transfer
+    exchanged: Transfer | None = None
+    form: float = 0.0
+    floor: float = 0.0
+    margin: float = np.inf
+    implausible: str = ""
+
+    @property
+    def z(self) -> float:
+        """Significance on both sets of records together."""
+        other = self.fit.z if self.exchanged is None else self.exchanged.z
+        return (self.held.z + other) / np.sqrt(2.0)
+
+    @property
+    def p_value(self) -> float:
+        """One-sided p value of that significance."""
+        return replace(self.held, z=self.z).p_value
+
+    @property
+    def on_each(self) -> bool:
+        """Whether it is significant on the records of the fit and, with either role of the records, on others."""
+        others = [self.held.z] if self.exchanged is None else [self.held.z, self.exchanged.z]
+        return self.fit.z >= EACH_Z and max(others) >= EACH_Z and min(others) > 0.0
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One effect of the ledger.
+
+    Args:
+        effect: the effect.
+        state: whether it certainly acts.
+        reason: of the state, as text.
+        evidence: numbers; none for an effect that was detected by other means.
+        ties: public names of effects that these records cannot distinguish from it.
+        model: the model in which it was judged.
+        below: that model without the effect, refitted; none for an effect that was detected by other means.
+        words: method of detection as text, if not a reduction of the error.
+    """
+
+    effect: Effect
+    state: State
+    reason: str
+    model: Candidate
+    evidence: Evidence | None = None
+    ties: tuple[str, ...] = ()
+    below: Candidate | None = None
+    words: str = ""
+
+    @property
+    def name(self) -> str:
+        """Its public name."""
+        return public_name(self.effect.name)
+
+    @property
+    def gain(self) -> float:
+        """Reduction of the held-out loss; infinite for an effect that was detected by other means."""
+        return np.inf if self.evidence is None else self.evidence.gain
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The ledger of a stated model.
+
+    Args:
+        entries: established effects first, each group by decreasing marginal gain.
+        model: the stated model with the established effects; without any, the stated model itself.
+        explained: part of the excess that they remove; 0 without an excess.
+        coordinate: recurring coordinate whose free curve gains most on top of them; empty for none.
+    """
+
+    entries: tuple[Entry, ...]
+    model: Candidate
+    explained: float = 0.0
+    coordinate: str = ""
+
+    @property
+    def established(self) -> tuple[Entry, ...]:
+        """The effects that certainly act."""
+        return tuple(entry for entry in self.entries if entry.state == "established")
+
+
+def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:
+    """State of an effect, and its reason as text.
+
+    Args:
+        evidence: of the effect.
+        explained: part of the excess that its set removes, T.
+        refuted_by: free curve that explains clearly more than the set, as text; empty for none.
+    """
+    e, half = evidence, explained < 0.5
+    strict = 2.0 if e.own_share < 0.5 or e.before <= NEAR_NOISE_LOSS or explained < WELL_EXPLAINED else 1.0
+    largest, form = (1.5, 0.5 * MOST_FORM_ERROR) if half else (MOST_AMPLITUDE, MOST_FORM_ERROR)
+    if e.implausible:
+        return "refused", e.implausible
+    if e.z < CERTAIN_Z or not e.on_each:
+        return "refused", f"its gain is not significant ({e.z:.1f} standard deviations on all records)"
+    conditions = (
+        (e.z >= strict * CERTAIN_Z, f"{e.z:.1f} standard deviations where {strict * CERTAIN_Z:.1f} are required"),
+        (
+            1.0 / largest <= e.held.amplitude <= largest,
+            f"on the held-out records it acts with {e.held.amplitude:.2g} times its fitted size",
+        ),
+        (e.form <= form, f"a free curve of its coordinate gains {100 * e.form:.0f} % more: its law is another"),
+        (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
+        (
+            e.own_share >= LEAST_OWN_SHARE and (e.before > NEAR_NOISE_LOSS or e.share >= LEAST_OWN_SHARE),
+            f"it removes only {100 * e.own_share:.0f} % of what is left without it",
+        ),
+        (not half or e.margin >= 0.3, "another effect in its place explains nearly as much"),
+        (not refuted_by, refuted_by),
+    )
+    failed = next((words for passed, words in conditions if not passed), "")
+    if failed:
+        return "possible", failed
+    return "established", f"it removes {100 * min(e.own_share, 1.0):.0f} % of what is left without it"
+
+
+@dataclass(frozen=True)
+class _Set:
+    """A set of effects on top of a stated model.
+
+    Args:
+        search: models.
+        noise: loss of a complete model.
+        added: names of the effects of the stated model that were added to it before.
+        model: the model with the set.
+        recurring: coordinates whose values recur.
+    """
+
+    search: ModelSearch
+    noise: float
+    added: tuple[str, ...]
+    model: Candidate
+    recurring: frozenset[Coordinate]
+
+    @cached_property
+    def explained(self) -> float:
+        """T, the part of the excess that the set removes."""
+        before, after = self.search.reference.held_out.loss, self.model.held_out.loss
+        return (before - after) / max(before - min(self.noise, after), 1e-9)
+
+    @cached_property
+    def curves(self) -> list[Candidate]:
+        """Free curves of recurring coordinates on top of the set, best first."""
+        found = self.search.with_curves(self.model, self.recurring) if self.model.added else self.search.curves
+        return [c for c in found if c.added[-1].coordinates[0] in self.recurring]
+
+    @cached_property
+    def refuted_by(self) -> str:
+        """Free curve that explains clearly more than the set, as text; where most is explained, one of a coordinate of
+        the effects themselves is a matter of their form."""
+        own = {name for effect in self.model.added for name in effect.coordinates}
+        excess = self.search.reference.held_out.loss - self.noise
+        for curve in self.search.curves:
+            name = curve.added[0].coordinates[0]
+            gain = self.model.held_out.gain_of(curve.held_out)
+            if gain.loss <= CURVE_MARGIN * excess:
+                break
+            rival = name in self.recurring and (self.explained < WELL_EXPLAINED or name not in own)
+            if rival and gain.z >= CERTAIN_Z:
+                return f"a free curve of {name} explains more than all effects found"
+        return ""
+
+    def evidence(self, effect: Effect) -> Evidence | None:
+        """Evidence of one of its effects."""
+        search, model = self.search, self.model
+        below = search.without(model, effect.name)
+        if below is None:
+            return None
+        gain = below.held_out.gain_of(model.held_out)
+        number = blocks(search.problem.fit_records, search.base.fitted.weights)
+        fit = transfer(below.fitted.fit.residual, model.fitted.fit.residual, number)
+        few = gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
+        return Evidence(
+            gain=gain.loss,
+            share=gain.loss / max(search.reference.held_out.loss - self.noise, gain.loss, 1e-9),
+            own_share=gain.loss / max(below.held_out.loss - min(self.noise, model.held_out.loss), 1e-9),
+            before=below.held_out.loss / self.noise,
+            held=gain.transfer,
+            fit=fit,
+            exchanged=self._exchanged(below) if few else None,
+            form=self._form(effect, gain.loss),
+            floor=form_floor(search, below, model, effect, self.added),
+            implausible=_implausible(model.fitted, effect),
+        )
+
+    def _exchanged(self, below: Candidate) -> Transfer | None:
+        """Transfer from the held-out records to those of the fit."""
+        without, with_it = self.search.exchanged(below), self.search.exchanged(self.model)
+        return None if without is None or with_it is None else without.gain_of(with_it).transfer
+
+    def _form(self, effect: Effect, gain: float) -> float:
+        """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the effect."""
+        own = self.recurring & set(effect.coordinates)
+        if not own or self.model.held_out.loss - self.noise <= 0.5 * MOST_FORM_ERROR * gain:
+            return 0.0
+        gains = [self.model.held_out.gain_of(c.held_out) for c in self.curves if c.added[-1].coordinates[0] in own]
+        return max((g.loss for g in gains if g.z >= STEP_Z), default=0.0) / max(gain, 1e-12)
+
+    def rivals(self, effect: Effect) -> list[Candidate]:
+        """The set with another effect in the place of one, best first."""
+        below = self.search.without(self.model, effect.name)
+        found = [] if below is None else self.search.step(below)
+        taken = {*self.model.families}
+        return [c for c in found if c.implausible is None and public_name(c.added[-1].name) not in taken]
+
+
+def form_floor(search: ModelSearch, below: Candidate, model: Candidate, effect: Effect, added: Sequence[str]) -> float:
+    """Loss that a relative error `FORM_ERROR` of the other effects of a model leaves, in as far as the change by an
+    effect is a function of their coordinates.
+
+    Args:
+        search: models.
+        below, model: without and with the effect.
+        effect: the effect.
+        added: names of the effects of the stated model that were added to it before.
+    """
+    records, weights, residual = search.problem.validate_records, search.base.weights, model.held_out.residual
+    change, total = below.held_out.residual - residual, 0.0
+    for other in model.fitted.model.effects:
+        if other.name == effect.name or other.name not in (*model.names, *added):
+            continue
+        shared = explained_variance(change, records, weights, other.coordinates)
+        if shared == 0.0:
+            continue
+        rest = without_added(model.fitted.model, other.name, search.base.fitted.model, search.problem.scales)
+        whole = weighted_residual(model.fitted.model, records, weights)
+        error = FORM_ERROR * (weighted_residual(rest, records, weights) - whole)
+        one, opposite, none = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0, 0.0))
+        total += shared * max(0.5 * (one + opposite) - none, 0.0)
+    return total
+
+
+def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
+    """The ledger of a stated model.
+
+    Args:
+        search: models.
+        noise: loss of a complete model.
+        added: names of the effects of the stated model that were added to it before.
+        recurring: coordinates whose values recur.
+    """
+    whole = _Set(search, noise, tuple(added), _selected(search, noise, added), recurring)
+    entries: list[Entry] = []
+    while whole.model.added:
+        judged = [entry for effect in whole.model.added if (entry := _judged(whole, effect)) is not None]
+        judged.sort(key=lambda entry: -entry.gain)
+        if not judged:
+            break
+        if any(entry.state == "established" for entry in judged):
+            entries = [*judged, *entries]
+            break
+        # Each may replace the others: the weakest is removed, and the rest is judged alone.
+        entries = [judged[-1], *entries]
+        below = search.without(whole.model, judged[-1].effect.name)
+        if below is None:
+            break
+        whole = replace(whole, model=below)
+    model = whole.model
+    for entry in [e for e in entries if e.state != "established" and e.effect.name in model.names]:
+        model = search.without(model, entry.effect.name) or model
+    if not any(entry.state == "established" for entry in entries):
+        model = search.stated
+    final = replace(whole, model=model)
+    order = {"established": 0, "possible": 1, "refused": 2}
+    entries.sort(key=lambda entry: (order[entry.state], -entry.gain))
+    best = next(iter(final.curves), None)
+    rest = best is not None and best.held_out.loss < model.held_out.loss
+    return Ledger(
+        entries=tuple(entries),
+        model=model,
+        explained=min(1.0, max(final.explained, 0.0)) if model.added else 0.0,
+        coordinate=best.added[-1].coordinates[0] if best is not None and rest else "",
+    )
+
+
+def _selected(search: ModelSearch, noise: float, added: Sequence[str]) -> Candidate:
+    """The model with the set of effects found by forward selection, without those that fail in the complete set."""
+    model = search.stated
+    while len(model.added) < MOST_EFFECTS and model.held_out.loss > noise:
+        options = [c for c in search.step(model) if _is_step(model, c)]
+        options = [c for c in options if _beyond_form_errors(search, model, c, added)]
+        if not options and not model.added:
+            options = [pair for pair in search.pairs if _is_step(model, pair)]
+        if not options:
+            break
+        found = search.converged(simplest(model, options))
+        if found.held_out.loss >= model.held_out.loss:
+            break
+        model = found
+    return _reduced(search, model)
+
+
+def _is_step(model: Candidate, larger: Candidate) -> bool:
+    """Whether a larger model gains enough to be a step of the selection."""
+    gain = model.held_out.gain_of(larger.held_out)
+    least = max(STEP_GAIN * model.held_out.loss, 0.0)
+    fitted = larger.fitted.fit.residual.size != model.fitted.fit.residual.size or (larger.fit_gain > model.fit_gain)
+    return larger.implausible is None and gain.loss >= least and gain.z >= STEP_Z and fitted
+
+
+def _beyond_form_errors(search: ModelSearch, model: Candidate, larger: Candidate, added: Sequence[str]) -> bool:
+    gain = model.held_out.loss - larger.held_out.loss
+    return gain >= form_floor(search, model, larger, larger.added[-1], added)
+
+
+def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
+    """The simplest of the candidates whose gain over a model hardly differs from the largest."""
+    gained = model.held_out.loss - options[0].held_out.loss
+    tied = [c for c in options if is_tied(c, options[0], gained)]
+    # In one direction of motion a friction that depends on the position is the same as a force.
+    return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.held_out.loss))
+
+
+def is_tied(other: Candidate, best: Candidate, gained: float) -> bool:
+    """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
+    behind = other.held_out.loss - best.held_out.loss
+    return behind <= 0.1 * TIE * gained or (behind <= TIE * gained and other.held_out.gain_of(best.held_out).z < STEP_Z)
+
+
+def _reduced(search: ModelSearch, model: Candidate) -> Candidate:
+    """A model without the effects that are not significant beside the others, the weakest one first."""
+    while len(model.added) > 1:
+        below = [search.without(model, effect.name) for effect in model.added]
+        gains = [(c.held_out.gain_of(model.held_out).z, k) for k, c in enumerate(below) if c is not None]
+        weakest = min(gains, default=(np.inf, 0))
+        smaller = below[weakest[1]]
+        if weakest[0] >= EACH_Z or smaller is None:
+            break
+        model = smaller
+    return model
+
+
+def _judged(whole: _Set, effect: Effect) -> Entry | None:
+    evidence = whole.evidence(effect)
+    if evidence is None:
+        return None
+    state, reason = judge(evidence, whole.explained, whole.refuted_by)
+    ties: tuple[str, ...] = ()
+    if state == "established" and (evidence.share >= LEAST_OWN_SHARE or whole.explained < 0.5):
+        rivals = whole.rivals(effect)
+        behind = [(c.held_out.loss - whole.model.held_out.loss) / evidence.gain for c in rivals]
+        evidence = replace(evidence, margin=min(behind, default=np.inf))
+        state, reason = judge(evidence, whole.explained, whole.refuted_by)
+        tied = [c for c in rivals if is_tied(c, whole.model, evidence.gain)]
+        ties = tuple(dict.fromkeys(public_name(c.added[-1].name) for c in tied))[:2]
+    below = whole.search.without(whole.model, effect.name)
+    return Entry(effect, state, reason, whole.model, evidence, ties, below)
+
+
+def _implausible(fitted: FittedModel, effect: Effect) -> str:
+    """Reason why the values of an effect are implausible, as text; empty if they are not."""
+    if effect.is_mode and fitted.model.values.get(f"{effect.name}.damping", 0.0) > MOST_DAMPING:
+        return f"its damping ratio exceeds {MOST_DAMPING:g}: it is a filter, not a mode"
+    return implausible(fitted, [effect.name]) or ""

@@ -1,0 +1,130 @@
+"""Ledger: states by the evidence, several effects found at once, copies of a periodic effect, what is no candidate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.effects.catalogue import find
+from stagecad.parameters.errors import InputError
+from sysid.diagnose import Diagnosis, diagnose
+from sysid.diagnosis.ledger import Evidence, judge
+from sysid.diagnosis.transfer import Transfer
+from sysid.ladder import add_all
+from sysid.prediction.model import public_name, variant_group
+from sysid.report import ledger_json
+from tests.sysid.axis_with_pitch import uneven, write
+
+CERTAIN = Evidence(5.0, 0.3, 0.9, 6.0, Transfer(1.0, 15.0, 100.0), Transfer(1.0, 15.0, 100.0))
+WEAK = Transfer(1.0, 1.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    "changed,explained,state",
+    [
+        ({}, 0.95, "established"),
+        ({"share": 0.01}, 0.95, "established"),
+        ({"own_share": 0.05}, 0.95, "possible"),
+        ({"form": 0.3}, 0.95, "possible"),
+        ({"form": 0.2}, 0.95, "established"),
+        ({"form": 0.2, "margin": 0.5}, 0.45, "possible"),
+        ({"floor": 6.0}, 0.95, "possible"),
+        ({"held": Transfer(0.4, 15.0, 100.0)}, 0.95, "possible"),
+        ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0)}, 0.95, "established"),
+        ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0)}, 0.6, "possible"),
+        ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0), "own_share": 0.4}, 0.95, "possible"),
+        ({"held": WEAK, "exchanged": Transfer(1.0, 6.0, 9.0)}, 0.95, "established"),
+        ({"held": WEAK}, 0.95, "refused"),
+        ({"fit": WEAK}, 0.95, "refused"),
+        ({"implausible": "at its bound"}, 0.95, "refused"),
+    ],
+)
+def test_state_by_the_evidence(changed: dict[str, object], explained: float, state: str) -> None:
+    assert judge(replace(CERTAIN, **changed), explained)[0] == state  # pyright: ignore[reportArgumentType]
+
+
+def test_free_curve_that_explains_more_leaves_an_effect_possible() -> None:
+    assert judge(CERTAIN, 0.6, "a free curve of velocity explains more than all effects found") == (
+        "possible",
+        "a free curve of velocity explains more than all effects found",
+    )
+
+
+def test_names_of_copies() -> None:
+    effect = find("magnetic_cogging:overtone#2")
+    assert (public_name(effect.name), variant_group(effect.name)) == ("magnetic_cogging", "magnetic_cogging#2")
+    for wrong in ("viscous#2", "magnetic_cogging#1", "magnetic_cogging#x"):
+        with pytest.raises(InputError, match="only a periodic effect has copies"):
+            find(wrong)
+
+
+def _states(found: Diagnosis) -> dict[str, str]:
+    return {entry.name: entry.state for entry in found.ledger.entries}
+
+
+@pytest.mark.slow
+def test_two_effects_are_established_at_once_and_added_in_order(tmp_path: Path) -> None:
+    rig = write(tmp_path, uneven)
+    found, steps = add_all(rig)
+    assert _states(found) == {"position_dependent_friction": "established", "cable_spring": "established"}
+    document = ledger_json(found)
+    assert [row["effect"] for row in document["ledger"]] == [step.revision.document["added"][0] for step in steps]
+    assert document["remainder"]["over_noise"] == pytest.approx(1.0, abs=0.1)
+    last = steps[-1].after_validate["friction_force"].over_noise
+    assert last == pytest.approx(document["remainder"]["over_noise"], rel=0.02)
+    assert diagnose(rig).verdict == "adequate"
+
+
+def _cogging(folder: Path) -> Path:
+    """Torque of a motor over one turn, two runs, with harmonics of 8, 24 and 11 periods a turn."""
+    folder.mkdir()
+    text = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\n'
+    text += 'friction_force = "0.25 mN*m"\n'
+    for seed, role in enumerate(("fit", "validate")):
+        time = np.arange(400) * 0.1
+        angle = 2.0 * np.pi * time / time[-1] + 0.003 * seed
+        torque = sum(a * np.sin(n * angle + n) for n, a in ((8, 4e-3), (24, 2.9e-3), (11, 1.9e-3)))
+        torque = torque + 2e-2 + 2.5e-4 * np.random.default_rng(seed).normal(size=time.size)
+        header = "time [s],position [rad],friction_force [N*m]"
+        np.savetxt(
+            folder / f"{role}.csv", np.column_stack([time, angle, torque]), "%.9g", ",", header=header, comments=""
+        )
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.mark.slow
+def test_harmonics_of_a_force_are_copies_of_one_effect(tmp_path: Path) -> None:
+    found = diagnose(_cogging(tmp_path / "rig"))
+    assert found.effect == "magnetic_cogging"
+    values = found.ledger.model.fitted.model.values
+    turns = sorted(2.0 * np.pi / values[f"{entry.effect.name}.pitch"] for entry in found.ledger.established)
+    assert turns == pytest.approx([8.0, 11.0, 24.0], rel=0.01)
+    assert found.unexplained_share < 0.05
+
+
+def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None:
+    """A falling arm: with a constant drive, a delay of a channel makes the compared torque vanish."""
+    text = 'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\ninertia = "0.02 kg*m^2"\n'
+    text += '[model]\neffects = ["coulomb", "viscous"]\n'
+    for seed, role in enumerate(("fit", "validate")):
+        time, step, angle, speed = np.arange(0.0, 2.0, 0.01), 1e-3, 1.4 - 0.1 * seed, 0.0
+        angles = []
+        for _ in time:
+            angles.append(angle)
+            for _ in range(10):
+                speed += step * (-0.9 * np.sin(angle) - 0.03 * speed) / 0.02
+                angle += step * speed
+        noisy = np.array(angles) + 1e-4 * np.random.default_rng(seed).normal(size=time.size)
+        rows = np.column_stack([time, noisy, 0.0 * time])
+        header = "time [s],position [rad],drive_force [N*m]"
+        np.savetxt(tmp_path / f"{role}.csv", rows, "%.9g", ",", header=header, comments="")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
+    found = diagnose(tmp_path)
+    assert found.effect in (None, "gravity_torque", "cable_spring")
+    assert not any(trial.effect.signal is not None for trial in found.trials)
