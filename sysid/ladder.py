@@ -34,7 +34,7 @@ from sysid.experiment.in_memory import with_revision
 from sysid.prediction.model import Model, public_name
 from sysid.prediction.observable import candidate_effects, is_observable, next_copy
 from sysid.prediction.problem import Problem, build_problem, load_problem, problem_of
-from sysid.report import both_json, noise_json, parameter_unit, parameters_json
+from sysid.report import both_json, ledger_json, noise_json, parameter_unit, parameters_json
 
 
 @dataclass(frozen=True)
@@ -297,6 +297,11 @@ def addition_json(step: Addition) -> dict[str, Any]:
         "parameters": dict(document["parameters"]),
         "seconds": step.seconds,
     }
+
+
+def additions_json(found: Diagnosis, steps: Sequence[Addition]) -> dict[str, Any]:
+    """The document of `add --all`: the ledger of the diagnosis, and one rung for each effect that it established."""
+    return {"schema": 1, "verdict": found.verdict, **ledger_json(found), "rungs": [addition_json(s) for s in steps]}
 
 
 def ladder_json(experiment: Experiment) -> list[dict[str, Any]]:

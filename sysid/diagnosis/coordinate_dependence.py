@@ -35,6 +35,7 @@ def coordinates_of(record: PreparedRecord) -> dict[str, np.ndarray]:
             out[f"position@{name}"] = signal
         out["acceleration"] = np.gradient(rate, record.step)
         return out
+    assert isinstance(record, ForceBalanceRecord)
     axis = record.axis
     slow = GaussianFilter(record.coordinate_width, record.step, record.size)
     out = {

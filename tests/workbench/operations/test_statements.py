@@ -32,6 +32,7 @@ def _diagnosis(
         verdict=verdict,
         reason="a reason",
         best=best,
+        ledger=SimpleNamespace(established=()),
         effect="cable_spring" if best else None,
         unexplained_share=left,
         maps=(),
