@@ -10,6 +10,8 @@ import numpy as np
 from designcalc.errors.monte_carlo import Distribution
 from sim.experiments.friction_models import TITLES
 from sim.experiments.hysteresis import CASES, Hysteresis
+from sim.experiments.limit_cycles import SHOWN as SHOWN_SPEEDS
+from sim.experiments.limit_cycles import SPEEDS, LimitCycles
 from sim.experiments.passivity import MOTIONS, Audit
 from sim.experiments.presliding import Presliding
 from sim.experiments.stick_slip import PULL, SHOWN, StickSlip
@@ -127,6 +129,31 @@ def passivity_figure(results: Mapping[str, Mapping[str, Audit]]) -> Plot:
     return figure
 
 
+@styled
+def limit_cycles_figure(model: str, springs: Mapping[str, LimitCycles]) -> Plot:
+    """Spring force in time at two speeds, and size and break-away force of the limit cycles (Figures 20 to 22)."""
+    figure, axes = new_plot(3, 1, 7.2, 8.0)
+    force, size, rise = axes[:, 0]
+    soft = next(iter(springs.values()))
+    for ink, speed in zip(INK, SHOWN_SPEEDS):
+        run = soft.cycles[SPEEDS.index(speed)].simulation
+        force.plot(run.time * speed, run.drive, color=ink, label=f"{speed * 1e3:.3g} mm/s")
+    force.set(xlabel="way of the pulled end (m)", ylabel="spring force (N)", xlim=(0.0, 4.0))
+    force.legend(title=f"{soft.stiffness:g} N/m", loc="lower right")
+    for ink, result in zip(INK, springs.values()):
+        label = f"{result.stiffness:g} N/m"
+        size.plot(np.array(SPEEDS) * 1e3, result.sizes, "o-", color=ink, markersize=3, label=label)
+        if result.critical is not None:
+            size.axvline(result.critical * 1e3, color=ink, linestyle="--", linewidth=0.8)
+        stuck = [one for one in result.cycles if result.critical is None or one.size > 0.1]
+        rise.plot([one.dwell for one in stuck], [one.top for one in stuck], "o", color=ink, markersize=3)
+    size.set(xscale="log", xlabel="speed (mm/s); dashed: critical", ylabel="limit cycle, peak to peak (N)")
+    size.legend(loc="upper left")
+    rise.set(xscale="log", xlabel="dwell time (s)", ylabel="break-away (N)")
+    figure.suptitle(f"Limit cycles of stick-slip: {TITLES[model]} (Figures 20 to 22)")
+    return figure
+
+
 _FIGURES: dict[str, Callable[..., Plot]] = {
     "tip": tip_figure,
     "presliding": presliding_figure,
@@ -137,6 +164,8 @@ _FIGURES: dict[str, Callable[..., Plot]] = {
 
 def experiment_figures(name: str, results: Mapping[str, Any]) -> dict[str, Plot]:
     """Figures of an experiment of the thesis, by the names of their files."""
+    if name == "limit-cycles":
+        return {f"{name}_{model}": limit_cycles_figure(model, springs) for model, springs in results.items()}
     return stick_slip_figures(results) if name == "stick-slip" else {name: _FIGURES[name](results)}
 
 

@@ -14,7 +14,9 @@ from workbench.cli.options import Run, common_options, consent, trust_option
 
 
 @click.command("simulate")
-@click.argument("names", nargs=-1, metavar="[EXPERIMENT | tip presliding hysteresis stick-slip stage passivity]")
+@click.argument(
+    "names", nargs=-1, metavar="[EXPERIMENT | tip presliding hysteresis stick-slip stage passivity limit-cycles]"
+)
 @click.option("--mass", default=None, metavar="QUANTITY|design", help="Moving mass (default: the thesis's 1 kg).")
 @click.option(
     "--model", "models", multiple=True, metavar="NAME", help="Friction model; may be repeated (default: all)."
@@ -72,7 +74,7 @@ def command(run: Run, names: tuple[str, ...], **options: Any) -> None:
     """Simulate the thesis's experiments and the driven stage; data and figures go to OUT/simulate.
 
     Without a name: tip, presliding, hysteresis, stick-slip, stage. `passivity` audits the energy of the friction
-    models. EXPERIMENT, a folder or its experiment.toml: its model is simulated on its inputs, and records with noise
+    models, `limit-cycles` has stick-slip over speed and stiffness. EXPERIMENT, a folder or its experiment.toml: its model is simulated on its inputs, and records with noise
     are written with an experiment.toml to OUT/simulate/NAME.
     """
     from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.experiments.friction_models import MODELS, TITLES, Friction
 from sim.experiments.hysteresis import CASES, hysteresis
+from sim.experiments.limit_cycles import STIFFNESSES, limit_cycles
 from sim.experiments.passivity import MOTIONS, audit, passive_below
 from sim.experiments.presliding import presliding
 from sim.experiments.stick_slip import stick_slip
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     from workbench.figures.plot import Plot
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
-EXTRA = ("passivity",)
+EXTRA = ("passivity", "limit-cycles")
 """Run only when named."""
 
 FeaturePath = tuple[str, ...]
@@ -179,6 +180,8 @@ def simulate_experiment(
             results[model] = stick_slip(friction, model, mass)
         elif name == "hysteresis":
             results[model] = {case: hysteresis(friction, model, case) for case in CASES}
+        elif name == "limit-cycles":
+            results[model] = {k: limit_cycles(friction, model, size, mass) for k, size in STIFFNESSES.items()}
         else:
             results[model] = {motion: audit(friction, model, motion) for motion in MOTIONS}
         advance()
@@ -491,7 +494,7 @@ def simulate(
     """Simulate one of the thesis's experiments on a design, or the model of an experiment.
 
     Args:
-        what: `tip`, `presliding`, `hysteresis`, `stick-slip`, `stage` or `passivity`; or an experiment, or its folder.
+        what: `tip`, `presliding`, `hysteresis`, `stick-slip`, `stage`, `passivity` or `limit-cycles`; or an experiment, or its folder.
         design: the packaged machine when left out.
         models: friction models of the thesis's experiments; all of them when left out.
         motion: inputs to simulate an experiment on, a DataFrame or the path of a file; its own when left out.

@@ -104,6 +104,16 @@ def tables_of(name: str, results: Mapping[str, Any]) -> dict[str, Columns]:
             columns = simulation_columns(result.simulation, "spring_force", SHOWN)
             columns["pull_position [m]"] = PULL * columns["time [s]"]
             tables[f"stick-slip_{model}"] = columns
+    elif name == "limit-cycles":
+        from sim.experiments.limit_cycles import SPEEDS
+
+        for model, springs in results.items():
+            columns = {"speed [m/s]": np.array(SPEEDS)}
+            for spring, result in springs.items():
+                columns[f"size_{spring} [N]"] = result.sizes
+                columns[f"break_away_{spring} [N]"] = np.array([cycle.top for cycle in result.cycles])
+                columns[f"dwell_{spring} [s]"] = np.array([cycle.dwell for cycle in result.cycles])
+            tables[f"limit-cycles_{model}"] = columns
     else:
         for model, cases in results.items():
             for case, result in cases.items():
