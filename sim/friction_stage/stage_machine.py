@@ -18,7 +18,6 @@ from designcalc.friction_stage.physics.teeth import magnets
 from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
-    driven_capacitance,
     inertia_on_piezos,
     mass_on_piezos,
     stack_stiffness,
@@ -62,7 +61,7 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
             bias=r("actuator.bias_voltage"),
             hysteresis=r("piezo.hysteresis"),
             creep=r("piezo.creep"),
-            capacitance=driven_capacitance(r),
+            capacitance=r("piezo.capacitance"),
             current=r("amplifier.current"),
             slew_rate=r("amplifier.slew_rate"),
             bandwidth=r("amplifier.bandwidth"),

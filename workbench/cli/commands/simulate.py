@@ -74,8 +74,8 @@ def command(run: Run, names: tuple[str, ...], **options: Any) -> None:
     """Simulate the thesis's experiments and the driven stage; data and figures go to OUT/simulate.
 
     Without a name: tip, presliding, hysteresis, stick-slip, stage. `passivity` audits the energy of the friction
-    models, `limit-cycles` has stick-slip over speed and stiffness. EXPERIMENT, a folder or its experiment.toml: its model is simulated on its inputs, and records with noise
-    are written with an experiment.toml to OUT/simulate/NAME.
+    models; `limit-cycles` shows stick-slip over speed and stiffness. EXPERIMENT, a folder or its experiment.toml: its
+    model is simulated on its inputs, and records with noise are written with an experiment.toml to OUT/simulate/NAME.
     """
     from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA
 

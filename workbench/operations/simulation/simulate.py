@@ -494,7 +494,8 @@ def simulate(
     """Simulate one of the thesis's experiments on a design, or the model of an experiment.
 
     Args:
-        what: `tip`, `presliding`, `hysteresis`, `stick-slip`, `stage`, `passivity` or `limit-cycles`; or an experiment, or its folder.
+        what: `tip`, `presliding`, `hysteresis`, `stick-slip`, `stage`, `passivity` or `limit-cycles`; or an
+            experiment, or its folder.
         design: the packaged machine when left out.
         models: friction models of the thesis's experiments; all of them when left out.
         motion: inputs to simulate an experiment on, a DataFrame or the path of a file; its own when left out.
