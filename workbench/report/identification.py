@@ -10,9 +10,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from datetime import date
 from pathlib import Path
 from typing import Any
 
+from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.diagnosis.residual_maps import ResidualMap
@@ -32,6 +34,7 @@ from workbench.operations.measurement.statements import (
     near_noise,
     next_step_statement,
     noise_text,
+    summary_sentence,
 )
 from workbench.operations.measurement.suggest import Suggestion
 from workbench.operations.measurement.tables import (
@@ -52,7 +55,7 @@ from workbench.operations.measurement.tables import (
 from workbench.operations.result import Reported, finite
 from workbench.report.html import render
 
-SCHEMA = 5
+SCHEMA = 6
 REPORT = "report.html"
 """Name of the report in its folder."""
 WIDTH = 8.4
@@ -115,6 +118,7 @@ def comparison_section(comparison: Comparison) -> Section:
     return {
         **_fitted(comparison.problem, model, comparison.document, "Parameters"),
         **_figures(comparison.problem, {"model": model}, computed.validate, computed.maps),
+        "summary": summary_sentence(comparison.document["before"]),
         "kind": "compare",
         "title": "The model as it stands",
         "state": "good" if comparison.adequate else "bad",
@@ -136,6 +140,7 @@ def diagnosis_section(diagnosis: Diagnosis) -> Section:
     return {
         **_fitted(problem, computed.base.fitted.model, document, parameters, after),
         **_figures(problem, diagnosis.drawn_models, computed.before_validate, computed.maps),
+        "summary": summary_sentence(document["before"], f"{diagnosis.title}."),
         "kind": "diagnose",
         "title": diagnosis.title,
         "state": STATES.get(diagnosis.verdict, "bad"),
@@ -157,6 +162,7 @@ def ladder_section(grown: Ladder, figure: str) -> Section:
     first, now = (max(worst_over_noise(r["before"].get(part, {})) for part in PARTS) for r in (grown.rungs[0], last))
     count = "one step" if steps == 1 else f"{steps} steps"
     return {
+        "summary": summary_sentence(last["before"]),
         "kind": "ladder",
         "title": "The ladder",
         "effects": list(last["effects"]),
@@ -197,10 +203,12 @@ def _fitted(problem: Problem, model: Model, document: Mapping[str, Any], title: 
         "records": {record.name: record.sha256 for record in problem.records},
         "rig": _rig_text(problem),
         "record_list": [
-            f"{r.name} ({'fit' if r.role == 'fit' else 'held out'}): {r.size} rows in {r.time[-1] - r.time[0]:.4g} s"
+            f"{r.name} ({'fit' if r.role == 'fit' else 'held out'}): {r.size} rows in {r.time[-1] - r.time[0]:.4g} s, "
+            f"sha256 {r.sha256[:12]}"
             for r in problem.records
         ],
         "noise": noise_text(problem),
+        "text": problem.experiment.text,
         "notes": list(problem.notes),
         "warnings": list(document["warnings"]),
         "errors": error_table("", document["before"], after).as_json(),
@@ -300,4 +308,14 @@ def report_html(name: str, sections: Sequence[Section]) -> str:
     """The report as one self-contained page."""
     about = next((s for s in reversed(sections) if "rig" in s), None)
     newest = max((s["number_in_report"] for s in sections if s["kind"] != "ladder"), default=0)
-    return render("identification.html", name=name, sections=sections, about=about, newest=newest)
+    made = f"stagecad {__version__}, {date.today().isoformat()}"
+    values = {"sections": sections, "about": about, "newest": newest, "summary": summary_of(sections), "made": made}
+    return render("identification.html", name=name, **values)
+
+
+def summary_of(sections: Sequence[Section]) -> str:
+    """The sentence of the present model: that of its diagnosis, of the ladder, or of the newest section."""
+    told = [s for s in sections if s.get("summary")]
+    model = next((s["effects"] for s in told if s["kind"] == "ladder"), told[-1]["effects"] if told else None)
+    of_model = sorted((s for s in told if s["effects"] == model), key=lambda s: s["kind"] != "diagnose")
+    return of_model[0]["summary"] if of_model else ""

@@ -20,7 +20,8 @@ from workbench.figures.curves import axis_scale, decimate, worst_stretch
 from workbench.figures.identification import maps_figure
 from workbench.operations.measurement.add import Ladder
 from workbench.operations.measurement.experiment import Experiment
-from workbench.report.identification import ordered_sections, report_html, section_key
+from workbench.operations.measurement.statements import summary_sentence
+from workbench.report.identification import ordered_sections, report_html, section_key, summary_of
 
 
 def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
@@ -161,3 +162,21 @@ def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
     boxes = [text.get_window_extent() for text in titles]
     assert len(boxes) == 6
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+@pytest.mark.parametrize(
+    ("fit_percent", "said"),
+    [
+        (90.0, "explains 99 % of the variance of the friction force"),
+        (-300.0, "does not yet explain the friction force"),
+    ],
+)
+def test_the_report_begins_with_the_state_of_the_present_model_in_a_sentence(fit_percent: float, said: str) -> None:
+    """A fit of 90 % leaves a tenth of the deviation, a hundredth of the variance."""
+    errors = {"validate": {"friction_force": {"over_noise": 1.2, "fit_percent": fit_percent}}}
+    present = section("diagnose", ["coulomb", "stribeck"], "sha", 1) | {"summary": summary_sentence(errors, "Add it.")}
+    older = section("compare", ["coulomb"], "sha", 2) | {"summary": "Of another model."}
+    ladder = {"kind": "ladder", "effects": ["coulomb", "stribeck"], "number_in_report": 3, "summary": "Of the ladder."}
+    sentence = summary_of([ladder, present, older])
+    assert said in sentence and "1.20 × the noise. Add it." in sentence
+    assert summary_of([present, older]) == "Of another model."

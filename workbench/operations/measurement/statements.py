@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
@@ -95,6 +96,27 @@ def comparison_statement(found: Comparison) -> str:
     if fit > CLEARLY_WORSE * over:
         text += f" On the fit records it is {over_noise_text(fit)}."
     return f"{text} The residual depends on {dependence_text(found.maps) or 'no recorded coordinate'}."
+
+
+def summary_sentence(errors: Mapping[str, Mapping[str, Any]], following: str = "") -> str:
+    """The state of a model in one sentence: share of the variance explained, error over noise, what follows.
+
+    Args:
+        errors: of a document, by set of records and channel.
+        following: what to do next, or that nothing is missing.
+    """
+    by_channel = {name: m for name, m in (errors.get("validate") or errors.get("fit", {})).items() if m["over_noise"]}
+    if not by_channel:
+        return following
+    channel, worst = max(by_channel.items(), key=lambda item: item[1]["over_noise"])
+    left = f"the error left is {over_noise_text(worst['over_noise'])} the noise"
+    fit = worst.get("fit_percent")
+    if fit is None or fit <= 0.0:
+        return f"The model does not yet explain the {channel.replace('_', ' ')}; {left}. {following}".strip()
+    explained = 100.0 * (1.0 - (1.0 - 0.01 * fit) ** 2)
+    digits = 1 if explained > 99.0 else 0
+    text = f"The model explains {min(explained, 99.9):.{digits}f} % of the variance of the {channel.replace('_', ' ')}"
+    return f"{text}; {left}. {following}".strip()
 
 
 def verdict_title(found: Diagnosis) -> str:
