@@ -255,3 +255,14 @@ def test_check_without_teeth_draws_what_there_is(capsys, tmp_path):
     answer(capsys, *words)
     assert (tmp_path / "checks" / "rail.png").is_file()
     assert not (tmp_path / "checks" / "teeth.png").exists()
+
+
+def test_help_of_a_calculator_has_its_own_options_with_unit_and_default(capsys):
+    status, out, _ = answer(capsys, "calc", "wedge", "--help")
+    assert status == 0
+    assert [line.split()[:2] for line in out.splitlines() if line.startswith("  --")] == [
+        ["--pitch", "m"],
+        ["--slope", "NUMBER"],
+        ["--stroke", "m"],
+    ]
+    assert "[default: set_screw.pitch]" in out and "--load" not in out

@@ -18,15 +18,38 @@ def _meaning(name: str) -> str:
     return " ".join(cleandoc(CALCULATORS[name].__doc__ or "").split())
 
 
-def _epilog() -> str:
-    lines = []
-    for name, calculator in CALCULATORS.items():
-        options = " ".join(f"--{option.replace('_', '-')}" for option in options_of(calculator))
-        lines.append(f"\b\n{name}: {_meaning(name)}\n  {options}")
-    return "\n\n".join(lines)
+class Calculators(click.Command):
+    """`calc NAME --help` shows the options of that calculator alone."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if args and args[0] in CALCULATORS and {"-h", "--help"} & set(args):
+            click.echo(_help(args[0], ctx))
+            ctx.exit()
+        return super().parse_args(ctx, args)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Calculators (`stagecad calc NAME --help` shows the options of one)"):
+            formatter.write_dl([(name, _meaning(name)) for name in CALCULATORS])
 
 
-@click.command("calc", context_settings={"ignore_unknown_options": True, "allow_extra_args": True}, epilog=_epilog())
+def _help(name: str, ctx: click.Context) -> str:
+    """Purpose of a calculator, and its options with unit and default."""
+    formatter = ctx.make_formatter()
+    formatter.write_usage(f"stagecad calc {name}", "[--key value]...")
+    formatter.write_paragraph()
+    with formatter.indentation():
+        formatter.write_text(_meaning(name))
+    rows = []
+    for key, option in options_of(CALCULATORS[name]).items():
+        kind = "|".join(option.words) or "FILE" if option.unit is None else option.unit or "NUMBER"
+        rows.append((f"--{key.replace('_', '-')} {kind}", f"{option.meaning}  [default: {option.origin}]".strip()))
+    if rows:
+        with formatter.section("Options"):
+            formatter.write_dl(rows)
+    return formatter.getvalue()
+
+
+@click.command("calc", cls=Calculators, context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
 @click.argument("name", metavar="NAME")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--key value]...")
 @common_options

@@ -31,6 +31,18 @@ class Option:
     default: Any
     words: tuple[str, ...] = ()
 
+    @property
+    def origin(self) -> str:
+        """Where the default comes from, for help."""
+        if callable(self.default):
+            return "from the parameter file"
+        if not isinstance(self.default, str):
+            return "none" if self.default is None else f"{self.default:g}"
+        if self.default.startswith("="):
+            return f"--{self.default[1:].replace('_', '-')}"
+        part, colon, quantity = self.default.partition(":")
+        return f"{quantity.replace('_', ' ')} of {part}" if colon else part
+
 
 def options_of(calculator: type) -> dict[str, Option]:
     """The options of a calculator by name."""
