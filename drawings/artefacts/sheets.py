@@ -325,6 +325,7 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
     from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 
     masses = {name: part_mass(part, design) for name, part in parts.items()}
+    views = sheets_of(design).views(design, instances, parts)
     reads = sorted({name for part in parts.values() for name in part.entry.reads})
     return AssemblyDescription(
         bill_of_materials(instances, parts, masses, design),
@@ -334,7 +335,8 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
         parameters_of(reads, design),
         construction(design).accessories(design),
         construction(design).carried,
-        sheets_of(design).views(design, instances, parts).scale,
+        views.scale,
+        views.notes,
     )
 
 

@@ -46,7 +46,8 @@ def _views(design: Any, instances: Sequence[Instance], parts: Mapping[str, Built
         "section B-B": (Cut(middle, (1.0, 0.0, 0.0), "B"), "right"),
     }
     bought = frozenset(name for name, source in construction(design).sources(design).items() if source.purchased)
-    return MachineViews(cuts, bought, scale=scale)
+    notes = ("- Order of assembly: see the procedure.", *(("- Purchased parts are not cut.",) if bought else ()))
+    return MachineViews(cuts, bought, scale=scale, notes=notes)
 
 
 def _box(

@@ -27,7 +27,15 @@ NOT_CUT = (*CAP_SCREWS, "set_screw", "height_pin_1", "height_pin_2", "piezo", "s
 """Parts that a section shows whole."""
 
 VIEWS = MachineViews(
-    {"section A-A": (ALONG, "front"), "section B-B": (ACROSS, "right")}, frozenset(NOT_CUT), MOVING, CARRIED
+    {"section A-A": (ALONG, "front"), "section B-B": (ACROSS, "right")},
+    frozenset(NOT_CUT),
+    MOVING,
+    CARRIED,
+    notes=(
+        "- Shown at the middle of travel and of height adjustment.",
+        "- Order, torques and settings: see the procedure.",
+        "- Fasteners, pins, piezos, spring and interferometer are not cut.",
+    ),
 )
 
 

@@ -43,6 +43,7 @@ class MachineViews:
         moving: parts that move; the first carries the others.
         carried: parts that move with it.
         scale: of the views.
+        notes: of the assembly sheet, a line each.
     """
 
     cuts: Mapping[str, tuple[Cut, str]]
@@ -50,6 +51,7 @@ class MachineViews:
     moving: tuple[str, ...] = ()
     carried: tuple[str, ...] = ()
     scale: float = SCALE
+    notes: tuple[str, ...] = ("- Order, torques and settings: see the procedure.",)
 
 
 def machine_picture(

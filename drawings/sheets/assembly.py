@@ -30,7 +30,7 @@ from drawings.views.view import Box2, Curve, Point2, Segment, View
 if TYPE_CHECKING:
     from stagecad.solids.assembly.bill_of_materials import Accessory, Row
 
-SIZES: tuple[Paper, ...] = ("A1", "A0")
+SIZES: tuple[Paper, ...] = ("A3", "A2", "A1", "A0")
 """Sizes of the paper, the smallest on which the exploded view fits beside the other views."""
 HEADINGS: tuple[str, ...] = ("Item", "Qty", "Part", "Number", "Material", "Mass each")
 """Headings of the columns of the parts list."""
@@ -55,6 +55,7 @@ class AssemblyDescription:
         accessories: what is needed besides the parts.
         carried: parts that move, and those that move with them.
         scale: of the views.
+        notes: of the sheet, a line each.
     """
 
     rows: tuple[Row, ...]
@@ -65,6 +66,7 @@ class AssemblyDescription:
     accessories: tuple[Accessory, ...] = ()
     carried: tuple[str, ...] = ()
     scale: float = SCALE
+    notes: tuple[str, ...] = ()
 
 
 def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
@@ -73,11 +75,10 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     cut = pictures[SECTION]
     carried = [line for part, lines in cut.pieces if part in machine.carried for line in lines]
     ends = travel_range(carried, machine.size.travel) if carried else None
-    front, notes = cut.view, ("NOTES", *_NOTES)
+    front, notes = cut.view, ("NOTES", *machine.notes)
     if ends:
         front = replace(front, curves={**front.curves, "PHANTOM": ends.lines})
-        travel = f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends."
-        notes = ("NOTES", *_AT_REST, *_NOTES, travel)
+        notes = (*notes, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
     rows = len(machine.rows) + len(machine.accessories)
     column = [pictures[TOP].view, front, pictures[SIDE_SECTION].view]
     drawn = [*column, *(one.view for one in exploded)]
@@ -108,20 +109,15 @@ def all_balloons(pictures: Sequence[Picture], rows: Sequence[Row]) -> list[Ballo
     return found
 
 
-_AT_REST = ("- Shown at the middle of travel and of height adjustment.",)
-_NOTES = (
-    "- Order, torques and settings: see the procedure.",
-    "- Fasteners, pins, piezos, spring and interferometer are not cut.",
-)
-
-
 def _paper(views: Sequence[View]) -> Paper:
     """The smallest paper on which the exploded view and its balloons fit between the other views and the parts list."""
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
     low, high = _column(boxes)
     needed = high - low + 2 * MARGIN + boxes[3][2] - boxes[3][0] + 8 * BALLOON
+    tall = sum(box[3] - box[1] for box in boxes[:3]) + 4 * MARGIN + 2 * DIMENSIONED + 4 * LARGE_HEIGHT
     for paper in SIZES:
-        if needed <= title_box(paper)[0] - sheet_area(paper).space[0]:
+        x0, y0, _, y1 = sheet_area(paper).space
+        if needed <= title_box(paper)[0] - x0 and tall <= y1 - y0:
             return paper
     return SIZES[-1]
 

@@ -118,6 +118,7 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
     given = {**{key: entry for key, (_, entry) in machine.own.items()}, **file.entries}
     if file.extends is not None:
         given = {**read_parameter_file().entries, **given}
+    given = {**given, **{key: entry for key, entry in _of_machine(machine, file).items() if key not in file.entries}}
     given.update(_plain_rows(file.tables))
     materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
     keys = machine.schema(materials)
@@ -141,6 +142,16 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
             given[key] = FileEntry(declaration.default, f"{file.name}: {key}", origin="assumed: default")
     overridden = tuple(text.partition("=")[0].strip() for text in overrides)
     return Source(machine, given, keys, materials, file.name, overridden)
+
+
+def _of_machine(machine: Machine, file: ParameterFile) -> dict[str, FileEntry]:
+    """Entries of the title block that follow from the name of a machine of the user's own."""
+    if machine.declaration is None or file.extends is None:
+        return {}
+    texts = {"drawing.file_assembly": "assembly", "drawing.file_procedure": "procedure"}
+    if machine.declaration.description:
+        texts["drawing.title"] = machine.declaration.description
+    return {key: FileEntry(text, f"{file.name}: machine", origin="assumed: [machine]") for key, text in texts.items()}
 
 
 def _plain_rows(tables: Sequence[ProjectTable]) -> dict[str, FileEntry]:
