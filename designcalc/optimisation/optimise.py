@@ -197,6 +197,12 @@ class _Run:
             if members is None:
                 self.best.offer(next(one for one in evaluator.archive if one.satisfies(self.kept)))
                 break
+            if not members:
+                rules = ", ".join(f"'{name}'" for name in dict.fromkeys(violations_of(evaluator)))
+                raise InputError(
+                    f"no design without violated rules was found: {rules}; free the parameters that these rules name, "
+                    "or give more --time"
+                )
             outcome.conflicts.append(Conflict(members))
             self.kept = [name for name in self.kept if name != _hardest(evaluator, members)]
         self.tell("what to relax")
@@ -274,6 +280,12 @@ def _nearest(
         if not new:
             return
         part += new
+
+
+def violations_of(evaluator: Evaluator) -> tuple[str, ...]:
+    """Rules that the design with the fewest violations violates."""
+    known = [one for one in evaluator.archive if one.violated] or [evaluator.at(evaluator.start)]
+    return min((one.violated for one in known), key=len)
 
 
 def _hardest(evaluator: Evaluator, members: Sequence[str]) -> str:

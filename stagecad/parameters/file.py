@@ -198,7 +198,7 @@ def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: 
     if declaration.kind == "number":
         value, std = _number(entry, declaration)
         if tolerance is None and entry.origin is None and declaration.unit == "mm":
-            tolerance = _class_by_decimals(shown)
+            tolerance = class_by_decimals(shown)
         if tolerance is not None and is_class(tolerance) and not (declaration.unit == "mm" and in_range(value)):
             raise InputError(f"{place}: tolerance = '{tolerance}' is for diameters up to 250 mm, not for {shown}")
         if tolerance is not None and is_class(tolerance):
@@ -270,7 +270,7 @@ def _count(entry: FileEntry, declaration: Declaration) -> int:
     return int(si)
 
 
-def _class_by_decimals(text: str) -> str:
+def class_by_decimals(text: str) -> str:
     """The tolerance class implied by the decimals of a bare value."""
     if not text.rstrip().endswith("mm"):
         return "X.X"

@@ -13,18 +13,20 @@ from stagecad.parameters.entry import ByRow, Entry, FileEntry
 from stagecad.parameters.errors import InputError, ViolationsError
 from stagecad.parameters.file import (
     ParameterFile,
+    class_by_decimals,
     parse_parameter_text,
     read_entry,
     read_parameter_file,
     require_origin,
 )
+from stagecad.parameters.formula import is_formula
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.machine import MATERIALS, Machine, packaged_machine
+from stagecad.parameters.machine import MATERIALS, Computed, Machine, packaged_machine
 from stagecad.parameters.machine_declaration import declared_machine, require_mates, stated_parameters
 from stagecad.parameters.project_tables import HARDWARE, NO_ROW, ROW, ProjectTable
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
-from stagecad.parameters.schema import Declaration, nearest_key
+from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration, nearest_key
 from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
 
@@ -117,7 +119,11 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
         machine = declared_machine(machine, file.machine, file.name, file.folder)
     given = {**{key: entry for key, (_, entry) in machine.own.items()}, **file.entries}
     if file.extends is not None:
-        given = {**read_parameter_file().entries, **given}
+        packaged = read_parameter_file().entries
+        given = {
+            **packaged,
+            **{key: _with_class(entry, packaged.get(key), machine.computed.get(key)) for key, entry in given.items()},
+        }
     given = {**given, **{key: entry for key, entry in _of_machine(machine, file).items() if key not in file.entries}}
     given.update(_plain_rows(file.tables))
     materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
@@ -142,6 +148,18 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
             given[key] = FileEntry(declaration.default, f"{file.name}: {key}", origin="assumed: default")
     overridden = tuple(text.partition("=")[0].strip() for text in overrides)
     return Source(machine, given, keys, materials, file.name, overridden)
+
+
+def _with_class(entry: FileEntry, packaged: FileEntry | None, computed: Computed | None) -> FileEntry:
+    """An entry with the tolerance class of the packaged design, unless it states one, or a closer one by its decimals."""
+    tolerance = (packaged and packaged.tolerance) or (computed and computed.tolerance) or None
+    if tolerance is None or entry.tolerance is not None or not isinstance(entry.value, str):
+        return entry
+    bare = entry.origin is None and not is_formula(entry.value)
+    # More decimals are a longer class: X, X.X, X.XX.
+    if bare and tolerance in TOLERANCE_CLASSES and len(class_by_decimals(entry.value)) > len(tolerance):
+        return entry
+    return replace(entry, tolerance=tolerance)
 
 
 def _of_machine(machine: Machine, file: ParameterFile) -> dict[str, FileEntry]:

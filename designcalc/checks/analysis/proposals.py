@@ -23,7 +23,7 @@ def evaluate_proposals(
     """The checks with their proposed changes evaluated, and what that shows in their proposals.
 
     A change is made on the design; then its rules are checked, and every check that reads a value which differs.
-    Changes that pass without side effect come first.
+    Changes that pass without side effect come first, those of values that `--set` gives last.
 
     Args:
         checks: of the design, all of them.
@@ -34,13 +34,14 @@ def evaluate_proposals(
     found = []
     for check in checks:
         changes = tuple(_evaluated(one, check.name, checks, (design, masses), load) for one in check.changes)
-        changes = tuple(sorted(changes, key=lambda one: bool(one.result)))
-        found.append(replace(check, changes=changes, proposal=_text(check.proposal, changes)))
+        # What the user asked for with `--set` is not undone while another change passes.
+        changes = tuple(sorted(changes, key=lambda one: (bool(one.result), design.is_overridden(one.key))))
+        found.append(replace(check, changes=changes, proposal=_text(check.proposal, changes, design)))
     return found
 
 
-def _text(words: str, changes: tuple[Change, ...]) -> str:
-    usable = [one for one in changes if not one.result]
+def _text(words: str, changes: tuple[Change, ...], design: Design) -> str:
+    usable = [one for one in changes if not one.result and not design.is_overridden(one.key)]
     if usable:
         return f"{words}; {usable[0].key} = {usable[0].text} passes, and no other check then fails"
     return "; ".join([words, *(f"{one.key} = {one.text} {one.result}" for one in changes)])

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks, subject_names
 from designcalc.checks.subjects import subjects_of
 from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.rules.registry import violations
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -57,19 +59,13 @@ class ToleranceStudy:
     samples: int
     spreads: tuple[Spread, ...]
     influences: tuple[Influence, ...]
+    could_be_loosened: tuple[Influence, ...] = ()
+    """Three dimensions, of the tightest class first, whose next class fails no check and violates no rule."""
 
     @property
     def matter_most(self) -> tuple[Influence, ...]:
         """The three dimensions whose tolerance uses up most of a margin."""
         return self.influences[:3]
-
-    @property
-    def could_be_loosened(self) -> tuple[Influence, ...]:
-        """Three dimensions, of the tightest class first, whose tolerance matters least to the checks.
-
-        The checks cover stiffness, force and drift; fits and assembly may need a tolerance that no check reads.
-        """
-        return tuple(sorted(self.influences[3:], key=lambda i: (i.plus_minus, i.share))[:3])
 
     def as_json(self) -> dict[str, Any]:
         """As a JSON document."""
@@ -161,7 +157,40 @@ def tolerance_study(
         for row, key in enumerate(keys)
     ]
     influences.sort(key=lambda i: -i.share)
-    return ToleranceStudy(samples, spreads, tuple(influences))
+    return ToleranceStudy(samples, spreads, tuple(influences), _loosened(design, masses, base, influences))
+
+
+def _loosened(
+    design: Design, masses: Any, base: Sequence[Check], influences: Sequence[Influence]
+) -> tuple[Influence, ...]:
+    """Dimensions besides the three that matter most, of the tightest class first, whose next class fails no check.
+
+    Every check that reads the dimension is run with the next class, the chains among them, and the rules; fits and
+    assembly may still need a tolerance that none of them reads.
+    """
+    rules = {one.message for one in violations(design)}
+    found: list[Influence] = []
+    for one in sorted(influences[3:], key=lambda i: (i.plus_minus, i.share)):
+        looser = _NEXT.get(one.tolerance)
+        if looser is None:
+            continue
+        entries = (replace(entry, tolerance=looser) if entry.key == one.key else entry for entry in design.entries)
+        changed = replace(design, entries=tuple(entries))
+        if any(violation.message not in rules for violation in violations(changed)):
+            continue
+        reading = [check for check in base if one.key in check.inputs]
+        after = {
+            c.name: c for c in run_checks(changed, masses, tuple({check.subject for check in reading}), advise=False)
+        }
+        if all(c.verdict != "passes" or (c.name in after and after[c.name].verdict == "passes") for c in reading):
+            found.append(one)
+        if len(found) == 3:
+            break
+    return tuple(found)
+
+
+_NEXT = {"X.XX": "X.X", "X.X": "X"}
+"""The next looser class of a general tolerance; a fit is not loosened."""
 
 
 def _ends(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.primitives import plate
@@ -30,11 +31,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.buffer.part_number
+    return catalogue.part_number(design, "buffer")
 
 
 def description(design: Any) -> str:
-    return design.buffer.description
+    return catalogue.description(design, "buffer")
 
 
 def datums(design: Any) -> dict[str, Datum]:

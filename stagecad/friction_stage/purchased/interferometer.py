@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.primitives import plate
@@ -31,11 +32,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.interferometer.part_number
+    return catalogue.part_number(design, "interferometer")
 
 
 def description(design: Any) -> str:
-    return design.interferometer.description
+    return catalogue.description(design, "interferometer")
 
 
 def datums(design: Any) -> dict[str, Datum]:

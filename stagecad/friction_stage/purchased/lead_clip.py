@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X
 from stagecad.solids.modelling.holes import OVERRUN
@@ -35,11 +36,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.lead_clip.part_number
+    return catalogue.part_number(design, "lead_clip")
 
 
 def description(design: Any) -> str:
-    return design.lead_clip.description
+    return catalogue.description(design, "lead_clip")
 
 
 def datums(design: Any) -> dict[str, Datum]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
@@ -35,11 +36,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.mirror.part_number
+    return catalogue.part_number(design, "mirror")
 
 
 def description(design: Any) -> str:
-    return design.mirror.description
+    return catalogue.description(design, "mirror")
 
 
 def datums(design: Any) -> dict[str, Datum]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
@@ -46,11 +47,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.piezo.part_number
+    return catalogue.part_number(design, "piezo")
 
 
 def description(design: Any) -> str:
-    return design.piezo.description
+    return catalogue.description(design, "piezo")
 
 
 def datums(design: Any) -> dict[str, Datum]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
@@ -59,10 +60,10 @@ class SocketCapScrew:
         return self._table(design).material
 
     def part_number(self, design: Any) -> str:
-        return self._table(design).part_number
+        return catalogue.part_number(design, f"screws.{self.key}")
 
     def description(self, design: Any) -> str:
-        return self._table(design).description
+        return catalogue.description(design, f"screws.{self.key}")
 
     def datums(self, design: Any) -> dict[str, Datum]:
         """``seat``: under the head, normal towards the shank; ``end``: of the shank."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
@@ -35,11 +36,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.set_screw.part_number
+    return catalogue.part_number(design, "set_screw")
 
 
 def description(design: Any) -> str:
-    return design.set_screw.description
+    return catalogue.description(design, "set_screw")
 
 
 def datums(design: Any) -> dict[str, Datum]:

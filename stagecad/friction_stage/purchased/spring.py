@@ -9,6 +9,7 @@ import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
@@ -59,11 +60,11 @@ def material(design: Any) -> str:
 
 
 def part_number(design: Any) -> str:
-    return design.spring.part_number
+    return catalogue.part_number(design, "spring")
 
 
 def description(design: Any) -> str:
-    return design.spring.description
+    return catalogue.description(design, "spring")
 
 
 def datums(design: Any) -> dict[str, Datum]:

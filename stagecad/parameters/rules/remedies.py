@@ -58,10 +58,10 @@ def violation_documents(design: Design, found: Sequence[Violation], changed: Cha
 def remedies(design: Design, violation: Violation, changed: Changed) -> list[Remedy]:
     """The nearest value that satisfies the rule, for each parameter that the message names.
 
-    Those without new violations come first, then the smallest relative change.
+    Those without new violations come first, then the smallest relative change; values that `--set` gives last.
     """
     found = [remedy for key in violation.keys if (remedy := _remedy(design, violation, key, changed)) is not None]
-    return sorted(found, key=lambda one: (len(one.new_violations), one.distance))
+    return sorted(found, key=lambda one: (design.is_overridden(one.key), len(one.new_violations), one.distance))
 
 
 def _remedy(design: Design, violation: Violation, key: str, changed: Changed) -> Remedy | None:

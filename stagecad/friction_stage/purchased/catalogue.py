@@ -1,0 +1,39 @@
+"""Numbers and descriptions of purchased parts: those of the catalogue are void where a size is not the catalogue's."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stagecad.parameters.load import load_design
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+
+def part_number(design: Design, table: str) -> str:
+    """Number in the catalogue; the sizes in its place where the packaged number stands beside other sizes."""
+    sizes = _changed(design, table)
+    return f"{', '.join(sizes)}: no catalogue number" if sizes else str(design.value(f"{table}.part_number"))
+
+
+def description(design: Design, table: str) -> str:
+    """Description, without the sizes where they are not those of the catalogue."""
+    words = str(design.value(f"{table}.description"))
+    return words.partition(" x ")[0] if _changed(design, table) else words
+
+
+def _changed(design: Design, table: str) -> list[str]:
+    """Sizes that differ from those of the packaged number: `length 205 mm`."""
+    packaged = load_design()
+    number = f"{table}.part_number"
+    if design.value(number) != packaged.value(number):
+        return []
+    found = []
+    for entry in packaged.entries:
+        # What follows from other parts is cut to size.
+        if not entry.key.startswith(f"{table}.") or entry.formula or entry.key in packaged.machine.computed:
+            continue
+        name, value = entry.key.removeprefix(f"{table}."), design.value(entry.key)
+        if (entry.unit == "mm" or name == "thread") and value != entry.value:
+            found.append(f"{name.replace('_', ' ')} {value if isinstance(value, str) else f'{value:g} mm'}")
+    return found
