@@ -151,7 +151,7 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
 
 
 def _with_class(entry: FileEntry, packaged: FileEntry | None, computed: Computed | None) -> FileEntry:
-    """An entry with the tolerance class of the packaged design, unless it states one, or a closer one by its decimals."""
+    """An entry with the packaged tolerance class, unless it states one, or a closer one by its decimals."""
     tolerance = (packaged and packaged.tolerance) or (computed and computed.tolerance) or None
     if tolerance is None or entry.tolerance is not None or not isinstance(entry.value, str):
         return entry
