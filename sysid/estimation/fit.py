@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sysid.estimation.least_squares import FitResult, ResidualFunction, jacobian, least_squares
+from sysid.estimation.least_squares import MOST_STEPS, FitResult, ResidualFunction, jacobian, least_squares
 from sysid.estimation.misfit import ResidualWeights, huber_square, residual_weights, weighted_residual
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model
@@ -32,7 +32,7 @@ def fit_model(
     model: Model,
     records: Sequence[PreparedRecord],
     weights: ResidualWeights | None = None,
-    iterations: int = 25,
+    iterations: int = MOST_STEPS,
     near: FittedModel | None = None,
     final_jacobian: bool = True,
 ) -> FittedModel:

@@ -15,7 +15,7 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.misfit import shared_weights, weighted_residual
+from sysid.estimation.misfit import ResidualWeights, shared_weights, weighted_residual
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, Scales, in_contact
 from sysid.prediction.prepared_record import PreparedRecord
@@ -39,8 +39,16 @@ FITS = 3
 """Lowest points of the scan that are fitted."""
 
 
-def lowest_bristle_fit(fitted: FittedModel, records: Sequence[PreparedRecord], scales: Scales) -> FittedModel:
-    """The fit, or one of lower error from other stretches and damping of its bristles; unchanged without bristles."""
+def lowest_bristle_fit(
+    fitted: FittedModel,
+    records: Sequence[PreparedRecord],
+    scales: Scales,
+    weights: ResidualWeights | None = None,
+) -> FittedModel:
+    """The fit, or one of lower error from other stretches and damping of its bristles; unchanged without bristles.
+
+    With `weights` all fits have these, as candidates that are compared with a base model do.
+    """
     core = next((e for e in fitted.model.effects if e.has_presliding and not in_contact(e)), None)
     if core is None or not all(isinstance(record, ForceBalanceRecord) for record in records):
         return fitted
@@ -48,7 +56,7 @@ def lowest_bristle_fit(fitted: FittedModel, records: Sequence[PreparedRecord], s
     for start in _starts(fitted, core, records, scales):
         if root_mean_huber(best.fit.residual) <= AT_THE_NOISE:
             break
-        best = lower_of(best, fit_model(start, records), records)
+        best = lower_of(best, fit_model(start, records, weights), records)
     return best
 
 

@@ -292,11 +292,15 @@ def _broyden_update(at: _Iterate, point: np.ndarray, residual: np.ndarray, norms
     return _Iterate(point, residual, updated, False)
 
 
+MOST_STEPS = 25
+"""Accepted steps after which a fit that is to be compared stops, and is reported as not converged."""
+
+
 def least_squares(
     function: ResidualFunction,
     unknowns: Sequence[Unknown],
     robust: bool = True,
-    iterations: int = 25,
+    iterations: int = MOST_STEPS,
     tolerance: float = 1e-5,
     known: Mapping[str, np.ndarray] | None = None,
     exact_jacobian: bool = False,

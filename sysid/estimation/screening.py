@@ -10,6 +10,8 @@ import numpy as np
 from sim.effects.effect import Effect
 from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, slipping_starts, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
+from sysid.estimation.friction_state_search import lowest_bristle_fit
+from sysid.estimation.least_squares import MOST_STEPS
 from sysid.estimation.score_test import EVERY_ROW, ScoreStatistic, candidate_directions, project_out, score_test
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model, Scales, with_effect
@@ -148,18 +150,17 @@ def refit_candidate(
     records: Sequence[PreparedRecord],
     scales: Scales,
     starts: int = 2,
-    iterations: int = 15,
+    iterations: int = MOST_STEPS,
 ) -> RefittedEffect:
     """Refit of a screened effect from its screening fit and from other points of the grid; the fit of lowest cost."""
     best = fit_model(screened.fitted.model, records, base.weights, iterations, near=screened.fitted)
-    others = _distinct(screened.scores, starts)[1:]
-    if screened.effect.friction_state is not None:
-        others += sorted(screened.scores, key=lambda score: -score.full_step_reduction)[:2]
-    for score in others:
+    for score in _distinct(screened.scores, starts)[1:]:
         start = with_effect(base.model, screened.effect, scales, score.start)
         fitted = fit_model(start, records, base.weights, iterations, near=base)
         if fitted.fit.cost < best.fit.cost:
             best = fitted
+    if screened.effect.has_presliding:
+        best = lowest_bristle_fit(best, records, scales, base.weights)
     return RefittedEffect(screened.effect, screened.predicted_reduction, best, screened.blocked_reduction)
 
 
@@ -181,7 +182,7 @@ def screen_and_refit(
     scales: Scales,
     profiled: tuple[np.ndarray, np.ndarray],
     starts: int = 2,
-    iterations: int = 15,
+    iterations: int = MOST_STEPS,
 ) -> RefittedEffect | None:
     """Screening and full refit of one effect; None if it does not change the prediction."""
     screened = screen_candidate(base, effect, records, scales, *profiled)

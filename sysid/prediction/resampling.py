@@ -6,6 +6,7 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
+from sysid.signals.masks import filled
 
 MOST_SAMPLES = 1_000_000
 MOST_PER_ROW = 100
@@ -48,7 +49,7 @@ def uniform(record: Record) -> UniformGrid:
         if not known.any():
             channels[name] = np.full(grid.size, np.nan)
             continue
-        resampled = np.interp(grid, time[known], values[known])
+        resampled = _between(grid, time[known], values[known], record.units.get(name) in SMOOTH)
         if not known.all():
             # Gaps are kept: a grid point next to an empty row is empty.
             nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
@@ -61,6 +62,30 @@ def uniform(record: Record) -> UniformGrid:
         # A regular log with missing rows: samples at missing rows were not measured.
         hole = hole | ~on_row
     return grid, step, channels, hole
+
+
+SMOOTH = ("m", "rad")
+"""Units of channels that have a continuous slope: the position of a mass, which an acceleration a bends by a dt^2/8
+between two rows, 4 um at 400 Hz and 5 m/s^2."""
+
+
+def _between(grid: np.ndarray, time: np.ndarray, values: np.ndarray, smooth: bool) -> np.ndarray:
+    """Values (k,) at the times `grid` (k,) of a channel known at `time` (n,): along lines, or smooth cubics."""
+    if not smooth or time.size < 4:
+        return np.interp(grid, time, values)
+    from scipy.interpolate import Akima1DInterpolator
+
+    return Akima1DInterpolator(time, values)(np.clip(grid, time[0], time[-1]))
+
+
+def mean_of_held(record: Record, name: str, grid: np.ndarray, step: float) -> np.ndarray:
+    """Mean (k,) over the step around each sample of a grid (k,) of a channel whose value is held from row to row; gaps
+    are bridged."""
+    time, values = record.time - record.time[0], filled(record.channels[name])[0]
+    total = np.concatenate([[0.0], np.cumsum(values[:-1] * np.diff(time))])
+    ends = [np.interp(np.clip(grid + side * step, 0.0, time[-1]), time, total) for side in (-0.5, 0.5)]
+    lasts = np.clip(grid + 0.5 * step, 0.0, time[-1]) - np.clip(grid - 0.5 * step, 0.0, time[-1])
+    return (ends[1] - ends[0]) / np.maximum(lasts, 1e-300)
 
 
 def distance_to_rows(record: Record, grid: np.ndarray) -> np.ndarray:

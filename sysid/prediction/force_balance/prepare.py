@@ -28,7 +28,7 @@ from sysid.prediction.force_balance.reversals import EventSearch, ResolvedMotion
 from sysid.prediction.force_balance.stick_event_times import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
 from sysid.prediction.prepared_record import PredictsChannels
-from sysid.prediction.resampling import uniform
+from sysid.prediction.resampling import ON_ROW, distance_to_rows, mean_of_held, uniform
 from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import dilated, filled, longer_than
 
@@ -64,6 +64,9 @@ def prepare_driven_mass(
 ) -> ForceBalanceRecord:
     """A record of a driven mass: the force is balanced against mass times the measured acceleration."""
     time, step, channels, hole = uniform(record)
+    if hold == "zero" and "drive_force" in channels and np.median(distance_to_rows(record, time)) > ON_ROW * step:
+        held = np.where(np.isfinite(channels["drive_force"]), mean_of_held(record, "drive_force", time, step), np.nan)
+        channels, hold = {**channels, "drive_force": held}, "linear"
     n = time.size
     channel, position, force = _signals(channels, noise, step, pull_stiffness, hold)
     missing = position.gap | hole | force.gap
