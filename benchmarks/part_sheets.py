@@ -11,10 +11,9 @@ from __future__ import annotations
 import argparse
 import time
 from pathlib import Path
-from typing import Any
 
 from benchmarks.generators.undeclared_parts import PARTS
-from stagecad.parameters.load import load_design
+from workbench.operations.design import Design
 from workbench.operations.proposed_part import propose_sheet
 
 COLUMNS, ROWS = 3, 4
@@ -25,7 +24,7 @@ def main() -> None:
     parser.add_argument("names", nargs="*", default=list(PARTS))
     parser.add_argument("--out", type=Path, default=Path("build/part_sheets"))
     arguments = parser.parse_args()
-    design: Any = load_design()
+    design = Design()
     pictures: list[Path] = []
     clean = 0
     for name in arguments.names:
@@ -50,7 +49,7 @@ def _contact_sheet(pictures: list[Path], target: Path) -> None:
     figure = Figure(figsize=(21, 20))
     for number, picture in enumerate(pictures, start=1):
         axes = figure.add_subplot(ROWS, COLUMNS, number)
-        axes.imshow(imread(picture))
+        axes.imshow(imread(picture), cmap="gray")
         axes.set_axis_off()
     figure.tight_layout(pad=0.2)
     figure.savefig(target, dpi=110)

@@ -19,6 +19,7 @@ from drawings.dimensions.levels import NEAR, SQUARE, Levels
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import View, dot
 from stagecad.parameters.dimension import (
+    FORM,
     DatumFeature,
     Dimension,
     FaceRequirement,
@@ -32,6 +33,8 @@ AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0,
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
 WHOLE, HALF = 1.5 * math.pi, 0.95 * math.pi
 """Angle about its axis from which on a face is a whole hole or shaft, and up to which it may be a fillet."""
+ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
+"""Characteristics of orientation and of location; `stagecad.parameters.dimension.FORM` are those of form."""
 IN_VIEW = 0.1
 """Half side of the box about a point of an edge in which a line of a view must lie, mm."""
 
@@ -81,7 +84,8 @@ class Definition:
     Args:
         faces: of the solid.
         superfluous: dimensions that follow from others.
-        miscounted: what the solid has otherwise than a dimension of several features says.
+        miscounted: what the solid has otherwise than a dimension of several features says, and tolerances that
+            contradict each other.
     """
 
     faces: tuple[FaceDefinition, ...]
@@ -155,7 +159,43 @@ def definition(
             )
         )
     superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)
-    return Definition(tuple(faces), superfluous, tuple(miscounted(verifier, dimensions, alike=not notes.packaged)))
+    wrong = [*miscounted(verifier, dimensions, alike=not notes.packaged)]
+    if not notes.packaged:
+        wrong += contradictions(verifier, dimensions, requirements, roughness)
+    return Definition(tuple(faces), superfluous, tuple(wrong))
+
+
+def contradictions(
+    verifier: DimensionVerifier,
+    dimensions: Sequence[Dimension],
+    requirements: Sequence[FaceRequirement],
+    roughness: float,
+) -> Iterator[str]:
+    """Tolerances of form that are not smaller than those of orientation, or these than those of location (ISO 1101),
+    and fits with a roughness above an eighth of their tolerance.
+
+    Args:
+        roughness: Ra of faces without a mark, um.
+    """
+    for number, surface in enumerate(verifier.surfaces, start=1):
+        own = [r for r in requirements if isinstance(r, GeometricTolerance) and _is_on(surface, r)]
+        for finer, coarser in ((FORM, ORIENTATION), (FORM, LOCATION), (ORIENTATION, LOCATION)):
+            for one in (r for r in own if r.characteristic in finer):
+                for other in (r for r in own if r.characteristic in coarser and r.value <= one.value):
+                    yield (
+                        f"the {one.characteristic} {one.value:g} of face {number} is not smaller than its "
+                        f"{other.characteristic} {other.value:g}, which includes it"
+                    )
+    marked = [r for r in requirements if isinstance(r, SurfaceTexture)]
+    for d in dimensions:
+        if d.kind != "diameter" or d.deviations is None or d.direction is None:
+            continue
+        low, high = d.deviations
+        most = 1e3 * (high - low) / 8
+        faces = [s for s in verifier.surfaces if s.is_round(d.value / 2) and s.off_axis(d.points[0]) < NEAR]
+        own = next((r.roughness for r in marked for s in faces if _is_on(s, r)), roughness)
+        if own > most:
+            yield f"Ra {own:g} of '{d.name}' is too rough for its tolerance of {high - low:g} mm: Ra {most:.2g} at most"
 
 
 def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool = True) -> Iterator[str]:

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from drawings.recognition.features import along_of
-from drawings.recognition.proposal import Proposal, Proposed
+from drawings.recognition.proposal import Proposal, Proposed, ProposedDatum
 from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
@@ -26,7 +26,7 @@ Delete PROPOSED when the dimensions, tolerance classes and datums are those that
 
 from pathlib import Path
 
-from stagecad.solids.modelling.dimensioning import DimensionDeclarations
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements
 
 NAME = "{name}"
 PROPOSED = True
@@ -52,6 +52,12 @@ def dimensions(design):
     """Each dimension: its parameter, and where on the solid it is measured; verified before it is printed."""
     d = DimensionDeclarations(design, NAME)
 {dimensions}    return tuple(d)
+
+
+def requirements(design):
+    """Datums, which the general geometrical tolerance of the title block refers to."""
+    f = FaceRequirements(design)
+{datums}    return tuple(f)
 '''
 
 
@@ -71,6 +77,7 @@ def part_text(name: str, source: str, proposal: Proposal, material: str = "steel
         notes=tuple(notes),
         material=material,
         dimensions="".join(f"    {_call(one)}\n" for one in proposal.dimensions),
+        datums="".join(f"    {_datum(one)}\n" for one in proposal.datums),
     )
 
 
@@ -85,6 +92,11 @@ def _call(one: Proposed) -> str:
     arguments: list[Any] = [one.name, one.key, *one.arguments]
     words = [*map(repr, arguments), *(f"{key}={value!r}" for key, value in one.fields.items())]
     return f"d.{one.method}({', '.join(words)})"
+
+
+def _datum(one: ProposedDatum) -> str:
+    more = ", round=True" if one.round else ""
+    return f"f.datum({one.letter!r}, ({one.point!r},), {one.normal!r}, {one.view!r}{more})"
 
 
 def in_position(solid: cq.Solid) -> cq.Solid:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import SimpleNamespace
@@ -24,6 +24,7 @@ from drawings.recognition.features import (
     features_of,
     is_usual,
     middle_of_face,
+    outward_normal,
 )
 from drawings.views.projection import project
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
@@ -75,6 +76,17 @@ class Proposed:
 
 
 @dataclass(frozen=True)
+class ProposedDatum:
+    """A datum: a plane face, or the axis of the largest shaft; a point of it, its normal or axis, and its view."""
+
+    letter: str
+    point: Point
+    normal: Point
+    view: str
+    round: bool = False
+
+
+@dataclass(frozen=True)
 class Proposal:
     """Proposed dimensions of a solid.
 
@@ -83,12 +95,14 @@ class Proposal:
         questions: what only the designer knows, a line each.
         open: what the dimensions leave open, a line each.
         views: in which they are.
+        datums: a datum system.
     """
 
     dimensions: tuple[Proposed, ...]
     questions: tuple[str, ...]
     open: tuple[str, ...]
     views: tuple[str, ...]
+    datums: tuple[ProposedDatum, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -128,7 +142,39 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     found = _without_superfluous(found, problems)
     questions = tuple(builder.questions)
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
-    return Proposal(tuple(found), questions, problems(found), views)
+    return Proposal(tuple(found), questions, problems(found), views, tuple(_datums(verifier, builder.features, views)))
+
+
+def _datums(verifier: DimensionVerifier, features: Features, views: Sequence[str]) -> Iterator[ProposedDatum]:
+    """The axis of a turned part and its largest end face; else the largest faces at right angles to each other."""
+    used: list[Point] = []
+    letters = iter("ABC")
+    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
+    if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across_of(shaft.face.axis)) < NEAR:
+        axis = _positive(shaft.face.axis)
+        at = moved(
+            shaft.face.origin, shaft.face.axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, shaft.face.axis)
+        )
+        view = next((v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6), "")
+        if view:
+            yield ProposedDatum(next(letters), _tidy(at), axis, view, True)
+            used = [unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6]
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
+    for surface in sorted(planes, key=lambda s: -round(s.face.Area(), 3)):
+        normal = outward_normal(surface)
+        if any(abs(dot(normal, other)) > 0.5 for other in used):
+            continue
+        shown = (v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, normal)) < 1e-6)
+        view, letter = next(shown, ""), next(letters, "")
+        if not view or not letter:
+            break
+        point = surface.vertices[0] if surface.vertices else middle_of_face(surface)
+        yield ProposedDatum(letter, _tidy(point), normal, view)
+        used.append(normal)
+
+
+def _across_of(axis: Point) -> list[Point]:
+    return [unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6]
 
 
 def _without_superfluous(

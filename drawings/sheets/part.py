@@ -27,7 +27,7 @@ from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, Point2, View, dot
-from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point
+from stagecad.parameters.dimension import DatumFeature, Dimension, FaceRequirement, GeometricTolerance, Point
 from stagecad.parameters.threads import major_diameters
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -343,11 +343,19 @@ def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, cou
         kind="Proposal, to be checked" if part.proposed else "Part drawing",
         finish=f"Ra {1e6 * drawing.roughness:g}",
         tolerances=tolerances_of(design),
+        geometry=_general_tolerance(part, design) if part.chosen else "",
         edges=edges,
         treatment=part.treatment,
         **issue_of(design),
         revisions=revisions_of(design, part.reads),
     )
+
+
+def _general_tolerance(part: PartDescription, design: Any) -> str:
+    """General geometrical tolerance of a sheet (ISO 22081): a profile of the width of the general class of lengths, in
+    the datum system of the part, for all faces without a control frame."""
+    letters = sorted(r.letter for r in part.requirements if isinstance(r, DatumFeature))[:3]
+    return f"ISO 22081 profile {2 * design.drawing.tolerance_x_x:g} {' '.join(letters)}".strip()
 
 
 def issue_of(design: Any) -> dict[str, str]:

@@ -39,6 +39,7 @@ class TitleBlock:
         treatment: of the material.
         date, creator, checker, approver, company: of the issue.
         revisions: changes since the earlier issue, a line each.
+        geometry: general geometrical tolerance; empty for none.
     """
 
     title: str
@@ -62,6 +63,7 @@ class TitleBlock:
     approver: str = "-"
     company: str = "-"
     revisions: tuple[str, ...] = ()
+    geometry: str = ""
 
 
 def revision_box(block: TitleBlock, paper: Paper) -> Box2 | None:
@@ -150,7 +152,7 @@ def title_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
         ("Approved by", block.approver, 36, TEXT_HEIGHT),
     )
     yield from revision_primitives(block, paper)
-    yield from _tolerances(block.tolerances, (x0, rows[1], x0 + 66, rows[3]))
+    yield from _tolerances(block, (x0, rows[1], x0 + 66, rows[3]))
 
 
 def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primitive]:
@@ -162,10 +164,13 @@ def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primiti
         yield Text(text, (x0 + 1.8, y0 + max(BASE_LINE, DESCENT * height)), height * fitting)
 
 
-def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Primitive]:
-    """The table of what the decimals of a dimension allow, and angles."""
+def _tolerances(block: TitleBlock, box: Box2) -> Iterator[Primitive]:
+    """The table of what the decimals of a dimension allow, and angles; the general geometrical tolerance."""
     x0, y0, x1, y1 = box
-    caption = "Tolerancing ISO 8015; lengths by decimals"
+    classes = block.tolerances
+    caption = (
+        f"ISO 8015; {block.geometry}; by decimals" if block.geometry else "Tolerancing ISO 8015; lengths by decimals"
+    )
     yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     width = (x1 - x0) / max(1, len(classes))
     for number, (name, allowed) in enumerate(classes):

@@ -15,7 +15,7 @@ from drawings.artefacts.names import chosen_sheets as chosen_by_part
 from drawings.artefacts.names import sheet_names as names_by_part
 from drawings.artefacts.tasks import build_all_sheets
 from drawings.sheets.overrides import FILE, read_overrides
-from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.solids.artefacts.outputs import write_manifest, write_stored
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
@@ -190,6 +190,18 @@ def drawings(
     documents = {str(PurePosixPath(sheet.folder, sheet.name)): sheet_document(sheet, folder) for sheet in sheets}
     parameters = _write_parameters(design, folder, sheets)
     return Drawings(design, {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters})
+
+
+def write_flat(files: Sequence[str]) -> list[str]:
+    """Write the DXF files among some files flat, for viewers without viewports; their names."""
+    from drawings.export.flat import flat_file
+
+    written = []
+    for path in (Path(file) for file in files if file.endswith(".dxf")):
+        target = path.with_name(f"{path.stem}_flat.dxf")
+        atomic_write_bytes(target, flat_file(path))
+        written.append(str(target))
+    return written
 
 
 def sheet_document(sheet: BuiltSheet, out: Path) -> dict[str, Any]:

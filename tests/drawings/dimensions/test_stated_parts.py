@@ -60,3 +60,13 @@ def test_a_circle_of_holes_is_one_dimension(tmp_path: Path) -> None:
     circle = '    d.pitch_circle("bolt circle", "pcd", (0, 0, t), (p.pcd / 2, 0, 5), 6, view="top")'
     assert hits_of(tmp_path, "housing")
     assert hits_of(tmp_path, "housing", (linear, circle)) == []
+
+
+def test_a_form_that_its_orientation_includes_and_a_rough_fit_are_reported(tmp_path: Path) -> None:
+    """A flatness as large as the perpendicularity of its face, and Ra 3.2 on a 6 H7 (12 um)."""
+    (line,) = [one for one in (PARTS / "fx_block.py").read_text("utf-8").splitlines() if "f.tolerance(" in one]
+    flat = line.replace("perpendicularity", "flatness").replace(', datums=("A",)', "").replace('"leaf"', '"leaf face"')
+    hits = hits_of(tmp_path, "fx_block", (line, f"{line}\n{flat}"))
+    assert any(hit.startswith("the flatness") and "is not smaller than its perpendicularity" in hit for hit in hits)
+    fit = hits_of(tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": {"value": "6.6 mm", "tolerance": "H7"}'))
+    assert "Ra 3.2 of 'hole' is too rough for its tolerance of 0.015 mm: Ra 1.9 at most" in fit

@@ -11,7 +11,7 @@ from workbench.cli.commands.check import trust as trust_files
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
 from workbench.operations.design import Design
-from workbench.operations.drawings import drawings
+from workbench.operations.drawings import drawings, write_flat
 from workbench.operations.proposed_part import draw_file
 
 
@@ -27,6 +27,9 @@ from workbench.operations.proposed_part import draw_file
 )
 @click.option("--trust", is_flag=True, help="Consent to run the file of --part as it is now.")
 @click.option("--lint", is_flag=True, help="Check the sheets for overlapping texts and lines; exit status 1 on a hit.")
+@click.option(
+    "--flat", is_flag=True, help="Write SHEET_flat.dxf too: all in model space on paper, for viewers without viewports."
+)
 @click.option("--revision", help="Revision in the title block (parameter drawing.revision).")
 @click.option("--date", help="Date of issue in the title block (drawing.date).")
 @click.option("--drawn", metavar="NAME", help="Drawn by (drawing.drawn).")
@@ -45,6 +48,7 @@ def command(
     part: Path | None,
     trust: bool,
     lint: bool,
+    flat: bool,
     since: Path | None,
     **issue: str,
 ) -> int:
@@ -54,12 +58,15 @@ def command(
     if part is not None:
         if names:
             raise InputError(f"--part {part}: draws this part alone; leave out '{names[0]}'")
-        return _draw_part(run, design, part, trust, lint)
+        return _draw_part(run, design, part, trust=trust, lint=lint, flat=flat)
     run = run.with_design(design)
     if trust:
         trust_files(run)
     with run.reporting() as report:
         made = drawings(design, names, run.out, report)
+    if flat:
+        for sheet in made.document["sheets"].values():
+            sheet["files"] += write_flat(sheet["files"])
     if run.json_target is None:
         show(run, made.lines())
         run.echo(f"{len(made.document['changed'])} of {made.document['files']} files written to {run.out}")
@@ -71,11 +78,12 @@ def command(
     return 1 if lint and made.hits else 0
 
 
-def _draw_part(run: Run, design: Design, path: Path, trust: bool, lint: bool) -> int:
+def _draw_part(run: Run, design: Design, path: Path, *, trust: bool, lint: bool, flat: bool) -> int:
     """Sheets, STEP AP242 and mass of the parts of the user's file."""
     documents = draw_file(path, design, trust, run.out)
     hits = 0
     for document in documents:
+        document["files"] += write_flat(document["files"]) if flat else []
         found = [hit for sheet in document["sheets"] for hit in sheet["hits"]]
         hits += len(found)
         for file in document["files"]:
