@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import click
@@ -11,7 +12,7 @@ from rich.text import Text
 
 from stagecad.parameters.errors import one_line
 from workbench.cli.options import Run
-from workbench.operations.lines import BAR, NUMBER, Line, Note, Table, Warned
+from workbench.operations.lines import BAR, NUMBER, QUIET, Line, Note, Table, Warned
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -24,27 +25,79 @@ def show(run: Run, lines: Iterable[Line]) -> None:
     """Print what an operation says of its result."""
     for line in lines:
         if isinstance(line, Table):
-            run.console.print(rich_table(line))
+            run.console.print(rich_table(line, run.console.width))
+            for text in _below(line, run.console.width):
+                run.echo(text)
         elif isinstance(line, Note):
             run.note(line)
         else:
             run.echo(click.style(f"warning: {one_line(line)}", fg="yellow") if isinstance(line, Warned) else line)
 
 
-def rich_table(table: Table) -> RichTable:
-    """The table for `rich`, without its bars; in a plain one, a row with nothing but its first cell is a heading."""
-    kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR]
+def rich_table(table: Table, width: int = 1000) -> RichTable:
+    """The table for `rich`, without its bars; in a plain one, a row with nothing but its first cell is a heading.
+
+    No word is cut: names are typed again. A table whose words do not fit into `width` has no frame, and its quiet cells
+    are left for `_below`.
+    """
+    narrow = _is_narrow(table, width)
+    kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR and not (narrow and kind == QUIET)]
     out = RichTable(title=table.title or None, title_justify="left")
-    if table.plain:
+    if table.plain or narrow:
         out.box, out.pad_edge, out.header_style = None, False, "bold"
         out.show_header = any(title for title, _ in table.columns)
-    for k in kept:
+    if narrow:
+        out.padding = (0, 1, 0, 0)
+    edges = len(kept) - 1 if narrow else 3 * len(kept) + 1
+    widths = [None] * len(kept) if table.plain else _widths(table, kept, width - edges)
+    for k, letters in zip(kept, widths):
         title, kind = table.columns[k]
-        out.add_column(Text(title), justify="right" if kind.startswith(NUMBER) else "left")
+        justify = "right" if kind.startswith(NUMBER) else "left"
+        out.add_column(Text(title), justify=justify, overflow="fold", width=letters)
     for row in table.rows:
         heading = "bold" if table.plain and row[0] and not any(row[1:]) else ""
         out.add_row(*(Text(row[k], style=STYLES.get(row[k]) or heading) for k in kept))
     return out
+
+
+def _cells(table: Table, column: int) -> list[str]:
+    return [table.columns[column][0], *(row[column] for row in table.rows)]
+
+
+def _longest_word(table: Table, column: int) -> int:
+    """Letters of the longest word; a quantity is one word."""
+    title, *cells = _cells(table, column)
+    words = cells if table.columns[column][1].startswith(NUMBER) else " ".join(cells).split()
+    return max((len(word) for word in (*title.split(), *words)), default=0)
+
+
+def _widths(table: Table, columns: Sequence[int], room: int) -> list[int | None]:
+    """Letters of each column: that of its longest word, and of the rest first what the least wide ones need."""
+    whole = {k: max(len(cell) for cell in _cells(table, k)) for k in columns}
+    given = {k: _longest_word(table, k) for k in columns}
+    rest = room - sum(given.values())
+    if sum(whole.values()) <= room or rest < 0:
+        return [None] * len(columns)
+    for place, k in enumerate(sorted(columns, key=lambda k: whole[k] - given[k])):
+        more = min(whole[k] - given[k], rest // (len(columns) - place))
+        given[k] += more
+        rest -= more
+    return [given[k] for k in columns]
+
+
+def _is_narrow(table: Table, width: int) -> bool:
+    """Whether the words of a framed table do not fit."""
+    kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR]
+    return not table.plain and sum(_longest_word(table, k) for k in kept) + 3 * len(kept) + 1 > width
+
+
+def _below(table: Table, width: int) -> list[str]:
+    """Quiet cells of a table that is too narrow for them, a paragraph for each row."""
+    quiet = [k for k, (_, kind) in enumerate(table.columns) if kind == QUIET]
+    if not (quiet and _is_narrow(table, width)):
+        return []
+    texts = [(row[0], ", ".join(row[k] for k in quiet if row[k])) for row in table.rows]
+    return [fill(f"{name}: {text}", width, subsequent_indent="  ") for name, text in texts if text]
 
 
 def search_progress(

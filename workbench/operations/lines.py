@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-TEXT, NUMBER, STRONG, CODE, REMARK, BAR = "", "n", "n strong", "code", "warn", "bar"
+TEXT, NUMBER, STRONG, CODE, REMARK, BAR, QUIET = "", "n", "n strong", "code", "warn", "bar", "quiet"
 """Kinds of a column: the classes of its cells in HTML. Cells of BAR are a width in percent, drawn in HTML only."""
 
 

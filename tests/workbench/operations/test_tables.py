@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
+from rich.console import Console
 
 from workbench import cli
-from workbench.cli.console import rich_table
+from workbench.cli.console import rich_table, show
+from workbench.cli.options import Run
 from workbench.operations.measurement.demonstration import fresh_copy
 from workbench.operations.measurement.tables import parameter_table, ranking_table, revision_text
 
@@ -29,14 +34,14 @@ SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
 def test_a_value_has_its_interval_and_a_remark(quantity, interval, remark):
     table = parameter_table({"coulomb.force": quantity})
     assert table.rows == (("coulomb.force", "1.2 N", interval, *([remark] if remark else [])),)
-    columns = [column.header for column in rich_table(table).columns]
+    columns = [str(column.header) for column in rich_table(table).columns]
     assert columns == ["parameter", "value", "95 % interval", *(["remark"] if remark else [])]
 
 
 def test_an_effect_that_changes_nothing_is_not_below_zero():
     row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
     (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
-    assert reached == "0.0 %"
+    assert str(reached) == "0.0 %"
 
 
 @pytest.mark.parametrize(
@@ -76,3 +81,22 @@ def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.Ca
     assert "The ladder" not in report.read_text(encoding="utf-8")
     assert cli.run(["add", str(folder), "--drop", "viscous", "--out", str(tmp_path / "other")]) == 0
     assert not (tmp_path / "other").exists()
+
+
+def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
+    names = ("position_dependent_friction", "magnetic_cogging", "sensor_quantisation")
+    row = {"expected_reduction": 0.9, "p_value": {"below": 0.001}, "over_noise": 1.2, "reduction": 0.5}
+    row |= {"angle": {"value": 1.0}, "validate_error": {"value": 0.475, "unit": "N"}}
+    values = {"a.phase": {"value": -2.929, "unit": "rad"}, "a.pitch": {"value": 927.3e-6, "unit": "m"}}
+    ranking = ranking_table([row | {"effect": name, "parameters": values} for name in names], 3)
+    stream = io.StringIO()
+    shown = SimpleNamespace(console=Console(file=stream, width=80), echo=lambda text: stream.write(f"{text}\n"))
+    show(cast(Run, shown), [ranking])
+    lines = stream.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80 and "…" not in stream.getvalue()
+    for name in names:
+        (first,) = (line for line in lines if line.startswith(f"{name} "))
+        assert "475 mN" in first and "< 0.001" in first
+        assert f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
+    wide = rich_table(ranking, 140)
+    assert str(wide.columns[-1].header) == "values"

@@ -11,7 +11,7 @@ from typing import Any
 
 from stagecad.parameters.units import format_quantity
 from workbench.figures.curves import LEAST_SHARE
-from workbench.operations.lines import BAR, CODE, NUMBER, REMARK, STRONG, TEXT, Table
+from workbench.operations.lines import BAR, CODE, NUMBER, QUIET, REMARK, STRONG, TEXT, Table
 
 PARTS = {"fit": "fit", "validate": "held out"}
 """Names of the sets of records."""
@@ -194,7 +194,7 @@ def ranking_table(ranking: Sequence[Row], tried: int, before: float = math.inf) 
         ("", BAR),
         ("p value", NUMBER),
         ("angle", REMARK),
-        ("values", "quiet"),
+        ("values", QUIET),
     ]
     span = math.log(max(before, 1.5))
     refitted = [row for row in ranking if row.get("over_noise") is not None][:10]
@@ -237,7 +237,7 @@ def _values_text(parameters: Mapping[str, Row]) -> str:
 
 def detectable_table(sizes: Sequence[Row]) -> Table:
     """The smallest size of each effect that these records could have shown."""
-    columns = [("effect", TEXT), ("parameter", TEXT), ("from", STRONG), ("at", "quiet")]
+    columns = [("effect", TEXT), ("parameter", TEXT), ("from", STRONG), ("at", QUIET)]
     rows = [
         (
             row["effect"],
@@ -286,7 +286,7 @@ def motion_table(motions: Sequence[Row]) -> Table:
         ("would separate", TEXT),
         ("at σ", NUMBER),
         ("these records, σ", NUMBER),
-        ("purpose", "quiet"),
+        ("purpose", QUIET),
     ]
     rows = []
     for motion in motions:
