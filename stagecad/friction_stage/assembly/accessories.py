@@ -15,7 +15,7 @@ def accessories(design: Any) -> tuple[Accessory, ...]:
     found = [
         Accessory("eye bolt, for lifting", "M10", 4),
         Accessory("foot", "M10, with lock nut", 3),
-        Accessory("setting pin", f"dia. {base.setting_pin_hole:g} m6 x {3 * base.setting_pin_depth:g}", 4),
+        Accessory("setting pin", f"dia. {base.setting_pin_hole:g} h6 x {3 * base.setting_pin_depth:g}", 4),
         Accessory("grease for the height pins", "lithium soap, NLGI 2", 1),
         Accessory("set screw, soft-tipped", "M4x0.7 x 8", 3 * fitted),
         Accessory("pair of leads", f"{design.piezo.highest_voltage:g} V, shielded", 3 * fitted),

@@ -126,6 +126,5 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     f.datum("A", (back,), Z, "right", round=True)
     f.tolerance("angularity", "wedge face to shank", "drawing.wedge_angularity", *face, datums=("A",))
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
-    f.tolerance("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
     f.texture("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
     return tuple(f)

@@ -105,6 +105,5 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     f.datum("A", (middle,), Z, "front", round=True)
     f.tolerance("angularity", "lower end to shank", "drawing.wedge_angularity", *face, datums=("A",))
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
-    f.tolerance("flatness", "lower end", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
     f.texture("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
     return tuple(f)

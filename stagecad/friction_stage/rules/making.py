@@ -70,6 +70,21 @@ def key_access(d: Design) -> Iterator[str]:
             )
 
 
+_TAPPED = ("stage", "base", "holder", "stop_bar")
+"""Parts with tapped holes."""
+
+
+@rule
+def threads_in_metal(d: Design) -> Iterator[str]:
+    """No thread is tapped into a ceramic or a glass."""
+    for part in _TAPPED:
+        if d.material(f"{part}.material").strength_kind == "fracture":
+            yield (
+                f"{given(d, f'{part}.material')} is brittle, and no holes are tapped in it; choose a metal, as its "
+                "threads hold screws"
+            )
+
+
 @rule
 def tool_reach(d: Design) -> Iterator[str]:
     """A cutter or drill is not so long for its diameter that it bends or breaks."""

@@ -119,7 +119,7 @@ def drive_surface_clear_of_pads(d: Design) -> Iterator[str]:
 
 @rule
 def crown_of_pads(d: Design) -> Iterator[str]:
-    """The crown's sag stays within the pad's height, and the pad's corners within the pad."""
+    """The crown's sag stays within the pad's height and exceeds its tolerance; the pad's corners are within it."""
     pads = d.pads
     half = math.hypot(pads.length, pads.width) / 2
     sag = pads.crown_radius - math.sqrt(max(pads.crown_radius**2 - half**2, 0.0))
@@ -127,6 +127,13 @@ def crown_of_pads(d: Design) -> Iterator[str]:
         yield (
             f"{given(d, 'pads.crown_radius')} falls away by {length(sag)} over the pad, more than "
             f"{given(d, 'pads.height')} less its root fillet; make the radius larger"
+        )
+    rise = pads.crown_radius - math.sqrt(max(pads.crown_radius**2 - pads.length**2 / 4, 0.0))
+    if rise <= pads.sag_tolerance:
+        most = (pads.length**2 / 4 + pads.sag_tolerance**2) / (2 * pads.sag_tolerance)
+        yield (
+            f"{given(d, 'pads.crown_radius')} rises by {1e3 * rise:.2g} um over {given(d, 'pads.length')}, not more "
+            f"than {given(d, 'pads.sag_tolerance')}: a pad may be hollow; make the radius less than {length(most)}"
         )
     if 2 * pads.corner_radius >= pads.width:
         yield f"{given(d, 'pads.corner_radius')} is half or more of {given(d, 'pads.width')}"

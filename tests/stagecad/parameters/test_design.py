@@ -256,3 +256,17 @@ def test_a_further_override_is_refused_as_any_other(override: str) -> None:
     with pytest.raises(InputError) as found:
         further_override(read_parameter_file())(override)
     assert str(found.value) == str(expected.value)
+
+
+def test_a_value_of_an_own_file_keeps_its_tolerance_class_and_fit(tmp_path: Path) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text(
+        'extends = "thesis"\n[bearing_way]\nheight = "25.4 mm"\n[height_pin_1]\ndiameter = "20 mm"\n'
+        '[stage]\nthickness = {value = "13 mm", origin = "assumed: stiffer"}\n'
+        'length = {value = "230 mm", tolerance = "X.X", origin = "assumed: closer"}\n',
+        "utf-8",
+    )
+    design = load_design(file)
+    kept = ("bearing_way.height", "height_pin_1.diameter", "stage.thickness")
+    assert [design.tolerance(key) for key in kept] == ["X.XX", "f7", "X.X"]
+    assert design.tolerance("stage.length") == "X.X"

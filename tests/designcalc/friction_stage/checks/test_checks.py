@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import corrections, markdown, requirements
 from designcalc.checks.analysis.sweep import changing_checks, read_range, run_point, table
 from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
-from designcalc.checks.check import Check, Comparison
+from designcalc.checks.check import Change, Check, Comparison
 from designcalc.checks.inputs import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.friction_stage.checks.alternatives import ranking
@@ -262,3 +263,20 @@ def test_tolerances_spread_a_margin_as_its_closed_form():
     assert study.matter_most[0].share >= study.matter_most[1].share
     assert study.could_be_loosened[0].plus_minus <= study.could_be_loosened[-1].plus_minus
     json.dumps(study.as_json())
+
+
+def test_what_could_be_loosened_fails_no_check() -> None:
+    design = load()
+    study = tolerance_study(design, load, MASSES, samples=100, subjects=("tolerance chains", "magnetic teeth"))
+    # Loosened to X.X, its chain would fail.
+    assert "stage.iron_pocket_depth" not in {one.key for one in study.could_be_loosened}
+
+
+def test_a_proposal_does_not_undo_what_was_set() -> None:
+    design = load("stage.thickness=11 mm")
+    change = Change("stage.thickness", "12 mm")
+    check = Check(
+        "bending", Comparison(2.0, 1.0, "m", True), source="", formula="", proposal="stiffer", changes=(change,)
+    )
+    (found,) = evaluate_proposals([check], design, None, lambda override: load("stage.thickness=11 mm", override))
+    assert "passes, and no other check then fails" not in found.proposal

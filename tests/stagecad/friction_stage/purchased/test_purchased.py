@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import math
+from typing import Any
 
 import pytest
 import trimesh
 
-from stagecad.friction_stage.construction import PURCHASED
+from stagecad.friction_stage.construction import PURCHASED, part_definition
 from stagecad.friction_stage.purchased import spring as spring_module
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
@@ -130,3 +131,16 @@ def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Des
     body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
     assert body.is_watertight
     assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
+
+
+def test_a_catalogue_number_is_void_beside_other_sizes() -> None:
+    longer = load_design(overrides=["screws.clamp_long.length=205 mm"], rules=False)
+    screw: Any = part_definition("clamp_screw_long")
+    assert screw.part_number(load_design()) == "91251A648" and '6"' in screw.description(load_design())
+    assert screw.part_number(longer) == "length 205 mm: no catalogue number"
+    assert '6"' not in screw.description(longer)
+    # A number of the user's own is taken as it is.
+    own = load_design(
+        overrides=["screws.clamp_long.length=205 mm", "screws.clamp_long.part_number=made to order"], rules=False
+    )
+    assert screw.part_number(own) == "made to order"

@@ -22,6 +22,8 @@ BREAKS = [
     ("drive_surface_over_tip", ["actuator.fitted=3", "teeth.fitted=false"], "set sea.whole_underside = true"),
     ("drive_surface_clear_of_pads", ["sea.width=220 mm"], "reach the pads"),
     ("crown_of_pads", ["pads.crown_radius=20 mm"], "falls away"),
+    ("crown_of_pads", ["pads.crown_radius=31.8 m"], "a pad may be hollow"),
+    ("threads_in_metal", ["stage.material=alumina"], "is brittle, and no holes are tapped in it"),
     ("edges", ["magnet.thickness=0.5 mm"], "at both ends leaves nothing of magnet.thickness"),
     ("edges", ["tooth_iron.corner_radius=5.1 mm"], "does not go into an iron of 10 mm"),
     ("edges", ["stage.corner_radius=0.4 mm"], "stage.edge_chamfer = 0.5 mm is not smaller than stage.corner_radius"),
