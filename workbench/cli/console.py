@@ -7,6 +7,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 import click
+from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 STYLES = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
 """Style of a cell that is a verdict."""
+LONGEST_NAME = 40
+"""Characters of a first column that is not broken into lines, half of the narrowest usual terminal."""
 
 
 def show(run: Run, lines: Iterable[Line]) -> None:
@@ -53,10 +56,12 @@ def rich_table(table: Table, width: int = 1000) -> RichTable:
     for k, letters in zip(kept, widths):
         title, kind = table.columns[k]
         justify = "right" if kind.startswith(NUMBER) else "left"
-        out.add_column(Text(title), justify=justify, overflow="fold", width=letters)
+        # Names that are typed again stand in the first column of a plain table, and are not broken.
+        whole = table.plain and k == 0 and max((len(row[0]) for row in table.rows), default=0) <= LONGEST_NAME
+        out.add_column(Text(title), justify=justify, overflow="fold", width=letters, no_wrap=whole)
     for row in table.rows:
         heading = "bold" if table.plain and row[0] and not any(row[1:]) else ""
-        out.add_row(*(Text(row[k], style=STYLES.get(row[k]) or heading) for k in kept))
+        out.add_row(*(_cell(row[k], STYLES.get(row[k]) or heading) for k in kept))
     return out
 
 
@@ -98,6 +103,12 @@ def _below(table: Table, width: int) -> list[str]:
         return []
     texts = [(row[0], ", ".join(row[k] for k in quiet if row[k])) for row in table.rows]
     return [fill(f"{name}: {text}", width, subsequent_indent="  ") for name, text in texts if text]
+
+
+def _cell(text: str, style: str) -> Text | Padding:
+    """A cell whose leading spaces indent all its lines."""
+    bare = Text(text.lstrip(), style=style)
+    return Padding(bare, (0, 0, 0, len(text) - len(bare))) if len(bare) < len(text) else bare
 
 
 def search_progress(

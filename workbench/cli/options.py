@@ -6,7 +6,9 @@ import functools
 import json
 import logging
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -63,7 +65,11 @@ class Run:
         return Console(file=plain, soft_wrap=False, highlight=False, width=None if plain.isatty() else 140)
 
     def echo(self, text: str) -> None:
-        """Print a line of readable text."""
+        """Print readable text; on a terminal, what is longer than a line continues with an indent."""
+        stream = sys.stderr if self.json_target is not None else sys.stdout
+        if stream.isatty():
+            width = shutil.get_terminal_size().columns
+            text = "\n".join(_folded(line, width) for line in text.split("\n"))
         click.echo(text, err=self.json_target is not None)
 
     def note(self, text: str) -> None:
@@ -122,6 +128,13 @@ class Run:
         with self.progress() as progress:
             progress.add_task(words, total=None)
             yield
+
+
+def _folded(line: str, width: int) -> str:
+    if len(line) <= width:
+        return line
+    indent = " " * (len(line) - len(line.lstrip()) + 2)
+    return textwrap.fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 class _ToStandardError(logging.Handler):
