@@ -25,7 +25,6 @@ from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import read_toml
 from workbench.operations.measurement.design_values import as_design_values
-from workbench.operations.measurement.statements import noise_text
 from workbench.operations.result import Result
 from workbench.operations.simulation.tables import write_table
 
@@ -415,6 +414,8 @@ class Experiment(Result):
     @property
     def facts(self) -> dict[str, Any]:
         """Stated model, text of the file, rig, noise and records, as plain data."""
+        from workbench.operations.measurement.statements import noise_text
+
         rig = self.stated.rig
         return {
             "stated": list(self.stated.effects),
@@ -491,6 +492,8 @@ class Experiment(Result):
 
     def summary(self) -> list[tuple[str, str]]:
         """Facts of the experiment, by their names."""
+        from workbench.operations.measurement.statements import noise_text
+
         return [
             ("rig", repr(self.rig)),
             ("model", ", ".join(self.stated.effects) or "without effects"),

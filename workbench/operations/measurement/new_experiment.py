@@ -24,7 +24,6 @@ from sysid.experiment.readers.open import SUFFIXES, RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig, kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
 from workbench.operations.measurement.experiment import Experiment
-from workbench.operations.measurement.statements import in_command
 from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:
@@ -187,6 +186,8 @@ class WrittenExperiment:
 
     def lines(self) -> Iterator[str]:
         """What `stagecad new experiment` prints."""
+        from workbench.operations.measurement.statements import in_command
+
         proposal = self.proposal
         if proposal.opened[0].header.remarks:
             yield f"read as: {', '.join(proposal.opened[0].header.remarks)}"
