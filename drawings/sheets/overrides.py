@@ -7,6 +7,7 @@ scale = "1:2"
 move = [{dimension = "length", by = ["10 mm", "-5 mm"]}]          # on the paper, to the right and up
 note = [{text = "Engrave the serial number here.", at = ["40 mm", "60 mm"]}, {text = "Pack in foil."}]
 view = [{projection = "left"}]
+section = [{letter = "B", projection = "right", at = ["20 mm", "0 mm", "0 mm"]}]      # through a point of the part
 detail = [{letter = "Z", projection = "top", at = ["75 mm", "100 mm", "12 mm"], radius = "8 mm", scale = "2:1"}]
 ```
 
@@ -26,7 +27,7 @@ from drawings.annotations.annotation import Annotation, Callout, Note
 from drawings.annotations.annotation import MeasuredDimension as Measured
 from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
-from drawings.views.view import PROJECTIONS, Point2
+from drawings.views.view import PROJECTIONS, Cut, Point2
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
@@ -39,6 +40,7 @@ KEYS = {
     "note": ("text", "at"),
     "view": ("projection",),
     "detail": ("letter", "projection", "at", "radius", "scale"),
+    "section": ("letter", "projection", "at"),
 }
 """Keys of a sheet, and of the tables in their lists."""
 OPTIONAL = ("at",)
@@ -90,7 +92,7 @@ def _parsed(changes: Mapping[str, Any], place: str) -> Overrides:
     paper = changes.get("paper")
     if paper is not None and paper not in PAPERS:
         raise InputError(f"{place}: paper = '{paper}'; allowed: {', '.join(PAPERS)}")
-    lists = {key: _tables(changes, key, place) for key in ("move", "note", "view", "detail")}
+    lists = {key: _tables(changes, key, place) for key in ("move", "note", "view", "detail", "section")}
     return Overrides(
         paper,
         _scale(changes["scale"], f"{place}: scale") if "scale" in changes else None,
@@ -101,6 +103,7 @@ def _parsed(changes: Mapping[str, Any], place: str) -> Overrides:
         (
             *(_view(one, f"{place}: view") for one in lists["view"]),
             *(_detail(one, f"{place}: detail") for one in lists["detail"]),
+            *(_section(one, f"{place}: section") for one in lists["section"]),
         ),
     )
 
@@ -159,6 +162,13 @@ def _detail(table: Mapping[str, Any], place: str) -> ViewPlan:
         letter=letter,
         scale=_scale(table["scale"], f"{place}: scale"),
     )
+
+
+def _section(table: Mapping[str, Any], place: str) -> ViewPlan:
+    """A section through a point, seen as a view from outside is."""
+    letter, projection = str(table["letter"]), _projection(table["projection"], place)
+    cut = Cut(_point(table["at"], 3, place), PROJECTIONS[projection].towards_eye, letter)
+    return ViewPlan(f"section {letter}-{letter}", projection, "front", cut=cut)
 
 
 def changed_plan(plan: SheetPlan, overrides: Overrides) -> tuple[SheetPlan, list[str]]:

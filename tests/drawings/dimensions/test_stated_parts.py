@@ -70,3 +70,14 @@ def test_a_form_that_its_orientation_includes_and_a_rough_fit_are_reported(tmp_p
     assert any(hit.startswith("the flatness") and "is not smaller than its perpendicularity" in hit for hit in hits)
     fit = hits_of(tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": {"value": "6.6 mm", "tolerance": "H7"}'))
     assert "Ra 3.2 of 'hole' is too rough for its tolerance of 0.015 mm: Ra 1.9 at most" in fit
+
+
+def test_sheets_toml_adds_a_section_and_a_view_to_a_part(tmp_path: Path) -> None:
+    (tmp_path / "source").mkdir()
+    (tmp_path / "source" / "sheets.toml").write_text(
+        '[manifold]\nview = [{projection = "bottom"}]\n'
+        'section = [{letter = "B", projection = "right", at = ["12 mm", "0 mm", "0 mm"]}]\n',
+        "utf-8",
+    )
+    (sheet,) = draw_part(tmp_path, "manifold")["sheets"]
+    assert {"bottom", "section B-B"} <= set(sheet["views"])
