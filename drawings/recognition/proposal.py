@@ -10,51 +10,40 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
 from drawings.dimensions.definition import AXES, Notes, centred_axes, definition, is_fillet
+from drawings.recognition.datums import ProposedDatum, proposed_datums
 from drawings.recognition.features import (
     Features,
     Hole,
     along_of,
     features_of,
-    is_usual,
     middle_of_face,
-    outward_normal,
 )
-from drawings.views.projection import project
-from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
-from drawings.views.view import PROJECTIONS, Point2, dot
+from drawings.recognition.visible import (
+    PREFERRED,
+    VIEW_OF,
+    VisibleLines,
+    cross,
+    negative,
+    positive,
+    tidy,
+    views_along,
+)
+from drawings.views.view import PROJECTIONS, dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 NEAR = 2e-3
-LINE_NEAR = 0.02
-"""Half side of the box about a point of a dimension in which a line of a view must be drawn, mm at 1:1."""
-VIEW_OF = {
-    (0.0, 0.0, 1.0): "top",
-    (0.0, 0.0, -1.0): "bottom",
-    (0.0, -1.0, 0.0): "front",
-    (0.0, 1.0, 0.0): "back",
-    (1.0, 0.0, 0.0): "right",
-    (-1.0, 0.0, 0.0): "left",
-}
-"""View from the side of an outward normal."""
-PREFERRED = {
-    "x": ("front", "top", "bottom", "back"),
-    "y": ("right", "top", "left", "bottom"),
-    "z": ("front", "right", "left", "back"),
-}
-"""Views that show lengths along an axis, the usual ones first."""
-PASSING, ANOTHER_VIEW = 60.0, 25.0
-"""Cost of a point through which lines only pass, and of each less usual view, mm."""
-NEIGHBOURS = (-0.01, 0.0, 0.01)
+ANOTHER_VIEW = 25.0
+"""Cost of each less usual view, mm."""
 FACE, AXIS = "face", "axis"
 
 
@@ -73,17 +62,6 @@ class Proposed:
     arguments: tuple[Any, ...]
     fields: dict[str, Any] = field(default_factory=dict)
     order: int = 0
-
-
-@dataclass(frozen=True)
-class ProposedDatum:
-    """A datum: a plane face, or the axis of the largest shaft; a point of it, its normal or axis, and its view."""
-
-    letter: str
-    point: Point
-    normal: Point
-    view: str
-    round: bool = False
 
 
 @dataclass(frozen=True)
@@ -142,39 +120,9 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     found = _without_superfluous(found, problems)
     questions = tuple(builder.questions)
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
-    return Proposal(tuple(found), questions, problems(found), views, tuple(_datums(verifier, builder.features, views)))
-
-
-def _datums(verifier: DimensionVerifier, features: Features, views: Sequence[str]) -> Iterator[ProposedDatum]:
-    """The axis of a turned part and its largest end face; else the largest faces at right angles to each other."""
-    used: list[Point] = []
-    letters = iter("ABC")
-    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
-    if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across_of(shaft.face.axis)) < NEAR:
-        axis = _positive(shaft.face.axis)
-        at = moved(
-            shaft.face.origin, shaft.face.axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, shaft.face.axis)
-        )
-        view = next((v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6), "")
-        if view:
-            yield ProposedDatum(next(letters), _tidy(at), axis, view, True)
-            used = [unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6]
-    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
-    for surface in sorted(planes, key=lambda s: -round(s.face.Area(), 3)):
-        normal = outward_normal(surface)
-        if any(abs(dot(normal, other)) > 0.5 for other in used):
-            continue
-        shown = (v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, normal)) < 1e-6)
-        view, letter = next(shown, ""), next(letters, "")
-        if not view or not letter:
-            break
-        point = surface.vertices[0] if surface.vertices else middle_of_face(surface)
-        yield ProposedDatum(letter, _tidy(point), normal, view)
-        used.append(normal)
-
-
-def _across_of(axis: Point) -> list[Point]:
-    return [unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6]
+    return Proposal(
+        tuple(found), questions, problems(found), views, tuple(proposed_datums(verifier, builder.features, views))
+    )
 
 
 def _without_superfluous(
@@ -204,7 +152,7 @@ class _Builder:
         self.proposed: list[Proposed] = []
         self.questions: list[str] = []
         self._levels: dict[str, list[_Level]] = defaultdict(list)
-        self._lines = {name: _visible(verifier, name) for name in VIEW_OF.values()}
+        self.lines = VisibleLines(verifier)
         surfaces = verifier.surfaces
         self._low = [min(s.low[n] for s in surfaces) for n in range(3)]
         self._high = [max(s.high[n] for s in surfaces) for n in range(3)]
@@ -218,15 +166,6 @@ class _Builder:
             unique, number = f"{name} {number}", number + 1
         key = unique.replace(" ", "_").replace("-", "_")
         self.proposed.append(Proposed(method, unique, key, round(value, 9), arguments, fields, order))
-
-    def seen(self, point: Point, view: str) -> float | None:
-        """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
-        u, v = PROJECTIONS[view].to_view(point)
-        lines, ends = self._lines[view]
-        if (round(u, 2) + 0.0, round(v, 2) + 0.0) in ends:
-            return 0.0
-        box = (u - LINE_NEAR, v - LINE_NEAR, u + LINE_NEAR, v + LINE_NEAR)
-        return PASSING if lines.count_in(box) else None
 
     # Holes
 
@@ -250,7 +189,7 @@ class _Builder:
 
     def _view_of(self, hole: Hole) -> str:
         """View from the side of the mouth of a hole; the section for a slanting one."""
-        return VIEW_OF.get(_tidy(_negative(hole.into)), "front")
+        return VIEW_OF.get(tidy(negative(hole.into)), "front")
 
     def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
         return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
@@ -258,7 +197,7 @@ class _Builder:
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)
         common: dict[str, Any] = {"view": view, "count": count, "feature": name}
-        along = _tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
+        along = tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
         last = len(hole.steps) - 1
         start = 0.0
         for number, (radius, end) in reversed(list(enumerate(hole.steps))):
@@ -268,13 +207,13 @@ class _Builder:
             step = name if number == last else f"{name} counterbore" + (f" {number + 1}" if number else "")
             note: dict[str, Any] = {"note": "through"} if number == last and hole.through and last >= 0 else {}
             at, direction = (on[0], on[1]) if on else (at, None)
-            self.add("diameter", step, 2 * radius, _tidy(at), along, direction, **common, **note)
+            self.add("diameter", step, 2 * radius, tidy(at), along, direction, **common, **note)
             if number < last or not hole.through:
-                end_point, into = moved(hole.mouth, hole.into, end), _tidy(hole.into)
-                self.add("depth", f"{step} depth", end, _tidy(hole.mouth), _tidy(end_point), into, **common)
+                end_point, into = moved(hole.mouth, hole.into, end), tidy(hole.into)
+                self.add("depth", f"{step} depth", end, tidy(hole.mouth), tidy(end_point), into, **common)
         if hole.sink[0]:
             text: dict[str, Any] = {"note": f"x {hole.sink[1]:.0f}°"}
-            self.add("diameter", f"{name} countersink", hole.sink[0], _tidy(hole.mouth), along, **common, **text)
+            self.add("diameter", f"{name} countersink", hole.sink[0], tidy(hole.mouth), along, **common, **text)
         thread = _tapped(2 * hole.steps[-1][0]) if len(hole.steps) == 1 and not hole.sink[0] else ""
         if thread:
             self.questions.append(
@@ -285,7 +224,7 @@ class _Builder:
         """A point of the axis, and a direction from it to a point that is on the face of a step."""
         for part in (0.5, 0.2, 0.8, 0.05, 0.95):
             at = moved(mouth, into, span[0] + part * (span[1] - span[0]))
-            for unit in (*AXES.values(), *map(_negative, AXES.values())):
+            for unit in (*AXES.values(), *map(negative, AXES.values())):
                 if abs(dot(unit, into)) < 1e-6:
                     point = moved(at, unit, radius)
                     if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
@@ -309,16 +248,16 @@ class _Builder:
             s.kind == "CYLINDER" and abs(abs(dot(s.axis, group[0].into)) - 1) < 1e-6 and s.off_axis(centre) < NEAR
             for s in self.verifier.surfaces
         )
-        return _tidy(centre) if about or (count not in (4,) and count >= 3) else None
+        return tidy(centre) if about or (count not in (4,) and count >= 3) else None
 
     def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole]) -> None:
         hole = group[0]
         radius = math.dist(hole.mouth, centre)
         at = moved(hole.mouth, hole.into, hole.steps[-1][1] * 0.5)
         middle = moved(centre, hole.into, hole.steps[-1][1] * 0.5)
-        along = _tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
+        along = tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
         view = self._view_of(hole)
-        self.add("pitch_circle", name, 2 * radius, _tidy(middle), _tidy(at), len(group), along, view=view)
+        self.add("pitch_circle", name, 2 * radius, tidy(middle), tidy(at), len(group), along, view=view)
 
     # Slots, shafts, fillets, chamfers
 
@@ -329,31 +268,20 @@ class _Builder:
             (first, second), axis = slot.centres, slot.axis
             run = tuple(b - a for a, b in zip(first, second, strict=True))
             size = math.hypot(*run)
-            across = _positive(_cross(axis, tuple(r / size for r in run)))  # type: ignore[arg-type]
+            across = positive(cross(axis, tuple(r / size for r in run)))  # type: ignore[arg-type]
             middle: Point = tuple((a + b) / 2 for a, b in zip(first, second, strict=True))  # type: ignore[assignment]
-            view = self._open_view(axis, middle)
-            groups[(round(slot.radius, 4), across, view, round(dot(middle, _tidy(axis)), 3))].append(
+            view = self.lines.open_view(axis, middle)
+            groups[(round(slot.radius, 4), across, view, round(dot(middle, tidy(axis)), 3))].append(
                 (middle, across, view)
             )
             for centre in slot.centres:
                 for name, at in self._across(axis, centre):
-                    self._levels[name].append(_Level(at, (_tidy(centre),), view, AXIS))
+                    self._levels[name].append(_Level(at, (tidy(centre),), view, AXIS))
         for number, (key, group) in enumerate(groups.items(), start=1):
             (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
-            ends = [_tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
+            ends = [tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
             count = {"count": len(group)} if len(group) > 1 else {}
             self.add("linear", f"slot {number} width", 2 * radius, *ends, across, view=view, **count)
-
-    def _open_view(self, axis: Point, point: Point) -> str:
-        """View along an axis from the side on which a point is not covered."""
-        usual = _tidy(axis) if is_usual(axis) else _tidy(_negative(axis))
-        for eye in (usual, _negative(usual)):
-            view = VIEW_OF.get(eye)
-            reach = max(self._high[n] - self._low[n] for n in range(3))
-            steps = [moved(point, eye, reach * part / 40) for part in range(40)]
-            if view and not any(map(self.verifier.is_inside, steps)):
-                return view
-        return VIEW_OF.get(usual, "front")
 
     def round_features(self) -> None:
         """Diameters of shafts and bosses, radii of fillets and balls."""
@@ -372,8 +300,8 @@ class _Builder:
                 "diameter",
                 f"diameter {number}",
                 2 * shaft.radius,
-                _tidy(at),
-                _positive(axis),
+                tidy(at),
+                positive(axis),
                 direction,
                 view=view,
                 **count,
@@ -382,7 +310,7 @@ class _Builder:
                 foot = moved(one.face.origin, axis, (one.low + one.high) / 2 - dot(one.face.origin, axis))
                 for name, level in self._across(axis, foot):
                     self._levels[name].append(
-                        _Level(level, (_tidy(foot),), VIEW_OF.get(_tidy(_positive(axis)), "top"), AXIS)
+                        _Level(level, (tidy(foot),), VIEW_OF.get(tidy(positive(axis)), "top"), AXIS)
                     )
         rounds: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
         for face in (*self.features.fillets, *self.features.spheres):
@@ -392,22 +320,22 @@ class _Builder:
             if face.kind == "CYLINDER" and not is_fillet(face, self.verifier.surfaces):
                 foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
                 for name, level in self._across(face.axis, foot):
-                    view = self._open_view(face.axis, middle_of_face(face))
-                    self._levels[name].append(_Level(level, (_tidy(foot),), view, AXIS))
+                    view = self.lines.open_view(face.axis, middle_of_face(face))
+                    self._levels[name].append(_Level(level, (tidy(foot),), view, AXIS))
         for number, faces in enumerate(rounds.values(), start=1):
             circular = [face for face in faces if face.kind == "CYLINDER"] or faces
             face = circular[0]
             axis = face.axis
             kinds = len({s.axis_key if s.kind == "CYLINDER" else (id(s),) for s in faces})
-            view = self._open_view(axis, middle_of_face(face)) if face.kind == "CYLINDER" else "front"
+            view = self.lines.open_view(axis, middle_of_face(face)) if face.kind == "CYLINDER" else "front"
             note: dict[str, Any] = {"note": "spherical"} if face.kind == "SPHERE" else {}
             count = {"count": kinds} if kinds > 1 else {}
             self.add(
                 "radius",
                 f"radius {number}",
                 face.radius,
-                _tidy(middle_of_face(face)),
-                _positive(axis) if face.kind != "SPHERE" else (0.0, 0.0, 1.0),
+                tidy(middle_of_face(face)),
+                positive(axis) if face.kind != "SPHERE" else (0.0, 0.0, 1.0),
                 view=view,
                 **count,
                 **note,
@@ -418,10 +346,10 @@ class _Builder:
         for view in ("front", "right", "top", "back", "left", "bottom"):
             eye = PROJECTIONS[view].towards_eye
             if abs(dot(eye, axis)) < 1e-6:
-                across = _cross(eye, axis)
-                if all(self.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
+                across = cross(eye, axis)
+                if all(self.lines.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
                     return view
-        return VIEW_OF.get(_tidy(_positive(axis)), "top")
+        return VIEW_OF.get(tidy(positive(axis)), "top")
 
     def chamfers(self) -> None:
         """Legs of chamfers, equal ones together."""
@@ -429,18 +357,18 @@ class _Builder:
         for face in self.features.chamfers:
             along = face.axis if face.kind == "CONE" else next(u for u in AXES.values() if abs(dot(face.axis, u)) > 0.1)
             number = list(AXES).index(along_of(along) or "x")
-            groups[round(face.high[number] - face.low[number], 3)].append((face, _positive(along)))
+            groups[round(face.high[number] - face.low[number], 3)].append((face, positive(along)))
         for number, (leg, faces) in enumerate(groups.items(), start=1):
             face, along = faces[0]
             point = middle_of_face(face)
             view = self._chamfer_view(face, along)
             count = {"count": len(faces)} if len(faces) > 1 else {}
-            self.add("chamfer", f"chamfer {number}", leg, _tidy(point), along, view=view, **count)
+            self.add("chamfer", f"chamfer {number}", leg, tidy(point), along, view=view, **count)
 
     def _chamfer_view(self, face: Surface, along: Point) -> str:
         if face.kind == "PLANE":
             free = next(u for u in AXES.values() if abs(dot(face.axis, u)) < 0.1)
-            return self._open_view(free, middle_of_face(face))
+            return self.lines.open_view(free, middle_of_face(face))
         return next(v for v in ("front", "right", "top") if abs(dot(PROJECTIONS[v].towards_eye, along)) < 1e-6)
 
     # Levels
@@ -452,11 +380,11 @@ class _Builder:
             if name is not None:
                 at = dot(surface.origin, AXES[name])
                 points = (*surface.vertices, *_extremes(surface))
-                self._levels[name].append(_Level(at, points or (_tidy(middle_of_face(surface)),)))
+                self._levels[name].append(_Level(at, points or (tidy(middle_of_face(surface)),)))
         for surface in self.features.spheres:
             for name, unit in AXES.items():
                 out = next(axis for axis in AXES.values() if axis != unit)
-                point = _tidy(moved(surface.origin, out, surface.radius))
+                point = tidy(moved(surface.origin, out, surface.radius))
                 self._levels[name].append(_Level(dot(surface.origin, unit), (point,)))
         for surface in self.features.slanted:
             for name, unit in AXES.items():
@@ -524,7 +452,7 @@ class _Builder:
         radius = max((s.radius for s in own), default=shaft.radius)
         opposite: Point = tuple(-math.copysign(radius, row.at) if n == number else v for n, v in enumerate(on))  # type: ignore[assignment]
         self.add(
-            "linear", f"{name} place", abs(row.at) + radius, _tidy(opposite), on, AXES[name], view="section", order=1
+            "linear", f"{name} place", abs(row.at) + radius, tidy(opposite), on, AXES[name], view="section", order=1
         )
 
     def _from_datum(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
@@ -551,21 +479,22 @@ class _Builder:
         """Points of two levels in the view that shows both best: nearest to each other across the dimension. Where no
         view shows them, those of a section through the middle of a face.
         """
-        wanted = [view for view in (second.view, first.view) if view in (*PREFERRED[name], *_others(name))]
+        wanted = [view for view in (second.view, first.view) if view in (*PREFERRED[name], *views_along(name))]
         found: list[tuple[float, Point, Point, str]] = []
-        for rank, view in enumerate(dict.fromkeys((*wanted, *PREFERRED[name], *_others(name)))):
+        for rank, view in enumerate(dict.fromkeys((*wanted, *PREFERRED[name], *views_along(name)))):
             for cost, one in self._shown(first, view):
                 for more, other in self._shown(second, view):
                     away = self._offset(one, other, view, name)
                     found.append((cost + more + away + ANOTHER_VIEW * rank, one, other, view))
         cost, one, other, view = min(found, default=(math.inf, first.points[0], second.points[0], "section"))
         shown = found and all(
-            self.seen(point, view) == 0.0 or level.kind == AXIS for point, level in ((one, first), (other, second))
+            self.lines.seen(point, view) == 0.0 or level.kind == AXIS
+            for point, level in ((one, first), (other, second))
         )
         if shown or second.kind == AXIS:
-            return (_tidy(one), _tidy(other)), view if found else PREFERRED[name][0]
+            return (tidy(one), tidy(other)), view if found else PREFERRED[name][0]
         inner = self._in_section(name, first, second)
-        return inner or ((_tidy(one), _tidy(other)), view if found else PREFERRED[name][0])
+        return inner or ((tidy(one), tidy(other)), view if found else PREFERRED[name][0])
 
     def _in_section(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str] | None:
         """Ends of a distance to a face within the part, in a section through the middle of this face."""
@@ -578,14 +507,14 @@ class _Builder:
                 inside = middle_of_face(surface)
                 number = list(AXES).index(name)
                 start: Point = tuple(first.at if n == number else v for n, v in enumerate(inside))  # type: ignore[assignment]
-                return (_tidy(start), _tidy(inside)), "section"
+                return (tidy(start), tidy(inside)), "section"
         return None
 
     def _shown(self, level: _Level, view: str) -> list[tuple[float, Point]]:
         """Points of a level in a view with their costs; the axes of holes in the view along them."""
         if level.kind == AXIS and level.view == view:
             return [(0.0, point) for point in level.points[:8]]
-        costs = [(self.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
+        costs = [(self.lines.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
         return sorted((cost, point) for cost, point in costs if cost is not None)[:8]
 
     def _offset(self, one: Point, other: Point, view: str, name: str) -> float:
@@ -594,25 +523,12 @@ class _Builder:
         return round(abs(step[0] * v - step[1] * u), 3)
 
 
-def _others(name: str) -> tuple[str, ...]:
-    return tuple(view for view in VIEW_OF.values() if abs(dot(PROJECTIONS[view].towards_eye, AXES[name])) < 1e-6)
-
-
 def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
     """The levels of axes if they are equally spaced."""
     if len(rows) < 4:
         return []
     steps = [b.at - a.at for a, b in pairwise(rows)]
     return rows if max(steps) - min(steps) < NEAR else []
-
-
-def _visible(verifier: DimensionVerifier, name: str) -> tuple[SegmentIndex, set[Point2]]:
-    """Visible lines of a view, and where they end, view coordinates."""
-    curves = project(verifier.solid.wrapped, PROJECTIONS[name], hidden=False)["VISIBLE"]
-    rows = [list(curve_points(curve)) for curve in curves]
-    ends = {(round(u, 2) + 0.0, round(v, 2) + 0.0) for row in rows for u, v in (row[0], row[-1])}
-    near = {(round(u + a, 2), round(v + b, 2)) for u, v in ends for a in NEIGHBOURS for b in NEIGHBOURS}
-    return SegmentIndex([line for row in rows for line in polyline_lines(row)]), near
 
 
 def _extremes(surface: Surface) -> list[Point]:
@@ -624,7 +540,7 @@ def _extremes(surface: Surface) -> list[Point]:
             centre = edge.arcCenter().toTuple()
             radius: float = edge.radius()  # pyright: ignore[reportAttributeAccessIssue]
             found += [
-                _tidy(moved(centre, unit, side * radius))
+                tidy(moved(centre, unit, side * radius))
                 for unit in AXES.values()
                 if abs(dot(unit, surface.axis)) < 1e-6
                 for side in (-1.0, 1.0)
@@ -637,23 +553,3 @@ def _tapped(drill: float) -> str:
     """Designation of the metric coarse thread with a tap drill, ISO 2306; empty for none."""
     coarse = (one for one in threads().values() if "coarse" in one.source)
     return next((one.designation for one in coarse if abs(one.tap_drill - drill) < 0.01), "")
-
-
-def _tidy(point: Point) -> Point:
-    """A point without rounding errors of the kernel."""
-    x, y, z = (round(value, 9) + 0.0 for value in point)
-    return (x, y, z)
-
-
-def _negative(vector: Point) -> Point:
-    return (-vector[0] + 0.0, -vector[1] + 0.0, -vector[2] + 0.0)
-
-
-def _positive(vector: Point) -> Point:
-    """A direction or its opposite, whichever is along an axis of the part."""
-    vector = _tidy(vector)
-    return vector if vector > (0.0, 0.0, 0.0) else _negative(vector)
-
-
-def _cross(a: Point, b: Point) -> Point:
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
