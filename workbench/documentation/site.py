@@ -129,7 +129,8 @@ def site_links(text: str) -> str:
         path, mark, anchor = target.partition("#")
         path = re.sub(r"^(\.\./)?README\.md$", "readme.md", path).removeprefix("docs/").removeprefix("../docs/")
         path = "examples.md" if path in ("examples", "../examples", "../examples/README.md") else path
-        if not path.endswith((".md", ".ipynb", ".png", ".svg")) or path.startswith("../"):
+        beside = (ROOT / path).is_file() and not (ROOT / "docs" / path).is_file()
+        if not path.endswith((".md", ".ipynb", ".png", ".svg")) or path.startswith("../") or beside:
             return f"{link['text'][1:-1]} (`{path}`)"
         return f"{link['text']}({path}{mark}{anchor})"
 
