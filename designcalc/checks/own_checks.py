@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ def register(files: Sequence[str], trust: bool = False) -> None:
         OWN[name] = (str(getattr(module, "SUBJECT", "own checks")), _guarded(path, function))
 
 
-def _guarded(path: Path, function: CheckFunction) -> CheckFunction:
+def _guarded(path: Path, function: Callable[..., Any]) -> CheckFunction:
     """The function of a file, which gives a check or an error of the file."""
 
     @wraps(function)

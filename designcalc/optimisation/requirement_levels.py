@@ -20,7 +20,7 @@ from designcalc.optimisation.evaluation import Evaluation, Evaluator
 from designcalc.optimisation.reached_levels import Levels, Price, Together
 from designcalc.optimisation.search import Best, evaluator_offer, search
 from designcalc.optimisation.space import Free
-from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity, to_si
 from stagecad.parameters.variations import Variations
 
@@ -80,7 +80,7 @@ PRICED = ("speed", "acceleration", "smoothness")
 def requirement_levels(
     vary: Callable[[Sequence[str]], Variations],
     machine: Sequence[Free],
-    masses: BodyMasses | None,
+    masses: Masses | None,
     budget: int,
     *,
     seed: int = 1,
@@ -106,7 +106,7 @@ class _Study:
         self,
         vary: Callable[[Sequence[str]], Variations],
         machine: Sequence[Free],
-        masses: BodyMasses | None,
+        masses: Masses | None,
         budget: int,
         seed: int,
         tell: Callable[[str], None],

@@ -12,7 +12,7 @@ from designcalc.checks.analysis.sweep import Range
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import as_json, to_si
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def run_grid_point(
     values: Sequence[float],
     load: Callable[..., Design],
     base: Design,
-    masses_of: Callable[[Design], BodyMasses | None],
+    masses_of: Callable[[Design], Masses | None],
 ) -> GridPoint:
     """The checks at one combination of values.
 

@@ -10,7 +10,7 @@ from designcalc.checks.check import Change, Check
 from designcalc.checks.run import run_checks
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules.registry import violations
 
 _NAMED = 2
@@ -18,7 +18,7 @@ _NAMED = 2
 
 
 def evaluate_proposals(
-    checks: Sequence[Check], design: Design, masses: BodyMasses | None, load: Callable[[str], Design]
+    checks: Sequence[Check], design: Design, masses: Masses | None, load: Callable[[str], Design]
 ) -> list[Check]:
     """The checks with their proposed changes evaluated, and what that shows in their proposals.
 
@@ -51,7 +51,7 @@ def _evaluated(
     one: Change,
     name: str,
     checks: Sequence[Check],
-    base: tuple[Design, BodyMasses | None],
+    base: tuple[Design, Masses | None],
     load: Callable[[str], Design],
 ) -> Change:
     design, masses = base

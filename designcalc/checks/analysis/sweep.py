@@ -11,7 +11,7 @@ import numpy as np
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import from_si, parse_quantity, to_si
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def run_point(
     value: float,
     load: Callable[[str], Design],
     base: Design,
-    masses_of: Callable[[Design], BodyMasses | None],
+    masses_of: Callable[[Design], Masses | None],
 ) -> Point:
     """The checks at one value of a sweep.
 

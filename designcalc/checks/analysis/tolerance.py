@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks, subject_names
 from designcalc.checks.subjects import subjects_of
-from stagecad.parameters.mass_properties import BodyMasses
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules.registry import violations
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def _influence(item: Influence) -> dict[str, Any]:
 def tolerance_study(
     design: Design,
     load: Callable[..., Design],
-    masses: BodyMasses | None,
+    masses: Masses | None,
     samples: int = 10_000,
     seed: int = 1,
     subjects: tuple[str, ...] | None = None,
@@ -196,7 +196,7 @@ _NEXT = {"X.XX": "X.X", "X.X": "X"}
 def _ends(
     design: Design,
     load: Callable[..., Design],
-    masses: BodyMasses | None,
+    masses: Masses | None,
     readers: Mapping[str, set[str]],
     nominal: Mapping[str, float],
     key: str,

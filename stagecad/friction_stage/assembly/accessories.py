@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.solids.assembly.bill_of_materials import Accessory
 
+if TYPE_CHECKING:
+    from stagecad.friction_stage.design import Design
 
-def accessories(design: Any) -> tuple[Accessory, ...]:
+
+def accessories(design: Design) -> tuple[Accessory, ...]:
     """The accessories of a design, in the order of their use in the procedure."""
     fitted = int(design.actuator.fitted)
     base, shim = design.base, design.shim

@@ -9,7 +9,7 @@ carries holder, piezos and tip.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
@@ -44,16 +44,19 @@ EXPLODED = {
 }
 """Displacement of a part from its seat in the exploded view, mm, in addition to that of its parent."""
 
+if TYPE_CHECKING:
+    from stagecad.friction_stage.design import Design
+
 
 def assemble(
-    parts: Mapping[str, BuiltPart], design: Any, travel: float = 0.0, height: float = 0.0
+    parts: Mapping[str, BuiltPart], design: Design, travel: float = 0.0, height: float = 0.0
 ) -> tuple[Instance, ...]:
     """All instances of parts in the machine."""
     return tuple(_Builder(parts, design, travel, height).all())
 
 
 class _Builder:
-    def __init__(self, parts: Mapping[str, BuiltPart], design: Any, travel: float, height: float) -> None:
+    def __init__(self, parts: Mapping[str, BuiltPart], design: Design, travel: float, height: float) -> None:
         self.parts, self.design, self.travel, self.height = parts, design, travel, height
 
     def datum(self, part: str, name: str) -> Datum:

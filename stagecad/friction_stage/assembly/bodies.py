@@ -14,6 +14,7 @@ from stagecad.solids.modelling.frame import UNMOVED, mate, subtract
 from stagecad.solids.modelling.mass import MM, placed
 
 if TYPE_CHECKING:
+    from stagecad.friction_stage.design import Design
     from stagecad.solids.assembly.built_machine import BuiltMachine
 
 MOVING = ("stage", "tooth_iron", "magnet")
@@ -75,7 +76,7 @@ def machine_masses(machine: BuiltMachine) -> BodyMasses:
     return BodyMasses(machine.moving_body, machine.masses["tip"])
 
 
-def masses(design: Any) -> BodyMasses:
+def masses(design: Design) -> BodyMasses:
     """Mass properties of the moving body (stage with irons and magnets, at mid-travel) and of the tip, SI.
 
     Only the solids of these parts are needed; they come from the cache or are made now. The positions of irons and

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived, Place, corners
 from stagecad.friction_stage.parts.base_clamp import clamp_cutters, clamp_datums
@@ -39,6 +39,8 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "base"
 
 SYMMETRIC = "xy"
@@ -46,7 +48,7 @@ SYMMETRIC = "xy"
 TOLERANCE = 1e-6
 
 
-def notes(design: Any) -> tuple[str, ...]:
+def notes(design: Design) -> tuple[str, ...]:
     """Notes of the sheets."""
     return (
         "Pocket 1 in the middle of length and width; symmetric about the plane of pocket 1 along the length.",
@@ -59,7 +61,7 @@ def notes(design: Any) -> tuple[str, ...]:
     )
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The base as one solid, mm."""
     base, threads = design.base, design.threads
     block, low = _block(design), -base.seat_height
@@ -93,7 +95,7 @@ def build(design: Any) -> cq.Solid:
     return cut_all(block, [*cutters, *clamp_cutters(design)])
 
 
-def _block(design: Any) -> cq.Solid:
+def _block(design: Design) -> cq.Solid:
     """Block with a raised seat along either side, its outer edges chamfered."""
     base = design.base
     body = plate((0.0, 0.0, 0.0), base.length, base.width, -base.height)
@@ -114,7 +116,7 @@ def reach_side(pocket: int) -> float:
     return 1.0 if pocket == 1 else -1.0
 
 
-def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
+def _pocket(design: Design, number: int, x: float, y: float) -> list[cq.Shape]:
     """Cutters of one actuator pocket with its pin bores, vent and lead channel."""
     base, low = design.base, -design.base.seat_height
     side = reach_side(number)
@@ -152,7 +154,7 @@ def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
     return [pocket, bore, vent, channel]
 
 
-def defined_by_note(design: Any, point: Point) -> str:
+def defined_by_note(design: Design, point: Point) -> str:
     """What defines faces beside the dimensions: slots of the clamps by detail X, pockets 2 and 3 as pocket 1."""
     x, y, z = point
     base = design.base
@@ -165,12 +167,12 @@ def defined_by_note(design: Any, point: Point) -> str:
     return ""
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.base.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Seats of the ways, pockets, pin bores, springs, clamp screws and tooth bars."""
     base, way = design.base, design.bearing_way
     across = (base.way_gap + way.width) / 2
@@ -202,19 +204,19 @@ def datums(design: Any) -> dict[str, Datum]:
     return named(*found)
 
 
-def _clip_place(design: Any, y: float, side: float) -> Point:
+def _clip_place(design: Design, y: float, side: float) -> Point:
     """Middle of the floor under a lead clip, at the outer end of a lead channel."""
     base = design.base
     x = base.length / 2 - base.edge_chamfer - design.lead_clip.length / 2
     return (side * x, y, -base.seat_height - base.lead_channel_depth)
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the base."""
     return base_dimensions(design)
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Seats of the ways in one plane, with the flatness required of them once bolted on; pockets upright on it."""
     f, base = FaceRequirements(design), design.base
     seats = tuple((0.0, side * (base.width / 2 - 3), 0.0) for side in (1, -1))
@@ -226,7 +228,7 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     return tuple(f)
 
 
-def _bore_requirements(f: FaceRequirements, design: Any) -> None:
+def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     """Middle planes as datums, pockets upright and in place, and the guide of pin 1."""
     base, places = design.base, Derived(design).actuator_places
     x, y, low = base.length / 2, base.width / 2, -base.height / 2
@@ -257,7 +259,7 @@ def _bore_requirements(f: FaceRequirements, design: Any) -> None:
     )
 
 
-def _hole_positions(f: FaceRequirements, design: Any) -> None:
+def _hole_positions(f: FaceRequirements, design: Design) -> None:
     """Position tolerances of the holes in the top face."""
     base, derived = design.base, Derived(design)
     lift, bracket = (

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived, Place
 from stagecad.parameters.dimension import Datum
@@ -24,6 +24,8 @@ from stagecad.solids.modelling.holes import OVERRUN, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+    from stagecad.friction_stage.design import Design
 
 
 @dataclass(frozen=True)
@@ -51,14 +53,14 @@ class Clamp:
         """Angle from u to the gap slot's crossing with a circle about the pocket, radians."""
         return math.acos(self.slot / radius)
 
-    def relief_hole(self, design: Any) -> Place:
+    def relief_hole(self, design: Design) -> Place:
         """Centre of the relief hole, part coordinates."""
         base = design.base
         reach, angle = (base.pocket_diameter + base.clamp_relief_hole) / 2 + base.clamp_neck, math.radians(self.neck)
         return self.place(reach * math.cos(angle), reach * math.sin(angle))
 
 
-def clamps(design: Any) -> list[Clamp]:
+def clamps(design: Design) -> list[Clamp]:
     """The clamps: two at pocket 1 (the 6 inch screws, from +x), one each at 2 and 3 (the 4.5 inch screws, from -x).
 
     Pocket 1 lies on the plane of symmetry and has a finger on either side, so that clamping does not shift it.
@@ -72,7 +74,7 @@ def clamps(design: Any) -> list[Clamp]:
     ]
 
 
-def clamp_cutters(design: Any) -> list[cq.Shape]:
+def clamp_cutters(design: Design) -> list[cq.Shape]:
     """Cutters of all clamps: slots, relief holes and screw holes."""
     cutters: list[cq.Shape] = []
     for clamp in clamps(design):
@@ -81,7 +83,7 @@ def clamp_cutters(design: Any) -> list[cq.Shape]:
     return cutters
 
 
-def _slots(design: Any, clamp: Clamp) -> list[cq.Shape]:
+def _slots(design: Design, clamp: Clamp) -> list[cq.Shape]:
     import cadquery as cq
 
     base = design.base
@@ -119,7 +121,7 @@ def _slot(spine: cq.Wire, width: float, depth: float) -> cq.Solid:
     return cq.Solid.extrudeLinear(spine.offset2D(width / 2, "arc")[0], [], cq.Vector(0, 0, depth))
 
 
-def _screw_hole(design: Any, clamp: Clamp) -> cq.Solid:
+def _screw_hole(design: Design, clamp: Clamp) -> cq.Solid:
     """Counterbore and clearance hole from the side face to the gap slot, then the tapped hole in the lug."""
     base = design.base
     face = clamp.head * base.length / 2
@@ -138,7 +140,7 @@ def _screw_hole(design: Any, clamp: Clamp) -> cq.Solid:
     )
 
 
-def clamp_datums(design: Any) -> list[Datum]:
+def clamp_datums(design: Design) -> list[Datum]:
     """Seats of the clamp screws' heads: long ones at pocket 1, short ones at 2 and 3.
 
     A pocket without an actuator keeps its screw too: a free finger would vibrate.

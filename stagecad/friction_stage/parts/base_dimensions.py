@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived, Place, corners
 from stagecad.friction_stage.parts.base_clamp import Clamp, clamps
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, X, Y, Z
 
+if TYPE_CHECKING:
+    from stagecad.friction_stage.design import Design
 
-def base_dimensions(design: Any) -> tuple[Dimension, ...]:
+
+def base_dimensions(design: Design) -> tuple[Dimension, ...]:
     """All dimensions of the base, in the order of its drawing."""
     d, (first, _, second, _) = DimensionDeclarations(design, "base"), clamps(design)
     _block(d, design)
@@ -29,7 +32,7 @@ def base_dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def _block(d: DimensionDeclarations, design: Any) -> None:
+def _block(d: DimensionDeclarations, design: Design) -> None:
     base = design.base
     x, y, low = base.length / 2, base.width / 2, -base.height
     d.linear("length", "length", (-x, 0, low / 10), (x, 0, low / 10), view="top")
@@ -42,7 +45,7 @@ def _block(d: DimensionDeclarations, design: Any) -> None:
     d.chamfer("edge chamfer", "edge_chamfer", (x - c, (edge + y) / 2, -c), note="all outer edges", view="front")
 
 
-def _way_holes(d: DimensionDeclarations, design: Any) -> None:
+def _way_holes(d: DimensionDeclarations, design: Design) -> None:
     base, places = design.base, Derived(design).way_hole_places
     (x, y), (x2, _) = places[:2]
     hole, side = (x, y, 0), (x, base.width / 2, -base.height / 2)
@@ -56,7 +59,7 @@ def _way_holes(d: DimensionDeclarations, design: Any) -> None:
     top.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all screw, pin, vent and side bores")
 
 
-def _setting_pins(d: DimensionDeclarations, design: Any) -> None:
+def _setting_pins(d: DimensionDeclarations, design: Design) -> None:
     base, top, pin = design.base, d.group(view="top", table="top"), "setting-pin hole"
     x, gap, mouth = base.setting_pin_spacing / 2, base.way_gap / 2, -base.seat_height
     low = mouth - base.setting_pin_depth
@@ -67,7 +70,7 @@ def _setting_pins(d: DimensionDeclarations, design: Any) -> None:
     top.linear("setting-pin spacing", "setting_pin_spacing", (-x, y, mouth), (x, y, mouth))
 
 
-def _pockets(d: DimensionDeclarations, design: Any) -> None:
+def _pockets(d: DimensionDeclarations, design: Design) -> None:
     base = design.base
     _, (x, y), (_, y3) = Derived(design).actuator_places
     mouth, left = -base.seat_height, (-1.0, 0.0, 0.0)
@@ -94,7 +97,7 @@ def _pockets(d: DimensionDeclarations, design: Any) -> None:
     )
 
 
-def _height_bores(d: DimensionDeclarations, design: Any) -> None:
+def _height_bores(d: DimensionDeclarations, design: Design) -> None:
     """Bores of the height adjustment in pocket 1: pin 2 upright, pin 1 and set screw along x, and the vent."""
     base = design.base
     deep, floor, low = -base.pin_1_axis_depth, -base.pocket_depth, -base.height + 5
@@ -122,7 +125,7 @@ def _height_bores(d: DimensionDeclarations, design: Any) -> None:
     d.derived("vent to the bore's end", base.vent_hole, keys, (blind, vent), X)
 
 
-def _clamp_screws(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
+def _clamp_screws(d: DimensionDeclarations, design: Design, clamp: Clamp) -> None:
     base = design.base
     face, y, z = base.length / 2, base.clamp_screw_offset, -base.clamp_screw_depth
     mouth, seat = (face, y, z), face - base.clamp_counterbore_depth
@@ -148,7 +151,7 @@ def _clamp_screws(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
     hole.remark("clamp thread length", ("base.clamp_thread_depth",), touch, "beyond the slot, over the length in A-A")
 
 
-def _clamp_slots(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
+def _clamp_slots(d: DimensionDeclarations, design: Design, clamp: Clamp) -> None:
     base, low = design.base, -design.base.height / 2
     slot, reach, radius, half = clamp.slot, base.clamp_reach, base.pocket_diameter / 2, base.clamp_slot_width / 2
     axis, end, all_four = (0, 0, low / 4), (slot, reach, low), d.group(count=4)
@@ -171,7 +174,7 @@ def _clamp_slots(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
     all_four.linear("clamp floor slot", "clamp_floor_slot", *wall, out, note=note)
 
 
-def _second_clamp(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
+def _second_clamp(d: DimensionDeclarations, design: Design, clamp: Clamp) -> None:
     """The dimensions that differ at pockets 2 and 3."""
     low = -design.base.height / 2
     axis, hole = (*clamp.centre, low / 4), (*clamp.relief_hole(design), low)
@@ -189,7 +192,7 @@ def _along(out: Point, radius: float, z: float) -> Point:
     return (radius * out[0], radius * out[1], z)
 
 
-def _attachments(d: DimensionDeclarations, design: Any) -> None:
+def _attachments(d: DimensionDeclarations, design: Design) -> None:
     base = design.base
     _rectangle(d, "lifting hole", "m10", "lift", corners(base.lift_spacing_along, base.lift_spacing_across), 0.0)
     bracket = corners(base.bracket_spacing_along, base.bracket_spacing_across)
@@ -213,7 +216,7 @@ def _rectangle(
     table.linear(f"{feature} spacing across", f"{key}_spacing_across", first, (x1, y2, z))
 
 
-def _tooth_bar_holes(d: DimensionDeclarations, design: Any) -> None:
+def _tooth_bar_holes(d: DimensionDeclarations, design: Design) -> None:
     bar, top = design.tooth_bar, d.group(view="top", table="top")
     x, half, middle = bar.screw_span / 2, bar.screw_spacing / 2, design.teeth.bar_spacing / 2
     low, high, mouth = middle - half, middle + half, -design.base.seat_height

@@ -16,7 +16,7 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import (
@@ -35,13 +35,15 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "bearing_way"
 
 SYMMETRIC = "x"
 """Axes whose middle plane is a plane of symmetry."""
 
 
-def notes(design: Any) -> tuple[str, ...]:
+def notes(design: Design) -> tuple[str, ...]:
     """Notes of the sheet."""
     pair = 1e3 * design.bearing_way.pair_tolerance
     return (
@@ -51,14 +53,14 @@ def notes(design: Any) -> tuple[str, ...]:
     )
 
 
-def bolt_places(design: Any) -> list[tuple[float, float]]:
+def bolt_places(design: Design) -> list[tuple[float, float]]:
     """Places (x, y) of the screws in part coordinates, mm: one row, centred on the length."""
     way = design.bearing_way
     count = int(way.bolt_count)
     return [((i - (count - 1) / 2) * way.bolt_spacing, -way.width / 2 + way.bolt_edge) for i in range(count)]
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The bearing way as one solid, mm."""
     way = design.bearing_way
     body = plate((0.0, 0.0, 0.0), way.length, way.width, way.height)
@@ -93,12 +95,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(body, repeated(hole, [(x, y, 0.0) for x, y in bolt_places(design)]))
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.bearing_way.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Bed, running face, and the seats of the screw heads."""
     way = design.bearing_way
     root = -way.width / 2 + way.ledge_width
@@ -113,7 +115,7 @@ def datums(design: Any) -> dict[str, Datum]:
     )
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the bearing way."""
     way, d = design.bearing_way, DimensionDeclarations(design, "bearing_way")
     x, y, top, flange = way.length / 2, way.width / 2, way.height, way.flange_thickness
@@ -139,7 +141,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Lapped running face and bed: the motion is as straight as they are, the joint as stiff."""
     f, way = FaceRequirements(design), design.bearing_way
     ledge, down = -way.width / 2 + way.ledge_width, DOWN

@@ -16,7 +16,7 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
@@ -26,19 +26,21 @@ from stagecad.solids.modelling.primitives import cut_all
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "height_pin_1"
 
 
 TREATMENT = "hard anodise: see notes"
 
 
-def notes(design: Any) -> tuple[str, ...]:
+def notes(design: Design) -> tuple[str, ...]:
     """Notes of the sheet."""
     layer = 1e3 * design.height_pin_1.coating_thickness
     return (f"Hard anodised all over, tapped hole masked, layer {layer:g} um; dimensions and roughness after coating.",)
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """Height pin 1 as one solid, mm."""
     import cadquery as cq
 
@@ -82,12 +84,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(blank, [wedge, thread])
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.height_pin_1.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Axis and wedge face at mid-length, and both ends."""
     pin = design.height_pin_1
     half, size = pin.length / 2, math.hypot(1.0, pin.slope)
@@ -100,7 +102,7 @@ def datums(design: Any) -> dict[str, Datum]:
     )
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of height pin 1."""
     pin, d = design.height_pin_1, DimensionDeclarations(design, "height_pin_1")
     half, radius, back = pin.length / 2, pin.diameter / 2, (-1.0, 0.0, 0.0)
@@ -119,7 +121,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """A wedge face that supports height pin 2 in full, and a shank that guides it."""
     f, wedge, back = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, -design.height_pin_1.length / 4)
     face = ((wedge.origin,), wedge.normal, "front")

@@ -13,7 +13,7 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Z, named
@@ -23,19 +23,21 @@ from stagecad.solids.modelling.primitives import cut_all, revolved
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "height_pin_2"
 
 
 TREATMENT = "hard anodise: see notes"
 
 
-def notes(design: Any) -> tuple[str, ...]:
+def notes(design: Design) -> tuple[str, ...]:
     """Notes of the sheet."""
     layer = 1e3 * design.height_pin_1.coating_thickness
     return (f"Hard anodised all over, layer {layer:g} um; dimensions and roughness after coating.",)
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """Height pin 2 as one solid, mm."""
     import cadquery as cq
 
@@ -64,12 +66,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(blank, [cq.Solid.extrudeLinear(under, [], cq.Vector(0, 2 * reach, 0))])
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.height_pin_2.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Axis and sloping end, and the crown."""
     slope = design.height_pin_1.slope
     size = math.hypot(1.0, slope)
@@ -80,7 +82,7 @@ def datums(design: Any) -> dict[str, Datum]:
     )
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of height pin 2."""
     pin = design.height_pin_2
     d, top, c = DimensionDeclarations(design, "height_pin_2").group(view="front"), pin.length, pin.end_chamfer
@@ -98,7 +100,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """A lower end that meets the wedge in full, and a shank that its bore guides."""
     f, wedge, middle = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, design.height_pin_2.length / 2)
     face = ((wedge.origin,), wedge.normal, "front")

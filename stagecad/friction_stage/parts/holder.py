@@ -20,7 +20,7 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
@@ -30,6 +30,8 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+    from stagecad.friction_stage.design import Design
 
 NAME = "holder"
 
@@ -42,7 +44,7 @@ NOTES = (
 )
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The holder as one solid, mm."""
     import cadquery as cq
 
@@ -103,19 +105,19 @@ def build(design: Any) -> cq.Solid:
     return cut_all(body, cutters)
 
 
-def defined_by_note(design: Any, point: Point) -> str:
+def defined_by_note(design: Design, point: Point) -> str:
     """What defines faces beside the dimensions: the roots of the index notches."""
     h = design.holder
     at_root = abs(abs(point[0]) - (h.diameter / 2 - h.index_depth)) < 1e-3 and abs(point[1]) < h.index_width
     return "note: index notches as deep radially" if at_root else ""
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.holder.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Bottom, top, and the floors under the piezos."""
     h = design.holder
     floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(Derived(design).piezo_places, start=1)]
@@ -126,7 +128,7 @@ def datums(design: Any) -> dict[str, Datum]:
     )
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the holder."""
     d = DimensionDeclarations(design, "holder")
     _body_dimensions(d, design)
@@ -136,14 +138,14 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def _body_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _body_dimensions(d: DimensionDeclarations, design: Design) -> None:
     h = design.holder
     middle, edge, note = (0, 0, h.floor / 2), (0, -h.diameter / 2 + 4, h.height), "sliding fit in the base's pocket"
     d.diameter("diameter", "diameter", middle, on=X, view="front", note=note)
     d.linear("height", "height", (0, 0, 0), edge, Z, view="front")
 
 
-def _bore_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _bore_dimensions(d: DimensionDeclarations, design: Design) -> None:
     h, middle = design.holder, (design.holder.height + design.holder.floor) / 2
     (x1, y1), (x2, _), (_, y3) = Derived(design).piezo_places
     note = "3 bores on an equilateral triangle about the axis"
@@ -160,7 +162,7 @@ def _bore_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.linear("lead slot width", "lead_slot_width", left, right, count=3, note=note)
 
 
-def _screw_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _screw_hole_dimensions(d: DimensionDeclarations, design: Design) -> None:
     h, y = design.holder, design.holder.diameter / 2
     clamp, lift = (0, y, h.clamp_height), (0.0, -h.lift_radius, h.height)
     back = d.group(view="back", count=3)
@@ -171,7 +173,7 @@ def _screw_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.tapped("lifting hole", "m4", lift, DOWN, depths, count=3)
 
 
-def _edge_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _edge_dimensions(d: DimensionDeclarations, design: Design) -> None:
     h, (x, y), outside = design.holder, Derived(design).piezo_places[0], design.holder.diameter / 2
     notch, half, z = outside - h.index_depth / 2, h.index_width / 2, h.height - h.index_depth / 2
     edge, root = (0, -outside + 4, h.height), (notch, 0, h.height - h.index_depth)
@@ -184,7 +186,7 @@ def _edge_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.chamfer("bore chamfer", "bore_chamfer", mouth, note="mouths of all holes", view="top")
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Piezos upright in the pocket: their floors square to the diameter that the pocket guides."""
     f, h = FaceRequirements(design), design.holder
     axis, floors = (0.0, 0.0, h.floor / 2), tuple((x, y, h.floor) for x, y in _beside_ejectors(design))
@@ -212,7 +214,7 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     return tuple(f)
 
 
-def _beside_ejectors(design: Any) -> list[tuple[float, float]]:
+def _beside_ejectors(design: Design) -> list[tuple[float, float]]:
     """A place (x, y) on each bore's floor: the ejector hole takes its middle; that of bore 3 first."""
     aside = (design.holder.ejector_hole + design.holder.bore_diameter) / 4
     return [(x, y + aside) for x, y in reversed(Derived(design).piezo_places)]

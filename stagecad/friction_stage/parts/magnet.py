@@ -9,7 +9,7 @@ direction of magnetisation), z up; the magnet hangs below z = 0. Edges are broke
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, Z, named
@@ -17,6 +17,8 @@ from stagecad.solids.modelling.primitives import plate
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+    from stagecad.friction_stage.design import Design
 
 NAME = "magnet"
 
@@ -26,24 +28,24 @@ SYMMETRIC = "xy"
 NOTES = ("Two off, alike. Dimensions after plating. Magnetised to saturation along the thickness; mark one pole face.",)
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The magnet as one solid, mm."""
     m = design.magnet
     block = plate((0.0, 0.0, 0.0), m.length, m.thickness, -m.height)
     return block.chamfer(m.edge_chamfer, None, block.Edges()).Solids()[0]
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.magnet.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """The face on the pocket's floor, and the opposite one."""
     return named(Datum("seat", (0.0, 0.0, 0.0), Z), Datum("face", (0.0, 0.0, -design.magnet.height), (0.0, 0.0, -1.0)))
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the magnet."""
     m, d = design.magnet, DimensionDeclarations(design, "magnet")
     x, y, mid, c = m.length / 2, m.thickness / 2, -m.height / 2, m.edge_chamfer / 2

@@ -12,7 +12,7 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension
@@ -23,6 +23,8 @@ from stagecad.solids.modelling.primitives import cut_all, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "sensor_bracket"
 
 SYMMETRIC = "y"
@@ -31,13 +33,13 @@ SYMMETRIC = "y"
 NOTES = ("Symmetric about the middle of the width.",)
 
 
-def optics_places(design: Any) -> list[float]:
+def optics_places(design: Design) -> list[float]:
     """Places x of the interferometer's screws on the middle line, mm."""
     first = design.sensor_bracket.optics
     return [first, first + design.interferometer.screw_spacing]
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The sensor bracket as one solid, mm."""
     bracket = design.sensor_bracket
     low, high = -(bracket.drop + bracket.thickness), bracket.rise
@@ -56,12 +58,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(block, [above, *holes, *repeated(optics, [(x, 0.0, 0.0) for x in optics_places(design)])])
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.sensor_bracket.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Face against the stop bar, seats of the screw heads and of the interferometer."""
     bracket, half = design.sensor_bracket, design.stop_bar.sensor_spacing / 2
     heads = [Datum(f"bar_screw_{i}", (bracket.flange, y, 0.0), X, Y) for i, y in enumerate((-half, half), start=1)]
@@ -69,7 +71,7 @@ def datums(design: Any) -> dict[str, Datum]:
     return named(Datum("seat", (0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), Z), *heads, Datum("interferometer_1", front, Z, X))
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the sensor bracket."""
     bracket, d = design.sensor_bracket, DimensionDeclarations(design, "sensor_bracket")
     plan, front, side = d.group(view="top"), d.group(view="front"), d.group(view="right")

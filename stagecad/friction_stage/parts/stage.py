@@ -24,7 +24,7 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.friction_stage.parts.tooth_bar import pole_offset
@@ -45,6 +45,8 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, p
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "stage"
 
 SYMMETRIC = "xy"
@@ -54,7 +56,7 @@ SYMMETRIC = "xy"
 TREATMENT = "anodise, PTFE: see notes"
 
 
-def notes(design: Any) -> tuple[str, ...]:
+def notes(design: Design) -> tuple[str, ...]:
     """Notes of the sheet."""
     film, coating = 1e6 * design.bearing.film_thickness, 1e6 * design.drive.sea_coating_thickness
     words = [
@@ -70,7 +72,7 @@ def notes(design: Any) -> tuple[str, ...]:
     return tuple(words)
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The stage as one solid, mm."""
     s, sea, threads = design.stage, design.sea, design.threads
     body = plate((0.0, 0.0, 0.0), s.length, s.width, s.thickness, corner_radius=s.corner_radius)
@@ -117,7 +119,7 @@ def build(design: Any) -> cq.Solid:
     return cut_all(body, cutters)
 
 
-def _with_pads(design: Any, body: cq.Solid) -> cq.Solid:
+def _with_pads(design: Design, body: cq.Solid) -> cq.Solid:
     """The plate with its islands: each a rounded prism whose foot is a piece of a large sphere."""
     import cadquery as cq
 
@@ -148,19 +150,19 @@ def _with_pads(design: Any, body: cq.Solid) -> cq.Solid:
     return body.fillet(pads.root_fillet, edges_where(body, at_root)).Solids()[0]
 
 
-def defined_by_note(design: Any, point: Point) -> str:
+def defined_by_note(design: Design, point: Point) -> str:
     """What defines faces beside the dimensions: the height of the target holes."""
     s = design.stage
     in_end = s.length / 2 - abs(point[0]) < s.target_drill_depth and abs(abs(point[1]) - s.target_spacing / 2) < 1e-3
     return "note: at mid-thickness" if in_end and abs(point[2] - s.thickness / 2) < 1e-3 else ""
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.stage.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Crowns of the pads, payload face, drive surface, and the seats of irons and magnets."""
     s, down = design.stage, DOWN
     crown = -design.pads.height
@@ -182,7 +184,7 @@ def datums(design: Any) -> dict[str, Datum]:
     return named(*found)
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the stage."""
     d = DimensionDeclarations(design, "stage")
     _plate_dimensions(d, design)
@@ -197,7 +199,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def _plate_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _plate_dimensions(d: DimensionDeclarations, design: Design) -> None:
     s = design.stage
     x, y, top = s.length / 2, s.width / 2, s.thickness
     d.linear("length", "length", (-x, 0, top / 2), (x, 0, top / 2), view="top")
@@ -209,7 +211,7 @@ def _plate_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.chamfer("edge chamfer", "edge_chamfer", (x - c, 0, top - c), note="all outer edges", view="front")
 
 
-def _payload_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _payload_hole_dimensions(d: DimensionDeclarations, design: Design) -> None:
     s, (x, y), top = design.stage, Derived(design).payload_places[0], design.stage.thickness
     count, hole = s.payload_columns * s.payload_rows, (x, y, top)
     d.tapped("payload hole", "m6", hole, DOWN, ("payload_thread_depth", "payload_drill_depth"), count=count)
@@ -224,7 +226,7 @@ def _payload_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all holes", view="top")
 
 
-def _dowel_and_target_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _dowel_and_target_dimensions(d: DimensionDeclarations, design: Design) -> None:
     s = design.stage
     end, top, x, y = s.length / 2, s.thickness, s.dowel_spacing / 2, s.dowel_offset
     plan = d.group(view="top")
@@ -239,7 +241,7 @@ def _dowel_and_target_dimensions(d: DimensionDeclarations, design: Any) -> None:
     side.tapped("target hole", "m4", hole, (-1, 0, 0), depths, count=4, extra="2 in each end face")
 
 
-def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _pad_dimensions(d: DimensionDeclarations, design: Design) -> None:
     pads, places = design.pads, Derived(design).pad_places
     (x, y), (x2, _), (x3, y3) = places[:3]
     half, side, low = pads.length / 2, pads.width / 2, -pads.height
@@ -264,7 +266,7 @@ def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.linear("pad spacing across", "pads.spacing_across", crown, (x3, y3, low), Y)
 
 
-def _drive_surface_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _drive_surface_dimensions(d: DimensionDeclarations, design: Design) -> None:
     sea = design.sea
     x, half, deep = design.stage.length / 2 - 5, sea.width / 2, sea.groove_depth
     outer, middle = half + sea.groove_width, half + sea.groove_width / 2
@@ -274,7 +276,7 @@ def _drive_surface_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.depth("drive surface groove depth", "sea.groove_depth", (x, middle, 0), (x, middle, deep), count=2)
 
 
-def _iron_pocket_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _iron_pocket_dimensions(d: DimensionDeclarations, design: Design) -> None:
     s, y, deep = design.stage, design.teeth.bar_spacing / 2, design.stage.iron_pocket_depth
     x, across, middle = s.iron_pocket_length / 2, s.iron_pocket_width / 2, deep / 2
     low, high, pair = y - across, y + across, d.group(count=2)
@@ -286,7 +288,7 @@ def _iron_pocket_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.radius("iron pocket corner", "iron_pocket_corner", (x - inset, high - inset, middle), count=8)
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """A drive surface parallel to the plane of the pads' crowns: the tip's load stays the same along the travel."""
     f, down = FaceRequirements(design), DOWN
     crowns = tuple((x, y, -design.pads.height) for x, y in sorted(Derived(design).pad_places))

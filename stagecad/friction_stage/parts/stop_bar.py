@@ -13,7 +13,7 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension
@@ -24,6 +24,8 @@ from stagecad.solids.modelling.primitives import cut_all, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "stop_bar"
 
 SYMMETRIC = "y"
@@ -32,13 +34,13 @@ SYMMETRIC = "y"
 NOTES = ("Symmetric about the middle of the length. Two off, alike.",)
 
 
-def screw_places(design: Any) -> list[tuple[float, float]]:
+def screw_places(design: Design) -> list[tuple[float, float]]:
     """Places (x, y) of the screws in part coordinates, mm."""
     half = design.base.bracket_spacing_across / 2
     return [(0.0, -half), (0.0, half)]
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The stop bar as one solid, mm."""
     bar = design.stop_bar
     middle = (bar.overhang - bar.reach) / 2
@@ -56,12 +58,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(block, [below, *holes, *repeated(tapped, [(0.0, y, 0.0) for y in (-half, half)])])
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.stop_bar.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Seat on the base, seats of the screw heads and of the buffers."""
     bar = design.stop_bar
     heads = [Datum(f"stop_screw_{i}", (x, y, bar.grip), Z) for i, (x, y) in enumerate(screw_places(design), start=1)]
@@ -75,7 +77,7 @@ def datums(design: Any) -> dict[str, Datum]:
     return named(Datum("seat", (0.0, 0.0, 0.0), DOWN, X), back, *heads, *buffers)
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the stop bar."""
     bar, d = design.stop_bar, DimensionDeclarations(design, "stop_bar")
     end, (x, y) = bar.length / 2, screw_places(design)[1]

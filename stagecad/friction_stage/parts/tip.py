@@ -18,7 +18,7 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
@@ -29,6 +29,8 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, r
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "tip"
 
 TURNED, SYMMETRIC = 3, "x"
@@ -38,7 +40,7 @@ TURNED, SYMMETRIC = 3, "x"
 TREATMENT = "anodise the nose: see notes"
 
 
-def notes(design: Any) -> tuple[str, ...]:
+def notes(design: Design) -> tuple[str, ...]:
     """Notes of the sheet."""
     layer = 1e3 * design.tip.coating_thickness
     return (
@@ -48,7 +50,7 @@ def notes(design: Any) -> tuple[str, ...]:
     )
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The tip as one solid, mm."""
     import cadquery as cq
 
@@ -89,12 +91,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(body, [*repeated(seat, [(x, y, 0.0) for x, y in Derived(design).piezo_places]), relief])
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.tip.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Apex, and the seats of the piezos' ends."""
     seats = [
         Datum(f"piezo_{i}", (x, y, 0.0), (0.0, 0.0, -1.0))
@@ -103,7 +105,7 @@ def datums(design: Any) -> dict[str, Datum]:
     return named(Datum("apex", (0.0, 0.0, design.actuator.tip_height), Z), *seats)
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the tip."""
     d, tip, low = DimensionDeclarations(design, "tip"), design.tip, -design.tip.seat_depth
     _arm_dimensions(d, design)
@@ -114,7 +116,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def _arm_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _arm_dimensions(d: DimensionDeclarations, design: Design) -> None:
     tip, apex, low = design.tip, design.actuator.tip_height, -design.tip.seat_depth
     (x1, y1), (x2, _), (_, y3) = Derived(design).piezo_places
     mid, half, hub = low + tip.arm_thickness / 2 + tip.seat_depth / 2, tip.arm_width / 2, tip.hub_diameter / 2
@@ -146,7 +148,7 @@ def _arm_dimensions(d: DimensionDeclarations, design: Any) -> None:
     top.diameter("hub", "hub_diameter", (0, 0, mid), on=(0.0, -1.0, 0.0))
 
 
-def _nose_dimensions(d: DimensionDeclarations, design: Any) -> None:
+def _nose_dimensions(d: DimensionDeclarations, design: Design) -> None:
     tip, apex, top = design.tip, design.actuator.tip_height, -design.tip.seat_depth + design.tip.arm_thickness
     rim = apex - (tip.nose_radius - math.sqrt(tip.nose_radius**2 - tip.nose_diameter**2 / 4))
     d.diameter("cone at its root", "cone_diameter", (0, 0, top), on=Y, note="before the fillet")
@@ -155,7 +157,7 @@ def _nose_dimensions(d: DimensionDeclarations, design: Any) -> None:
     d.radius("cone fillet", "cone_fillet", _on_cone_fillet(design, top, rim))
 
 
-def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, float, float]:
+def _on_cone_fillet(design: Design, top: float, shoulder: float) -> tuple[float, float, float]:
     """A point in the middle of the fillet between the hub's face and the cone."""
     tip = design.tip
     foot, rim, radius = tip.cone_diameter / 2, tip.nose_diameter / 2, tip.cone_fillet
@@ -168,7 +170,7 @@ def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, fl
     return (r, 0.0, top + radius + radius * way[1] / math.hypot(*way))
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Seats in one plane, so that three equal piezos hold the nose upright."""
     f, down = FaceRequirements(design), DOWN
     seats = tuple((x, y, 0.0) for x, y in Derived(design).piezo_places)

@@ -16,7 +16,7 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import corners
 from stagecad.friction_stage.parts.tooth_iron import declare_teeth, groove_spans, tooth_centres
@@ -37,6 +37,8 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, p
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "tooth_bar"
 
 SYMMETRIC = "xy"
@@ -45,17 +47,17 @@ SYMMETRIC = "xy"
 NOTES = ("Symmetric about both centre planes: a group of teeth on either side of the channel. Two off, alike.",)
 
 
-def pole_offset(design: Any) -> float:
+def pole_offset(design: Design) -> float:
     """Distance of each iron's middle from the bar's, mm: half a magnet and half an iron."""
     return (design.magnet.thickness + design.teeth.per_iron * design.teeth.pitch) / 2
 
 
-def rail_width(design: Any) -> float:
+def rail_width(design: Design) -> float:
     """Width of the rail under both irons and the magnet, mm."""
     return design.magnet.thickness + 2 * design.teeth.per_iron * design.teeth.pitch
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The tooth bar as one solid, mm."""
     bar, teeth = design.tooth_bar, design.teeth
     width, shift = rail_width(design), pole_offset(design)
@@ -95,12 +97,12 @@ def build(design: Any) -> cq.Solid:
     return cut_all(body, cutters)
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.tooth_bar.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Seat on the base, plane of the tooth crests, and the seats of the screw heads."""
     bar = design.tooth_bar
     heads = [
@@ -114,7 +116,7 @@ def datums(design: Any) -> dict[str, Datum]:
     )
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the tooth bar."""
     d = DimensionDeclarations(design, "tooth_bar")
     shift = pole_offset(design)
@@ -125,7 +127,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     return tuple(d)
 
 
-def _foot_dimensions(d: DimensionDeclarations, design: Any, crest: float) -> None:
+def _foot_dimensions(d: DimensionDeclarations, design: Design, crest: float) -> None:
     """Lengths of bar and feet, screw holes and edges; `crest` is the y of a tooth, mm."""
     bar, plan, front = design.tooth_bar, d.group(view="top"), d.group(view="front")
     end, root, low, wide = bar.length / 2, bar.length / 2 - bar.end_length, bar.end_height, bar.foot_width / 2
@@ -146,7 +148,7 @@ def _foot_dimensions(d: DimensionDeclarations, design: Any, crest: float) -> Non
     plan.chamfer("edge chamfer", "edge_chamfer", (end - c, wide - c, low / 2), X, note=note)
 
 
-def _rail_dimensions(d: DimensionDeclarations, design: Any, centres: list[float]) -> None:
+def _rail_dimensions(d: DimensionDeclarations, design: Design, centres: list[float]) -> None:
     """Channel and width of the rail between the feet; `centres` are the y of the teeth, mm."""
     bar, teeth = design.tooth_bar, design.teeth
     half, width, deep = design.magnet.thickness / 2, rail_width(design) / 2, bar.height - bar.channel_depth
@@ -160,7 +162,7 @@ def _rail_dimensions(d: DimensionDeclarations, design: Any, centres: list[float]
     d.derived("between the groups of teeth", second - first, keys, flanks, Y)
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Feet in one plane, and crests parallel to it: the gap to the irons is the same along the travel."""
     f, bar, down = FaceRequirements(design), design.tooth_bar, DOWN
     feet = tuple((side * (bar.length - bar.end_length) / 2, 0.0, 0.0) for side in (-1, 1))

@@ -12,7 +12,7 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import (
@@ -30,6 +30,8 @@ from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
+
 NAME = "tooth_iron"
 
 SYMMETRIC = "xy"
@@ -38,7 +40,7 @@ SYMMETRIC = "xy"
 NOTES = ("Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",)
 
 
-def tooth_centres(design: Any) -> list[float]:
+def tooth_centres(design: Design) -> list[float]:
     """Middle y of each tooth of one iron, mm, about the iron's own middle."""
     count, pitch = int(design.teeth.per_iron), design.teeth.pitch
     return [(i - (count - 1) / 2) * pitch for i in range(count)]
@@ -53,7 +55,7 @@ def groove_spans(centres: list[float], width: float, edge: float) -> list[tuple[
     return list(zip(sides[::2], sides[1::2], strict=True))
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """The tooth iron as one solid, mm."""
     iron, teeth = design.tooth_iron, design.teeth
     width = teeth.per_iron * teeth.pitch
@@ -73,18 +75,18 @@ def build(design: Any) -> cq.Solid:
     )
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     """Name of its material."""
     return design.tooth_iron.material
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     """Seat on the stage, and the plane of the tooth crests."""
     height = design.tooth_iron.height
     return named(Datum("seat", (0.0, 0.0, 0.0), Z), Datum("teeth", (0.0, 0.0, -height), (0.0, 0.0, -1.0)))
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the tooth iron."""
     iron, d = design.tooth_iron, DimensionDeclarations(design, "tooth_iron")
     centres = tooth_centres(design)
@@ -103,7 +105,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 
 
 def declare_teeth(
-    d: DimensionDeclarations, design: Any, centres: list[float], crest: float, *, into: float, groups: int
+    d: DimensionDeclarations, design: Design, centres: list[float], crest: float, *, into: float, groups: int
 ) -> None:
     """Dimensions of the teeth, equal on iron and bar: crests at z = `crest`, the iron on the side `into`, +1 or -1."""
     y, teeth = centres[0], design.teeth
@@ -124,7 +126,7 @@ def declare_teeth(
         d.linear("iron width", "teeth.pitch", (0, y - pitch / 2, body), (0, y + pitch / 2, body))
 
 
-def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Crests parallel to the seat: the gap to the bar is the same all over."""
     f, down = FaceRequirements(design), DOWN
     seat = ((0.0, 0.0, 0.0),)

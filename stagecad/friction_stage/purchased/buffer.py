@@ -5,7 +5,7 @@ Part coordinates: origin in the middle of the bonded face, z out of it, x along 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -15,36 +15,37 @@ from stagecad.solids.modelling.primitives import plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "buffer"
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """A block, mm."""
     buffer = design.buffer
     return plate((0.0, 0.0, 0.0), buffer.width, buffer.height, buffer.length)
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.buffer.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "buffer")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "buffer")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     return {
         "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
         "face": Datum("face", (0.0, 0.0, design.buffer.length), Z, X),
     }
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

@@ -6,7 +6,7 @@ mirror, y across, z up. A spacer below the optics sets the height of the beam.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -16,30 +16,31 @@ from stagecad.solids.modelling.primitives import plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "interferometer"
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """A block, mm."""
     optics = design.interferometer
     return plate((optics.length / 2, 0.0, 0.0), optics.length, optics.width, optics.height)
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.interferometer.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "interferometer")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "interferometer")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     beam = (0.0, 0.0, design.interferometer.beam_height)
     return {
         "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
@@ -47,6 +48,6 @@ def datums(design: Any) -> dict[str, Datum]:
     }
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

@@ -5,7 +5,7 @@ Part coordinates: origin in the middle of its underside, x along the channel, z 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -16,12 +16,13 @@ from stagecad.solids.modelling.primitives import cut_all, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "lead_clip"
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """A block that fills the channel, with its slot, mm."""
     clip, deep = design.lead_clip, design.base.lead_channel_depth
     block = plate((0.0, 0.0, 0.0), clip.length, design.base.lead_channel_width, deep)
@@ -31,22 +32,22 @@ def build(design: Any) -> cq.Solid:
     return cut_all(block, [slot])
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.lead_clip.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "lead_clip")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "lead_clip")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     return {"seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X)}
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

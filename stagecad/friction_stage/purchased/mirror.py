@@ -6,7 +6,7 @@ Its mass is a part of the payload's (`payload.mass`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -17,12 +17,13 @@ from stagecad.solids.modelling.primitives import cut_all, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "mirror"
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """A block with a clearance hole at either target hole, mm."""
     mirror = design.mirror
     hole = stepped_hole((0, 0, mirror.thickness), (0, 0, -1), [(mirror.screw_hole, mirror.thickness + OVERRUN)])
@@ -31,25 +32,25 @@ def build(design: Any) -> cq.Solid:
     return cut_all(block, repeated(hole, [(-half, 0.0, 0.0), (half, 0.0, 0.0)]))
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.mirror.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "mirror")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "mirror")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     return {
         "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
         "face": Datum("face", (0.0, 0.0, design.mirror.thickness), Z, X),
     }
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

@@ -6,7 +6,7 @@ is a piece of a sphere, so that the tip's seat meets it in one place and does no
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -14,12 +14,13 @@ from stagecad.parameters.dimension import Datum
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "piezo"
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """A cylinder with a chamfered foot and a spherical end, turned from one outline, mm."""
     import math
 
@@ -42,25 +43,25 @@ def build(design: Any) -> cq.Solid:
     return outline.revolve(360.0, (0, 0), (0, 1)).solids().val()  # type: ignore[return-value]
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.piezo.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "piezo")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "piezo")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     return {
         "foot": Datum("foot", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         "end": Datum("end", (0.0, 0.0, design.piezo.length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     }
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

@@ -15,6 +15,7 @@ from stagecad.parameters.dimension import Datum
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 
@@ -30,10 +31,10 @@ class SocketCapScrew:
     NAME: str
     key: str
 
-    def _table(self, design: Any) -> Any:
+    def _table(self, design: Design) -> Any:
         return getattr(design.screws, self.key)
 
-    def build(self, design: Any) -> cq.Solid:
+    def build(self, design: Design) -> cq.Solid:
         """The screw as one solid, mm; the socket is half the head deep."""
         import cadquery as cq
 
@@ -56,16 +57,16 @@ class SocketCapScrew:
         socket = floor.polygon(6, across_corners).extrude(screw.head_height)
         return body.cut(socket).solids().val()  # type: ignore[return-value]
 
-    def material(self, design: Any) -> str:
+    def material(self, design: Design) -> str:
         return self._table(design).material
 
-    def part_number(self, design: Any) -> str:
+    def part_number(self, design: Design) -> str:
         return catalogue.part_number(design, f"screws.{self.key}")
 
-    def description(self, design: Any) -> str:
+    def description(self, design: Design) -> str:
         return catalogue.description(design, f"screws.{self.key}")
 
-    def datums(self, design: Any) -> dict[str, Datum]:
+    def datums(self, design: Design) -> dict[str, Datum]:
         """``seat``: under the head, normal towards the shank; ``end``: of the shank."""
         end = (0.0, 0.0, -self._table(design).length)
         return {
@@ -73,7 +74,7 @@ class SocketCapScrew:
             "end": Datum("end", end, (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         }
 
-    def dimensions(self, design: Any) -> tuple[Dimension, ...]:
+    def dimensions(self, design: Design) -> tuple[Dimension, ...]:
         """None: it is purchased."""
         return ()
 

@@ -5,7 +5,7 @@ Part coordinates: origin at the flat end that pushes, on the axis; the socket en
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -13,12 +13,13 @@ from stagecad.parameters.dimension import Datum
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "set_screw"
 
 
-def build(design: Any) -> cq.Solid:
+def build(design: Design) -> cq.Solid:
     """A cylinder of the major diameter, chamfered at both ends, with a hexagon socket half its length deep, mm."""
     import cadquery as cq
 
@@ -31,25 +32,25 @@ def build(design: Any) -> cq.Solid:
     return body.cut(socket).solids().val()  # type: ignore[return-value]
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.set_screw.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "set_screw")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "set_screw")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     return {
         "end": Datum("end", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         "socket": Datum("socket", (0.0, 0.0, design.set_screw.length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     }
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
@@ -15,12 +15,13 @@ from stagecad.parameters.dimension import Datum
 if TYPE_CHECKING:
     import cadquery as cq
 
+    from stagecad.friction_stage.design import Design
     from stagecad.parameters.dimension import Dimension
 
 NAME = "spring"
 
 
-def build(design: Any, compression: float = 0.0) -> cq.Solid:
+def build(design: Design, compression: float = 0.0) -> cq.Solid:
     """Half turns of a torus that join without a kink; the first and last lie flat, as closed ends do.
 
     Each half turn is a semicircle in a plane through the y direction, so that at its ends, which lie over the x axis,
@@ -55,25 +56,25 @@ def build(design: Any, compression: float = 0.0) -> cq.Solid:
     return cq.Solid.sweep(circle, [], cq.Wire.assembleEdges(edges), True, True).Solids()[0]
 
 
-def material(design: Any) -> str:
+def material(design: Design) -> str:
     return design.spring.material
 
 
-def part_number(design: Any) -> str:
+def part_number(design: Design) -> str:
     return catalogue.part_number(design, "spring")
 
 
-def description(design: Any) -> str:
+def description(design: Design) -> str:
     return catalogue.description(design, "spring")
 
 
-def datums(design: Any) -> dict[str, Datum]:
+def datums(design: Design) -> dict[str, Datum]:
     return {
         "end_1": Datum("end_1", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         "end_2": Datum("end_2", (0.0, 0.0, design.spring.installed_length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     }
 
 
-def dimensions(design: Any) -> tuple[Dimension, ...]:
+def dimensions(design: Design) -> tuple[Dimension, ...]:
     """None: it is bought."""
     return ()

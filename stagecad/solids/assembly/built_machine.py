@@ -6,11 +6,12 @@ If the cache has all of it, no solid is loaded, and the CAD kernel is not import
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.mass_properties import Masses, MassProperties, combined
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, in_processes, kernel_errors, part_mass
 from stagecad.solids.artefacts.store import ArtefactStore
@@ -18,7 +19,7 @@ from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
 from stagecad.solids.assembly.built_assembly import BuiltAssembly, build_assembly, find_assembly
 from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import ASSEMBLY, construction, part_names
+from stagecad.solids.modelling.registry import ASSEMBLY, construction, packaged, part_names
 
 
 @dataclass(frozen=True)
@@ -105,3 +106,8 @@ def _build(folder: Path, design: Any, name: str) -> None:
 def body_masses(design: Any) -> Masses:
     """Mass properties that checks and simulation of a machine read, SI; its parts are from the cache or made now."""
     return construction(design).masses(design)
+
+
+def packaged_masses(design: Any) -> Any:
+    """Mass properties of the packaged machine with a design's values, whose driven stage is simulated; SI."""
+    return packaged().masses(replace(design, machine=packaged_machine()))

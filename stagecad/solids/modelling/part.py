@@ -84,7 +84,8 @@ if TYPE_CHECKING:
 class Part(Protocol):
     """A part definition that follows the contract above. `design` is a `Design` or a `TrackedDesign` of one."""
 
-    NAME: str
+    @property
+    def NAME(self) -> str: ...  # noqa: N802 - a word of the interface
 
     def build(self, design: Any) -> cq.Solid: ...
 

@@ -39,7 +39,8 @@ PULL = 78.7
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkeypatch):
-    monkeypatch.setattr(stagecad.solids.assembly.built_machine, "body_masses", lambda design: MASSES)
+    for name in ("body_masses", "packaged_masses"):
+        monkeypatch.setattr(stagecad.solids.assembly.built_machine, name, lambda design: MASSES)
     run = Run(None, overrides, Path("build"), None)
     design = run.design.values
     checks = {check.name: check for check in run_checks(design, MASSES)}

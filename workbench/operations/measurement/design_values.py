@@ -100,6 +100,6 @@ def as_design_values(design: Design | None) -> DesignValues:
 def _inputs(design: Design) -> DesignInputs:
     """The design with the masses of its solids, as checks and simulation of the stage read it."""
     from designcalc.checks.inputs import DesignInputs
-    from stagecad.solids.assembly.built_machine import body_masses
+    from stagecad.solids.assembly.built_machine import packaged_masses
 
-    return DesignInputs(design.values, body_masses(design.values))
+    return DesignInputs(design.values, packaged_masses(design.values))

@@ -136,9 +136,9 @@ def moving_mass(design: Values, given: str | None) -> float:
         return parse_mass(given)
     from designcalc.checks.inputs import DesignInputs
     from designcalc.friction_stage.physics.loads import moved_mass
-    from stagecad.solids.assembly.built_machine import body_masses
+    from stagecad.solids.assembly.built_machine import packaged_masses
 
-    return moved_mass(DesignInputs(design, body_masses(design)))
+    return moved_mass(DesignInputs(design, packaged_masses(design)))
 
 
 def parse_mass(text: str) -> float:
@@ -193,9 +193,9 @@ def simulate_studies(
 ) -> dict[str, Any]:
     """Results of studies of the driven stage; `run_all(study, function, cases)` runs the cases of one."""
     from sim.friction_stage.studies import STUDIES, stage_drive
-    from stagecad.solids.assembly.built_machine import body_masses
+    from stagecad.solids.assembly.built_machine import packaged_masses
 
-    drive = stage_drive(design, masses or body_masses(design))
+    drive = stage_drive(design, masses or packaged_masses(design))
     return {study: STUDIES[study](drive, partial(run_all, study)) for study in studies}
 
 

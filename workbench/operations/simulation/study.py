@@ -264,7 +264,7 @@ def run_monte_carlo(
     Raises:
         InputError: no uncertain parameter, the design itself is refused, or every sample is.
     """
-    from stagecad.solids.assembly.built_machine import body_masses
+    from stagecad.solids.assembly.built_machine import packaged_masses
 
     nominal_values = design.values
     parameters = uncertain_parameters(nominal_values, selection.reads)
@@ -278,7 +278,7 @@ def run_monte_carlo(
     if selection.mass == "design" and selection.friction_experiments:
         selection = replace(selection, mass=f"{moving_mass(nominal_values, 'design')!r} kg")
     # With the masses of the design's own solids, so that no sample builds solids.
-    masses = body_masses(nominal_values) if "stage" in selection.names else None
+    masses = packaged_masses(nominal_values) if "stage" in selection.names else None
     common = _Common(design, selection, parameters, masses)
     nominal = _simulate(nominal_values, selection, masses)
     # Several samples per task: one takes less time than its transfer to the worker.
