@@ -15,6 +15,18 @@ from stagecad.parameters.schema import Declaration, nearest_key
 from stagecad.parameters.units import quoted, to_si, unit_dimension
 
 
+DEEPEST = 40
+"""Formulas that are open at a time, each of which needs the next one."""
+
+
+class _TooDeepError(Exception):
+    """A chain of formulas is longer than `DEEPEST`; `key` is the next one."""
+
+    def __init__(self, key: str) -> None:
+        super().__init__(key)
+        self.key = key
+
+
 class Resolver:
     """Computes entries by key, each after those that it reads.
 
@@ -49,9 +61,24 @@ class Resolver:
         return self.entries
 
     def entry(self, key: str) -> Entry:
-        """The entry of a key."""
+        """The entry of a key; in a long chain of formulas, those that the first ones need come first."""
+        wanted = [key]
+        while wanted:
+            try:
+                self._entry(wanted[-1])
+                wanted.pop()
+            except _TooDeepError as error:
+                self._open.clear()
+                if error.key in wanted:
+                    raise InputError(f"{self._file}: {error.key}: its formula depends on itself") from None
+                wanted.append(error.key)
+        return self.entries[key]
+
+    def _entry(self, key: str) -> Entry:
         if key in self.entries:
             return self.entries[key]
+        if len(self._open) >= DEEPEST and key not in self._open:
+            raise _TooDeepError(key)
         if key in self._open:
             circle = [*self._open[self._open.index(key) :], key]
             raise InputError(f"{self._file}: {key}: its formula depends on itself: {' -> '.join(circle)}")
@@ -64,7 +91,7 @@ class Resolver:
     def read(self, key: str) -> Entry:
         """The entry of a key, recorded as read by the formula that is being evaluated."""
         self.reads.setdefault(self._open[-1], set()).add(key)
-        return self.entry(key)
+        return self._entry(key)
 
     def _resolved(self, key: str) -> Entry:
         declaration, given = self._keys[key], self._given.get(key)

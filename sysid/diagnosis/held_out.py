@@ -132,7 +132,11 @@ def _refitted(
     weighted = huber_weights(base, scale)[:, None] * columns / scale**2
     normal, right = columns.T @ weighted + information, weighted.T @ base
     lengths = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    step = np.linalg.pinv(normal / np.outer(lengths, lengths), rcond=1e-12, hermitian=True) @ (right / lengths)
+    scaled = normal / np.outer(lengths, lengths)
+    if not np.isfinite(scaled).all():
+        # A channel that never changes: its residual has no scale.
+        return base, number
+    step = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True) @ (right / lengths)
     refitted = base - columns @ (step / lengths)
     return refitted if np.isfinite(refitted).all() else base, number
 

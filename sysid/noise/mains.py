@@ -92,6 +92,9 @@ def without_hum(series: Series, channel: str = "") -> WithoutHum:
 def _lines(series: Series, known: np.ndarray) -> list[float]:
     """Frequencies of the lines that exceed the spectrum beside them, Hz."""
     rate = 1.0 / series.step
+    if rate <= 2.0 * 2.0 * DEVIATION:
+        # Within its deviation, a line of the mains appears anywhere in so narrow a band.
+        return []
     blocks = _windowed_blocks(series, known)
     found = []
     for mains in MAINS:

@@ -36,6 +36,9 @@ def main() -> None:
     # Processes started from here import nothing from the working folder, which may hold somebody else's files.
     os.environ.setdefault("PYTHONSAFEPATH", "1")
     use_one_thread(os.environ)
+    if os.path.expanduser("~") == "~":
+        # A user without a home folder, as in a container: a library that looks for its settings there would fail.
+        os.environ.setdefault("XDG_CONFIG_HOME", os.devnull)
     # Closed streams (`>&-`) are None, and what is printed goes nowhere.
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:

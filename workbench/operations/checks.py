@@ -338,16 +338,16 @@ def sweep(
         scheduler: address of a dask cluster; the local cores when left out.
         progress: called with the points done.
     """
-    # Without solids a point takes a tenth of a second: then other processes would cost more than they save.
     job: Any
     values: Any
     if len(ranges) == 1:
-        values, job, workers = ranges[0].values, partial(_swept_point, design, ranges[0], solids), 1
+        values, job = ranges[0].values, partial(_swept_point, design, ranges[0], solids)
     else:
         values, job = combinations(ranges), partial(_grid_point, design, tuple(ranges), solids)
-        workers = 1 if len(values) <= FEW_POINTS else None
+    # Without solids a point takes a tenth of a second: for few, other processes would cost more than they save.
+    workers = 1 if len(values) <= FEW_POINTS and not solids else None
     advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
-    points: Any = parallel_map(job, values, progress=advance, workers=None if solids else workers, scheduler=scheduler)
+    points: Any = parallel_map(job, values, progress=advance, workers=workers, scheduler=scheduler)
     return Sweep(ranges[0], points) if len(ranges) == 1 else Grid(ranges, points)
 
 

@@ -151,9 +151,11 @@ def kernel_errors(name: str, design: Any) -> Iterator[None]:
     """Errors of the CAD kernel as PartError of `name`."""
     try:
         yield
-    except (InputError, PartError):
+    except (InputError, PartError, MemoryError):
         raise
     except Exception as error:  # the kernel raises a dozen kinds
+        if "OutOfMemory" in type(error).__name__ or "bad_alloc" in str(error):
+            raise MemoryError from error
         raise PartError(name, design, f"{type(error).__name__}: {error}") from error
 
 
