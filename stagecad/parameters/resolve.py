@@ -14,7 +14,6 @@ from stagecad.parameters.project_tables import NO_ROW
 from stagecad.parameters.schema import Declaration, nearest_key
 from stagecad.parameters.units import quoted, to_si, unit_dimension
 
-
 DEEPEST = 40
 """Formulas that are open at a time, each of which needs the next one."""
 

@@ -16,6 +16,7 @@ from sysid.experiment.readers.base import MOST_ROWS
 from sysid.experiment.readers.open import open_record_file
 from workbench.cli import run
 
+RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n'
 pipes = pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes")
 
 
@@ -58,7 +59,7 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, capsys, case: 
         "effect": ["compare", "rig"],
         "parameters": ["params", "--params", "pipe"],
         "diff": ["diff", "stage.toml", "pipe"],
-        "part": ["calc", "probe", "pipe"],
+        "part": ["drawings", "--part", "pipe.py", "--trust"],
         "table": ["params"],
     }[case]
     table = '[hardware]\nscrews = "pipe"\n' if case == "table" else ""
@@ -68,9 +69,14 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, capsys, case: 
         os.mkfifo("rig/experiment.toml")
     else:
         os.mkfifo("rig/own.py")
-        Path("rig/experiment.toml").write_text('[rig]\nkind = "tip-on-disc"\n[model]\ncustom = ["own.py"]\n')
+        Path("rig/experiment.toml").write_text(
+            f'{RIG}[model]\neffects = []\ncustom = ["own.py"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+        )
+        Path("rig/fit.csv").write_text("time [s],velocity [m/s],friction_force [N]\n0,0,0\n1,1,1\n")
     assert run(words) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    err = capsys.readouterr().err
+    expected = "has no experiment.toml" if case == "experiment" else "is not a regular file"
+    assert expected in err and err.count("\n") == 1
 
 
 class TestHdf5:
@@ -141,7 +147,8 @@ def test_a_row_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_encodings_that_are_no_text_encodings_are_refused(tmp_path: Path, capsys, encoding: str) -> None:
     (tmp_path / "fit.csv").write_text("time [s],x [m]\n0,0\n1,1\n")
     (tmp_path / "experiment.toml").write_text(
-        f'[rig]\nkind = "tip-on-disc"\n[format]\nencoding = "{encoding}"\n[[record]]\nfile = "fit.csv"\nuse = "fit"\n'
+        f'{RIG}[model]\neffects = []\n[format]\nencoding = "{encoding}"\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
     )
     assert run(["compare", str(tmp_path)]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    err = capsys.readouterr().err
+    assert "is no text encoding" in err and err.count("\n") == 1

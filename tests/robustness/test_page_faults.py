@@ -17,7 +17,7 @@ from workbench.page.security import Guard, allowed_hosts
 from workbench.page.server import create_app
 
 links = pytest.mark.skipif(sys.platform == "win32", reason="needs links")
-RIG = '[rig]\nkind = "tip-on-disc"\n[rig.known]\nload = "5 N"\n'
+RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n'
 RECORD = '[[record]]\nfile = "{}"\nrole = "fit"\n'
 
 

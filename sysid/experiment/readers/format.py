@@ -77,7 +77,7 @@ def read_format(table: TomlTable) -> Format:
     if "encoding" in table.data:
         encoding = table.text("encoding")
         try:
-            known = SAMPLE.encode(encoding).decode(encoding) == SAMPLE
+            known = SAMPLE.encode(encoding).decode(encoding, "replace") == SAMPLE
         except (LookupError, ValueError):
             known = False
         if not known:

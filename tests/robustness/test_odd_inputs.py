@@ -1,0 +1,137 @@
+"""Slow and constant records, long chains of formulas, limits of the system: a result, or one line."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import design_from_text, load_design
+from stagecad.solids.artefacts.part import kernel_errors
+from workbench.cli import run
+
+RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
+
+
+def experiment(folder: Path, step: float, constant: float | None = None) -> None:
+    """Friction along a slow sine, sampled every `step`; or a force that never changes."""
+    folder.mkdir()
+    generator = np.random.default_rng(3)
+    text = RIG
+    for name, role in (("fit", "fit"), ("other", "validate")):
+        phase = np.arange(400) * 0.0628
+        x, v = -np.cos(phase), np.sin(phase) * 0.0628 / step
+        force = 2.0 * np.sign(v) + 0.01 * generator.normal(size=400)
+        force = force if constant is None else np.full(400, constant)
+        rows = np.column_stack([np.arange(400) * step, x, v, force])
+        header = "time [s],position [m],velocity [m/s],friction_force [N]"
+        np.savetxt(folder / f"{name}.csv", rows, "%.12g", ",", header=header, comments="")
+        text += f'[[record]]\nfile = "{name}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(text)
+
+
+@pytest.mark.parametrize("step", [1.0, 5.0, 10.0, 1e3, 1e7])
+def test_a_slow_record_has_a_result(tmp_path: Path, capsys, step: float) -> None:
+    """Seconds, or milliseconds and nanoseconds that are labelled as seconds."""
+    experiment(tmp_path / "rig", step)
+    assert run(["compare", str(tmp_path / "rig"), "--no-figures", "--out", str(tmp_path / "out")]) in (0, 1)
+    assert "coulomb" in capsys.readouterr().out
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("constant", [1.0])
+def test_a_constant_force_has_a_verdict(tmp_path: Path, capsys, constant: float) -> None:
+    experiment(tmp_path / "rig", 0.01, constant)
+    assert run(["diagnose", str(tmp_path / "rig"), "--no-figures", "--out", str(tmp_path / "out")]) in (0, 1, 2)
+    assert "never changes" in capsys.readouterr().err
+
+
+def chain(count: int, closed: bool) -> str:
+    """Keys each of which is the next one; the last is a length, or the first again."""
+    lengths = [e.key for e in load_design().entries if e.unit == "mm" and not isinstance(e.value, bool | str)]
+    lines = [f'{key} = "={after}"' for key, after in pairwise(lengths[:count])]
+    last = f'"={lengths[0]}"' if closed else '{value = "20 mm", origin = "assumed: for a test"}'
+    return 'extends = "thesis"\n' + "\n".join([*lines, f"{lengths[count - 1]} = {last}"])
+
+
+@pytest.mark.parametrize("count", [30, 120, 200])
+def test_a_long_chain_of_formulas_is_computed_and_a_ring_is_named(count: int) -> None:
+    with pytest.raises(InputError, match="depends on itself"):
+        design_from_text(chain(count, closed=True), "ring.toml", (), rules=False)
+    # The value is outside of the bounds of a key on the way.
+    with pytest.raises(InputError, match=r"20 mm|0\.02|must lie between"):
+        design_from_text(chain(count, closed=False), "chain.toml", (), rules=False)
+
+
+def test_a_chain_of_formulas_has_its_value() -> None:
+    from stagecad.parameters import resolve
+
+    text = chain(12, closed=False).replace("20 mm", "30 mm")
+    values = []
+    for deepest in (40, 3):
+        resolve.DEEPEST, before = deepest, resolve.DEEPEST
+        try:
+            values.append(str(design_from_text(text, "chain.toml", (), rules=False).entries))
+        except InputError as error:
+            values.append(str(error))
+        finally:
+            resolve.DEEPEST = before
+    assert values[0] == values[1]
+
+
+def test_lack_of_memory_in_the_kernel_is_not_a_fault_of_the_design() -> None:
+    class Standard_OutOfMemory(Exception):  # noqa: N801, N818 - a name of the kernel
+        pass
+
+    for error in (MemoryError(), Standard_OutOfMemory(), RuntimeError("std::bad_alloc")):
+        with pytest.raises(MemoryError), kernel_errors("stage", load_design()):
+            raise error
+
+
+NOBODY = """
+import os, pwd, sys
+def unknown(number): raise KeyError(f"getpwuid(): uid not found: {number}")
+pwd.getpwuid = unknown
+for name in ("HOME", "USER", "LOGNAME", "XDG_CACHE_HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME"):
+    os.environ.pop(name, None)
+from workbench.cli.main import main
+main()
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX system")
+@pytest.mark.parametrize("words", [["parts", "magnet"], ["drawings", "magnet"]])
+def test_solids_and_sheets_of_a_user_without_a_home_folder(tmp_path: Path, words: list[str]) -> None:
+    program = tmp_path / "nobody.py"
+    program.write_text(NOBODY)
+    done = subprocess.run(
+        [sys.executable, program, *words, "--out", "out"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.getcwd()},
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs limits of a POSIX system")
+@pytest.mark.parametrize("words", ["parts tip", "drawings tip"])
+def test_a_limit_on_the_size_of_files_in_commands_with_solids(tmp_path: Path, words: str) -> None:
+    line = f"ulimit -f 20; exec {sys.executable} -m workbench.cli {words} --out out"
+    done = subprocess.run(
+        ["bash", "-c", line],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.getcwd(), "STAGECAD_CACHE": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert done.stderr.strip().count("\n") == 0
