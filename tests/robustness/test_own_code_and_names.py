@@ -74,8 +74,8 @@ def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, capsys, c
     words = {"top": "pass", "law": "pass", place: code}
     Path("own.py").write_text(
         "import sys\nfrom sim import Effect, Parameter\n{top}\ndef law(axis, p):\n    {law}\n    return axis.position\n"
-        "EFFECT = Effect('own_spring', 'A spring', 'F = k x', 'own', parameters=(Parameter('k', 'N/m', 1.0, 0.0, 9.0,"
-        " 'stiffness', 'assumed'),), acts_on='force', force=law)\n".format(**words)
+        "effect = Effect('own_spring', 'A spring', equation='F = k x', shows='A slope.', force=law, parameters=["
+        "Parameter('k', 'N/m', 1.0, 0.0, 9.0, 'stiffness', 'assumed: small')])\n".format(**words)
     )
     Path("fit.csv").write_text("time [s],position [m],velocity [m/s],friction_force [N]\n0,0,0,0\n1,1,1,1\n")
     Path("experiment.toml").write_text(
