@@ -187,11 +187,15 @@ def _gram(table: Array, weight: Array) -> Array:
     return (table * weight) @ table.T
 
 
-def _solve(p: float, l: float, e: float, d: float, x: float, functions: int) -> Array:  # noqa: E741
-    """W, dW/dx, -dW/de, -d2W/dx2, d2W/de2 per area and squared potential, in SI; lengths in m."""
-    s, gap, depth, shift = 1 - l / p, e / p, d / p, x / p
-    h = s / 2
-    k, even, odd = _spectrum(h, functions)
+def _diagonal(even: Array, odd: Array) -> Array:
+    """Blocks of the even and the odd functions on the diagonal."""
+    zero = np.zeros_like(even)
+    return np.block([[even, zero], [zero, odd]])
+
+
+def _self_terms(s: float, gap: float, depth: float, k: Array, even: Array, odd: Array) -> Array:
+    """Energy of the functions of one mouth with each other, in its gap and its slot; lengths over the pitch."""
+    h, functions = s / 2, len(even)
     coth = 1 / np.tanh(np.minimum(k * gap, 200.0))
 
     # Every dot product over modes of the form sum k R R' has terms falling as k^(-7/3); the rest of it beyond the last
@@ -215,22 +219,25 @@ def _solve(p: float, l: float, e: float, d: float, x: float, functions: int) -> 
         in_slot = (s / 2) * (_gram(slot, slot_weight) + tail)
         return in_gap + in_slot
 
-    zero = np.zeros((functions, functions))
-
-    def blocks(ee: Array, oo: Array) -> Array:
-        return np.block([[ee, zero], [zero, oo]])
-
     # Sign conventions: even functions have real transforms, odd ones -i times real ones.
-    own = blocks(
+    return _diagonal(
         self_block(even, slot_even, slot_coth[0::2], slot_tail[0]),
         self_block(odd, slot_odd, slot_coth[1::2], slot_tail[1]),
     )
+
+
+def _solve(p: float, l: float, e: float, d: float, x: float, functions: int) -> Array:  # noqa: E741
+    """W, dW/dx, -dW/de, -d2W/dx2, d2W/de2 per area and squared potential, in SI; lengths in m."""
+    s, gap, depth, shift = 1 - l / p, e / p, d / p, x / p
+    h = s / 2
+    k, even, odd = _spectrum(h, functions)
+    own = _self_terms(s, gap, depth, k, even, odd)
     # All that follows falls as exp(-k e): the modes beyond k e = 60 add nothing.
     near = max(1, int(np.searchsorted(k, 60 / gap)))
     k, even, odd = k[:near], even[:, :near], odd[:, :near]
     sinh, cosh = np.sinh(np.minimum(k * gap, 200.0)), np.cosh(np.minimum(k * gap, 200.0))
-    own_e = 2 * h**2 * blocks(_gram(even, -(k**2) / sinh**2), _gram(odd, -(k**2) / sinh**2))
-    own_ee = 2 * h**2 * blocks(_gram(even, 2 * k**3 * cosh / sinh**3), _gram(odd, 2 * k**3 * cosh / sinh**3))
+    own_e = 2 * h**2 * _diagonal(_gram(even, -(k**2) / sinh**2), _gram(odd, -(k**2) / sinh**2))
+    own_ee = 2 * h**2 * _diagonal(_gram(even, 2 * k**3 * cosh / sinh**3), _gram(odd, 2 * k**3 * cosh / sinh**3))
 
     def coupling(weight: Array, order: int) -> Array:
         """Order-th derivative with respect to the shift of the block between lower and upper mouth."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.export.languages import C, Language, Matlab, Modelica
+from sim.export.languages import C, Language, Matlab, Modelica, locals_of
 from sim.export.program import ForceFunction, Program
 
 ARGUMENTS = ("dt", "position", "velocity", "acceleration", "load", "temperature")
@@ -92,29 +92,12 @@ def _commented(lines: Sequence[str], sign: str) -> str:
     return "\n".join(f"{sign} {line}".rstrip() for line in lines)
 
 
+_C_ARGUMENTS = ", ".join(f"double {argument}" for argument in ARGUMENTS)
+
+
 def _c(exported: Exported) -> dict[str, str]:
     program, printer = exported.program, C()
-    name, (rows, force) = program.name, exported.check()
-    arguments = ", ".join(f"double {argument}" for argument in ARGUMENTS)
-    values = ", ".join(ARGUMENTS)
-    header = f"""/*
-{_commented(exported.comments, " *")}
- */
-#ifndef {name.upper()}_H
-#define {name.upper()}_H
-#define {name.upper()}_STATES {len(program.states)}
-
-typedef struct {{
-  double s[{name.upper()}_STATES];
-}} {name}_state;
-
-void {name}_start({name}_state *state, double position, double velocity);
-double {name}_step({name}_state *state, {arguments});
-/* Drive force of a desired motion: mass * acceleration + force. */
-double {name}_feedforward({name}_state *state, {arguments});
-
-#endif
-"""
+    name = program.name
     constants = "\n".join(
         f"static const double {key} = {value!r}; /* {program.comments.get(key, '')} */"
         for key, value in program.parameters.items()
@@ -124,7 +107,6 @@ double {name}_feedforward({name}_state *state, {arguments});
     locals_ = ", ".join(f"{local} = 0.0" for local in _plain_locals(step))
     body = "\n".join(printer.block(step.body, "  "))
     starts = "\n".join(f"  state->s[{k}] = {start};" for k, start in enumerate(program.starts))
-    table = ",\n".join("    {" + ", ".join(map(repr, (*row, f))) + "}" for row, f in zip(rows, force))
     unused = " ".join(f"(void){argument};" for argument in ARGUMENTS)
     source = f"""#include "{name}.h"
 
@@ -140,17 +122,46 @@ void {name}_start({name}_state *state, double position, double velocity) {{
 {starts}
 }}
 
-double {name}_step({name}_state *state, {arguments}) {{
+double {name}_step({name}_state *state, {_C_ARGUMENTS}) {{
   double *s = state->s;
   double {locals_};
   {unused}
 {body}
 }}
 
-double {name}_feedforward({name}_state *state, {arguments}) {{
-  return mass_of_{name} * acceleration + {name}_step(state, {values});
+double {name}_feedforward({name}_state *state, {_C_ARGUMENTS}) {{
+  return mass_of_{name} * acceleration + {name}_step(state, {", ".join(ARGUMENTS)});
 }}
+"""
+    return {f"{name}.h": _c_header(exported), f"{name}.c": source + _c_test(exported)}
 
+
+def _c_header(exported: Exported) -> str:
+    name = exported.program.name
+    return f"""/*
+{_commented(exported.comments, " *")}
+ */
+#ifndef {name.upper()}_H
+#define {name.upper()}_H
+#define {name.upper()}_STATES {len(exported.program.states)}
+
+typedef struct {{
+  double s[{name.upper()}_STATES];
+}} {name}_state;
+
+void {name}_start({name}_state *state, double position, double velocity);
+double {name}_step({name}_state *state, {_C_ARGUMENTS});
+/* Drive force of a desired motion: mass * acceleration + force. */
+double {name}_feedforward({name}_state *state, {_C_ARGUMENTS});
+
+#endif
+"""
+
+
+def _c_test(exported: Exported) -> str:
+    name, (rows, force) = exported.program.name, exported.check()
+    table = ",\n".join("    {" + ", ".join(map(repr, (*row, f))) + "}" for row, f in zip(rows, force))
+    return f"""
 #ifdef {name.upper()}_SELF_TEST
 #include <stdio.h>
 int main(void) {{
@@ -171,12 +182,9 @@ int main(void) {{
 }}
 #endif
 """
-    return {f"{name}.h": header, f"{name}.c": source}
 
 
 def _plain_locals(step: ast.FunctionDef) -> list[str]:
-    from sim.export.languages import locals_of
-
     return [local for local in locals_of(step) if local != "s"]
 
 
@@ -233,6 +241,12 @@ end
     }
 
 
+_MODELICA_HELPERS = tuple(
+    f"function {name}_of\n  input Real x;\n  output Real y;\nalgorithm\n  y := {law};\nend {name}_of;"
+    for name, law in (("log1p", "log(1 + x)"), ("expm1", "exp(x) - 1"))
+)
+
+
 def _modelica(exported: Exported) -> dict[str, str]:
     program, name = exported.program, exported.program.name
     printer = Modelica()
@@ -263,19 +277,7 @@ def _modelica(exported: Exported) -> dict[str, str]:
   discrete output Real force(start = 0, fixed = true) "opposes positive motion";
 protected
   discrete Real s[{count}];
-  function log1p_of
-    input Real x;
-    output Real y;
-  algorithm
-    y := log(1 + x);
-  end log1p_of;
-  function expm1_of
-    input Real x;
-    output Real y;
-  algorithm
-    y := exp(x) - 1;
-  end expm1_of;
-{_indented(functions)}
+{_indented([*_MODELICA_HELPERS, *functions])}
   function step_of
   input Real s_in[{count}];
 {inputs}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -48,8 +49,7 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
             f"stage: a step of {step:g} s is too long for a mode of {quickest:.0f} Hz; at most "
             f"{1.0 / (STEPS_A_CYCLE * quickest):.2g} s"
         )
-    stage, pads, tip, contact, piezo = machine.stage, machine.pads, machine.tip, machine.contact, machine.piezo
-    response = piezo_response(piezo)
+    stage, pads, contact = machine.stage, machine.pads, machine.contact
     centre = np.asarray(stage.centre, dtype=float)
     pad_springs, contact_springs = slip_springs(parabola), slip_springs(mindlin)
     pad_slope, contact_slope = float(np.sum(pad_springs.stiffness)), float(np.sum(contact_springs.stiffness))
@@ -87,34 +87,51 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         centre_start=centre + [rest.position, 0.0, 0.0],
         tip_at=np.ascontiguousarray(machine.actuators, dtype=float),
         apex_rest=np.ascontiguousarray(rest.apex_heights, dtype=float),
-        tip_mass=tip.mass,
-        tip_inertia=tip.inertia,
-        tip_moment=tip.moment if tip.sways else 0.0,
-        tip_height=tip.height,
-        sway_stiffness=tip.sway_stiffness if tip.sways else 0.0,
-        sway_damping=tip.sway_damping,
-        sway_play=tip.sway_play,
-        sway_stop=tip.sway_stop,
-        piezo_at=np.ascontiguousarray(tip.piezo_places, dtype=float),
-        piezo_stiffness=tip.stiffness,
-        piezo_damping=tip.damping,
+        **_tip_constants(machine),
         contact_rate=contact.rate,
         contact_damping=contact.damping,
         contact_friction=contact.friction,
         contact_ratio=contact.tangential_ratio,
         contact_stiffness_shares=contact_springs.stiffness / contact_slope,
         contact_cap_shares=contact_springs.limit,
-        amplifier_rate=2.0 * math.pi * piezo.bandwidth,
-        voltage_rate=piezo.voltage_rate,
-        voltage_high=piezo.highest_voltage,
-        bias=piezo.bias,
-        gain=response.gain,
-        strength=response.strength,
-        thresholds=response.thresholds,
-        weights=response.weights,
-        creep_weights=response.creep_weights,
-        creep_rates=response.creep_rates,
+        **_piezo_constants(machine),
     )
+
+
+def _tip_constants(machine: StageMachine) -> dict[str, Any]:
+    """Masses, stiffnesses and places of the tip and its piezos."""
+    tip = machine.tip
+    return {
+        "tip_mass": tip.mass,
+        "tip_inertia": tip.inertia,
+        "tip_moment": tip.moment if tip.sways else 0.0,
+        "tip_height": tip.height,
+        "sway_stiffness": tip.sway_stiffness if tip.sways else 0.0,
+        "sway_damping": tip.sway_damping,
+        "sway_play": tip.sway_play,
+        "sway_stop": tip.sway_stop,
+        "piezo_at": np.ascontiguousarray(tip.piezo_places, dtype=float),
+        "piezo_stiffness": tip.stiffness,
+        "piezo_damping": tip.damping,
+    }
+
+
+def _piezo_constants(machine: StageMachine) -> dict[str, Any]:
+    """Limits of the amplifier and the response of the stacks."""
+    piezo = machine.piezo
+    response = piezo_response(piezo)
+    return {
+        "amplifier_rate": 2.0 * math.pi * piezo.bandwidth,
+        "voltage_rate": piezo.voltage_rate,
+        "voltage_high": piezo.highest_voltage,
+        "bias": piezo.bias,
+        "gain": response.gain,
+        "strength": response.strength,
+        "thresholds": response.thresholds,
+        "weights": response.weights,
+        "creep_weights": response.creep_weights,
+        "creep_rates": response.creep_rates,
+    }
 
 
 def make_state(machine: StageMachine, rest: Rest) -> State:
