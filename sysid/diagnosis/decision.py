@@ -130,7 +130,8 @@ def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: fr
         return Decision("missing-effect", best, ledger, words, best_curve, best_named, first.words)
     gain = None if fair is None else fair.gain
     notable = gain is not None and gain.loss >= NOTABLE_SHARE * reference.loss and gain.z >= CERTAIN_Z
-    if noise.plausible and not (notable and reference.loss > noise.loss):
+    # Below the noise as far as it is known, a dependence is one of the estimate of its level.
+    if noise.plausible and not (notable and reference.loss > 1.0):
         words = "no effect and no coordinate explains the residual"
         if noise.adequate_loss > NOISE_FACTOR:
             words += (

@@ -313,26 +313,17 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
         added: names of the effects of the stated model that were added to it before.
         recurring: coordinates whose values recur.
     """
-    whole = _Set(search, noise, tuple(added), _selected(search, noise, added), recurring)
-    entries: list[Entry] = []
-    while whole.model.added:
-        judged = [entry for effect in whole.model.added if (entry := _judged(whole, effect)) is not None]
-        judged.sort(key=lambda entry: -entry.gain)
-        if not judged:
-            break
-        if any(entry.state == "established" for entry in judged):
-            entries = [*judged, *entries]
-            break
-        # Each may replace the others: the weakest is removed, and the rest is judged alone.
-        entries = [judged[-1], *entries]
-        below = search.without(whole.model, judged[-1].effect.name)
-        if below is None:
-            break
-        whole = replace(whole, model=below)
+    whole = _Set(search, noise, tuple(added), search.stated, recurring)
+    whole, entries = _judged_set(whole, _selected(whole, search.ranked))
+    if not _any_established(entries) and search.reference.held_out.loss > noise:
+        # A mimic of two effects may gain more than either of them alone: the search begins again with both.
+        other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
+        if _any_established(of_pair):
+            whole, entries = other, of_pair
     model = whole.model
     for entry in [e for e in entries if e.state != "established" and e.effect.name in model.names]:
         model = search.without(model, entry.effect.name) or model
-    if not any(entry.state == "established" for entry in entries):
+    if not _any_established(entries):
         model = search.stated
     final = replace(whole, model=model)
     order = {"established": 0, "possible": 1, "refused": 2}
@@ -347,14 +338,36 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     )
 
 
-def _selected(search: ModelSearch, noise: float, added: Sequence[str]) -> Candidate:
-    """The model with the set of effects found by forward selection, without those that fail in the complete set."""
-    model = search.stated
-    while len(model.added) < MOST_EFFECTS and model.held_out.loss > noise:
-        options = [c for c in search.step(model) if _is_step(model, c)]
-        options = [c for c in options if _beyond_form_errors(search, model, c, added)]
-        if not options and not model.added:
-            options = [pair for pair in search.pairs if _is_step(model, pair)]
+def _any_established(entries: Sequence[Entry]) -> bool:
+    return any(entry.state == "established" for entry in entries)
+
+
+def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
+    """A set of effects with an entry for each; where none is established in it, a smaller one in which some is."""
+    whole, entries = replace(whole, model=model), []
+    while whole.model.added:
+        judged = [entry for effect in whole.model.added if (entry := _judged(whole, effect)) is not None]
+        judged.sort(key=lambda entry: -entry.gain)
+        if not judged:
+            break
+        if _any_established(judged):
+            return whole, [*judged, *entries]
+        # Each may replace the others: the weakest is removed, and the rest is judged alone.
+        entries = [judged[-1], *entries]
+        below = whole.search.without(whole.model, judged[-1].effect.name)
+        if below is None:
+            break
+        whole = replace(whole, model=below)
+    return whole, entries
+
+
+def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
+    """The model with the set of effects found by forward selection, without those that fail in the complete set; it
+    begins with one of the candidates `first`."""
+    search, model = whole.search, whole.search.stated
+    while len(model.added) < MOST_EFFECTS and model.held_out.loss > whole.noise:
+        options = [c for c in (search.step(model) if model.added else first) if _is_step(model, c)]
+        options = [c for c in options if _beyond_form_errors(search, model, c, whole.added)]
         if not options:
             break
         found = search.converged(simplest(model, options))
@@ -367,9 +380,8 @@ def _selected(search: ModelSearch, noise: float, added: Sequence[str]) -> Candid
 def _is_step(model: Candidate, larger: Candidate) -> bool:
     """Whether a larger model gains enough to be a step of the selection."""
     gain = model.held_out.gain_of(larger.held_out)
-    least = max(STEP_GAIN * model.held_out.loss, 0.0)
-    fitted = larger.fitted.fit.residual.size != model.fitted.fit.residual.size or (larger.fit_gain > model.fit_gain)
-    return larger.implausible is None and gain.loss >= least and gain.z >= STEP_Z and fitted
+    enough = gain.loss >= STEP_GAIN * model.held_out.loss and gain.z >= STEP_Z
+    return larger.implausible is None and enough and larger.fit_gain > model.fit_gain
 
 
 def _beyond_form_errors(search: ModelSearch, model: Candidate, larger: Candidate, added: Sequence[str]) -> bool:
