@@ -39,9 +39,12 @@ from benchmarks.pool import process_pool  # noqa: E402
 from benchmarks.result_table import Names, table  # noqa: E402
 from benchmarks.scoring import (  # noqa: E402
     Outcome,
-    both_found,
+    all_found,
+    established,
     first_right,
+    hidden_effects,
     kind_of,
+    not_hidden,
     plain,
     said,
     share_of,
@@ -94,7 +97,7 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         case=folder.name,
         kind=kind,
         rig=entry["rig"],
-        effect=entry["effect"],
+        effect="+".join(hidden_effects(entry)) or entry["effect"],
         size=size_of(entry),
         hard=bool(entry.get("hard")),
         right=False,
@@ -113,11 +116,16 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         seconds = time.perf_counter() - start
         verdict, names = said(document)
         where = [row["coordinate"] for row in document.get("where", [])]
+        several, listed = kind in ("pair", "chain"), established(document)
         out = replace(
             out,
             right=first_right(document, entry),
             said=verdict,
             tied=max(len(names), 1),
+            at_once=all_found(hidden_effects(entry), listed) if several else None,
+            established=tuple(names[0] for names in listed),
+            false=not_hidden(listed, entry),
+            remainder=document.get("remainder", {}).get("over_noise"),
             seconds=seconds,
             best_named=share_of(document, "best_named", "effect"),
             free_curve=share_of(document, "free_curve", "coordinate"),
@@ -139,11 +147,11 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
                     break
         except Exception as error:
             failed = f"{type(error).__name__}: {error}"
-            return replace(out, failed=failed, added=tuple(added), both=False if kind == "pair" else None)
+            return replace(out, failed=failed, added=tuple(added), both=False if several else None)
         return replace(
             out,
             added=tuple(added),
-            both=both_found(entry["effect"], told) if kind == "pair" else None,
+            both=all_found(hidden_effects(entry), told) if several else None,
             held_out=worst_over_noise(document.get("before", {})) if out.right else None,
             stopped=(len(added) == 1) if kind == "single" and out.right else None,
         )

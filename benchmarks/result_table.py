@@ -39,7 +39,8 @@ def _asked(outcomes: Sequence[Outcome]) -> list[str]:
     clear = [o for o in single if o.size in ("strong", "moderate")]
     none = [o for o in outcomes if o.kind == "none"]
     unlisted = [o for o in outcomes if o.kind == "unexplained"]
-    pairs = [o for o in outcomes if o.kind == "pair"]
+    pairs, chains = ([o for o in outcomes if o.kind == kind] for kind in ("pair", "chain"))
+    told = [name in o.false for o in outcomes for name in o.established]
     named = [o for o in outcomes if o.kind in ("single", "pair") and o.said not in (ADEQUATE, UNEXPLAINED, "failed")]
     return [
         "first name right, or in a named tie of at most three",
@@ -58,7 +59,13 @@ def _asked(outcomes: Sequence[Outcome]) -> list[str]:
         _line("right coordinate first, where unexplained", (bool(o.where_right) for o in unlisted if o.right)),
         "two hidden effects",
         _line("both found", (o.both for o in pairs if o.both is not None), 90),
+        _line("both in the first ledger", (o.at_once for o in pairs if o.at_once is not None), 90),
         _line("first name right", (o.right for o in pairs)),
+        "three hidden effects or more",
+        _line("all found", (o.both for o in chains if o.both is not None), 75),
+        _line("all in the first ledger", (o.at_once for o in chains if o.at_once is not None), 75),
+        "effects established in the first ledger",
+        _line("false ones", told, 3, at_most=True),
     ]
 
 
@@ -149,7 +156,8 @@ def _missed(outcomes: Sequence[Outcome]) -> list[str]:
     lines = ["\nmissed"]
     for o in outcomes:
         why = [] if o.right else [o.said]
-        why += [f"not both found: {' then '.join(o.added) or 'nothing'} added"] if o.both is False else []
+        why += [f"not hidden: {', '.join(o.false)}"] if o.false else []
+        why += [f"not all found: {' then '.join(o.added) or 'nothing'} added"] if o.both is False else []
         why += ["wrong coordinate first"] if o.right and o.where_right is False else []
         why += [o.failed] if o.failed else []
         if why:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Any
 
 LARGEST_TIE = 3
@@ -21,12 +22,16 @@ class Outcome:
 
     Args:
         case: folder's name.
-        kind: `single`, `pair`, `none` or `unexplained`.
+        kind: `single`, `pair`, `chain` (three or more), `none` or `unexplained`.
         right: the verdict is right: first name right or in a named tie of at most three; adequate; unexplained.
         said: the verdict in words.
         tied: how many effects were named together.
         where_right: for an unlisted effect, whether the first coordinate is right; none otherwise.
-        both: for a pair, whether both were found; none otherwise.
+        both: for a pair or a chain, whether every effect was found; none otherwise.
+        at_once: the same of the ledger of the first diagnosis.
+        established: effects that the first ledger establishes.
+        false: those of them that are not hidden.
+        remainder: error over noise on the held-out record with all of them.
         started: error over noise on the held-out record before anything was added.
         held_out: error over noise on the held-out record in the end; none where nothing was added rightly.
         stopped: after a single effect was added, whether the loop stopped; none where not followed.
@@ -48,6 +53,10 @@ class Outcome:
     tied: int = 1
     where_right: bool | None = None
     both: bool | None = None
+    at_once: bool | None = None
+    established: tuple[str, ...] = ()
+    false: tuple[str, ...] = ()
+    remainder: float | None = None
     started: float | None = None
     held_out: float | None = None
     stopped: bool | None = None
@@ -84,7 +93,14 @@ def kind_of(entry: dict[str, Any]) -> str:
         return "none"
     if entry["effect"].startswith("UNKNOWN"):
         return "unexplained"
-    return "pair" if "+" in entry["effect"] else "single"
+    return ("single", "pair", "chain")[min(len(hidden_effects(entry)), 3) - 1]
+
+
+def hidden_effects(entry: dict[str, Any]) -> list[str]:
+    """Names of the hidden effects of a key's entry; empty where nothing is hidden, or an effect of no library."""
+    if entry["effect"] == "none" or entry["effect"].startswith("UNKNOWN"):
+        return []
+    return list(entry.get("hidden") or entry["effect"].split("+"))
 
 
 def size_of(entry: dict[str, Any]) -> str:
@@ -130,18 +146,25 @@ def first_right(document: dict[str, Any], entry: dict[str, Any]) -> bool:
     return verdict in accept
 
 
-def both_found(effect: str, told: Sequence[Sequence[str]]) -> bool:
-    """Whether every effect of a pair `a+b` was added, or told in a tie of at most three: each by a round of its own.
-
-    Args:
-        effect: the pair.
-        told: of each round, the name that was added and those in a tie with it.
-    """
-    first, second = (
-        {k for k, names in enumerate(told) if any(same(name, other) for other in names[:LARGEST_TIE])}
-        for name in effect.split("+")
+def all_found(effects: Sequence[str], told: Sequence[Sequence[str]]) -> bool:
+    """Whether every effect was told, or is in a tie of at most three: each by a round, or an entry, of its own."""
+    rounds = [names[:LARGEST_TIE] for names in told]
+    return any(
+        all(any(same(name, other) for other in names) for name, names in zip(effects, chosen, strict=True))
+        for chosen in permutations(rounds, len(effects))
     )
-    return any(j != k for j in first for k in second)
+
+
+def established(document: dict[str, Any]) -> list[list[str]]:
+    """Name and ties of each effect that the ledger of a document establishes; copies of one effect once."""
+    rows = [row for row in document.get("ledger", []) if row["state"] == "established"]
+    return list({plain(row["effect"]): [plain(row["effect"]), *row["indistinguishable"]] for row in rows}.values())
+
+
+def not_hidden(told: Sequence[Sequence[str]], entry: dict[str, Any]) -> tuple[str, ...]:
+    """Effects that were told and are not hidden, nor tied with a hidden one."""
+    true = [*hidden_effects(entry), *entry["accept"]] if hidden_effects(entry) else []
+    return tuple(names[0] for names in told if not any(same(name, other) for name in names for other in true))
 
 
 def worst_over_noise(stage: dict[str, Any]) -> float | None:

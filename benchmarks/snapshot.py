@@ -31,7 +31,7 @@ from typing import Any
 
 import ezdxf
 
-from benchmarks.scoring import both_found, first_right, said
+from benchmarks.scoring import all_found, first_right, hidden_effects, said
 
 # Largest relative difference that is none, of each section; and one in SI units that is rounding about zero.
 TOLERANCE = {"checks": 1e-9, "dimensions": 1e-9, "thesis": 1e-6, "practice": 1e-6}
@@ -156,7 +156,7 @@ def diagnosis(program: Program, folder: Path, entry: dict[str, Any]) -> dict[str
             program.run(["add", str(work), document["effect"]])
             told.append(names)
             document = program.run(["diagnose", str(work), "--no-figures"])[0]
-        right = right and both_found(entry["effect"], told)
+        right = right and all_found(hidden_effects(entry), told)
     return {"diagnosis": first, "told": told, "right": right}
 
 

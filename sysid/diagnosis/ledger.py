@@ -427,7 +427,12 @@ def _judged(whole: _Set, effect: Effect) -> Entry | None:
         behind = [(c.held_out.loss - whole.model.held_out.loss) / evidence.gain for c in rivals]
         evidence = replace(evidence, margin=min(behind, default=np.inf))
         state, reason = judge(evidence, whole.explained, whole.refuted_by)
-        tied = [c for c in rivals if is_tied(c, whole.model, evidence.gain)]
+        # One with more parameters that gains no more contains this effect.
+        model = whole.model
+        simple = [
+            c for c in rivals if c.parameter_count <= model.parameter_count or c.held_out.loss < model.held_out.loss
+        ]
+        tied = [c for c in simple if is_tied(c, model, evidence.gain)]
         ties = tuple(dict.fromkeys(public_name(c.added[-1].name) for c in tied))[:2]
     below = whole.search.without(whole.model, effect.name)
     return Entry(effect, state, reason, whole.model, evidence, ties, below)

@@ -380,11 +380,11 @@ def without_added(model: Model, name: str, stated: Model, scales: Scales) -> Mod
     """The model without the effect of a name, or every effect of a public name; a friction state model is replaced by
     that of the `stated` model, or rigid friction, at the same friction limit."""
     for effect in [e for e in model.effects if name in (e.name, public_name(e.name))]:
-        if effect.friction_state is None or in_contact(effect):
+        before = next((e for e in stated.effects if e.friction_state is not None and not in_contact(e)), None)
+        core = rigid_friction() if before is None or before.name == effect.name else before
+        if effect.friction_state is None or in_contact(effect) or core.name == effect.name:
             model = without_effect(model, effect.name)
             continue
-        before = next((e for e in stated.effects if e.friction_state is not None and not in_contact(e)), effect)
-        core = rigid_friction() if before.name == effect.name else before
         model = with_effect(model, core, scales)
         known = {u.key: u for u in stated.unknowns if u.key.startswith(f"{core.name}.")}
         values = {key: stated.values[key] for key in known if key != f"{core.name}.force"}

@@ -39,7 +39,8 @@ def find_replacements(search: ModelSearch, added: Sequence[str], others_too: boo
         if not _needed(search, below):
             found.append(_replacement(search, name, below))
             continue
-        best = next(iter(search.step(below) if others_too else []), None)
+        options = [search.converged(option) for option in search.step(below)] if others_too else []
+        best = min(options, key=lambda c: c.held_out.loss, default=None)
         if best is not None and _clearly_better(search, best):
             found.append(_replacement(search, name, best))
     return found

@@ -1,10 +1,10 @@
-"""What counts as both effects of a pair found."""
+"""What counts as every hidden effect found, and as a false one."""
 
 from __future__ import annotations
 
 import pytest
 
-from benchmarks.scoring import both_found
+from benchmarks.scoring import all_found, established, not_hidden
 
 
 @pytest.mark.parametrize(
@@ -20,4 +20,18 @@ from benchmarks.scoring import both_found
     ],
 )
 def test_each_of_a_pair_needs_a_round_of_its_own(told: list[list[str]], right: bool) -> None:
-    assert both_found("sensor_delay+run_in", told) is right
+    assert all_found(["sensor_delay", "run_in"], told) is right
+
+
+def test_false_effects_of_a_ledger() -> None:
+    rows = [
+        ("viscous", "established", []),
+        ("cable_spring", "established", ["constant_bias"]),
+        ("run_in", "possible", []),
+    ]
+    ledger = [{"effect": name, "state": state, "indistinguishable": ties} for name, state, ties in rows]
+    told = established({"ledger": ledger})
+    assert told == [["viscous"], ["cable_spring", "constant_bias"]]
+    entry = {"effect": "constant_bias+stribeck", "accept": ["stribeck", "constant_bias"]}
+    assert not_hidden(told, entry) == ("viscous",)
+    assert not_hidden(told, {"effect": "none", "accept": ["adequate"]}) == ("viscous", "cable_spring")

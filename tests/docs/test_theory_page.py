@@ -14,5 +14,5 @@ def test_constants_are_those_of_the_code() -> None:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     text = (DOCS / "theory.md").read_text(encoding="utf-8")
-    assert text.count("| `LEAST_SIGNIFICANCE` |") == 1
+    assert text.count("| `CERTAIN_Z` |") == 1
     assert module.with_thresholds(text) == text, "constants have changed: run 'python docs/make_thresholds.py'"

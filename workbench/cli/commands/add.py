@@ -25,22 +25,41 @@ from workbench.cli.options import Run, common_options, experiment_options
     metavar="EFFECT",
     help="Take an effect out of the model on the same rung; may be repeated, with or without an EFFECT to add.",
 )
+@click.option("--all", "every", is_flag=True, help="Diagnose, and add every effect that is certain, each on a rung.")
 @common_options
 @experiment_options
 @click.argument("effects", nargs=-1, metavar="[EFFECT...]")
 def command(
-    run: Run, experiment: Path, effects: tuple[str, ...], undo_last: bool, keys: tuple[str, ...], drop: tuple[str, ...]
+    run: Run,
+    experiment: Path,
+    effects: tuple[str, ...],
+    undo_last: bool,
+    keys: tuple[str, ...],
+    drop: tuple[str, ...],
+    every: bool,
 ) -> None:
     """Add EFFECTs to the model of EXPERIMENT, fit it, write the next rung of its ladder and experiment.toml."""
     if undo_last and (effects or keys or drop):
         raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--drop' if drop else '--write-back'}")
-    if not (undo_last or effects or drop or keys):
+    if every and (effects or keys or drop or undo_last):
+        what = "EFFECT" if effects else "--drop" if drop else "--write-back" if keys else "--undo"
+        raise click.UsageError(f"--all takes no {what}")
+    if not (undo_last or effects or drop or keys or every):
         raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
     from workbench.cli.console import show
     from workbench.operations.measurement.add import add, undo, write_fitted
     from workbench.operations.measurement.experiment import Experiment
     from workbench.operations.measurement.write_back import WriteBack, WrittenBack
 
+    if every:
+        from workbench.cli.console import search_progress
+        from workbench.operations.measurement.add import add_all
+
+        with run.progress() as progress:
+            found = add_all(experiment, run.design, search_progress(progress))
+        show(run, found.lines())
+        run.emit(found.document)
+        return
     if undo_last:
         result = undo(experiment, run.design)
         document = result.to_json()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
 from sysid import ladder as identification
+from sysid.diagnosis.candidate_screening import Progress
 from sysid.estimation.identifiability import public_key
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment import history
@@ -18,7 +19,7 @@ from workbench.operations.lines import Line, Note
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, error_frames, parameter_frame
-from workbench.operations.measurement.statements import held_out_over_noise, in_command
+from workbench.operations.measurement.statements import decision_line, held_out_over_noise, in_command
 from workbench.operations.measurement.tables import (
     PARTS,
     error_table,
@@ -228,7 +229,7 @@ def add(
         raise InputError("add: name at least one effect to add or to drop")
     stated = as_experiment(experiment, design)
     # Checked before the rung is written: values that cannot be written back stop the addition with nothing done.
-    accept = {} if write_back is None else {"accept": write_back.check}
+    accept: dict[str, Any] = {} if write_back is None else {"accept": write_back.check}
     computed = identification.add_effects(stated.problem, effects, as_design_values(stated.design), drop, **accept)
     if computed.experiment is None:
         grown = Experiment.load(stated.stated.path, stated.design)
@@ -242,6 +243,51 @@ def add(
     except (InputError, OSError) as error:
         raise InputError(f"{error}; rung {number:03d} was added all the same") from None
     return Addition(grown, computed, written)
+
+
+class AllAdditions:
+    """A diagnosis, and one rung for each effect that it established, in the order of its ledger."""
+
+    def __init__(self, found: identification.Diagnosis, steps: Sequence[Addition]) -> None:
+        self.found = found
+        self.steps = tuple(steps)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The document of `stagecad add --all --json`."""
+        return finite(identification.additions_json(self.found, [step.computed for step in self.steps]))
+
+    def lines(self) -> Iterator[Line]:
+        """What `stagecad add --all` prints: the finding, and tables of each rung."""
+        yield decision_line(self.found)
+        for step in self.steps:
+            yield from step.lines()
+        if not self.steps:
+            yield "nothing was added: no effect is certain"
+
+
+def add_all(
+    experiment: Experiment | str | Path, design: Design | None = None, progress: Progress | None = None
+) -> AllAdditions:
+    """Diagnose an experiment, and add every effect that certainly acts, each on a rung of its own.
+
+    Args:
+        experiment: the experiment, or its folder, which is changed.
+        design: where the folder's file states a value as `"design"`.
+        progress: called with a name, a count and a total.
+
+    Raises:
+        InputError: as `add`.
+    """
+    stated = as_experiment(experiment, design)
+    found, steps = identification.add_all(stated.problem, as_design_values(stated.design), progress)
+    grown = [
+        Experiment.load(stated.stated.path, stated.design)
+        if step.experiment is None
+        else Experiment(step.experiment, stated.design)
+        for step in steps
+    ]
+    return AllAdditions(found, [Addition(one, step) for one, step in zip(grown, steps, strict=True)])
 
 
 def write_fitted(experiment: Experiment, write_back: WriteBack) -> tuple[WrittenBack, dict[str, Any]]:

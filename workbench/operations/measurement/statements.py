@@ -122,14 +122,16 @@ def summary_sentence(errors: Mapping[str, Mapping[str, Any]], following: str = "
 def verdict_title(found: Diagnosis) -> str:
     """The verdict of a diagnosis in a few words."""
     titles = {"adequate": "Nothing is missing", "unexplained": "No effect of the library explains the residual"}
-    return titles.get(found.verdict, f"{found.effect} is missing")
+    several = len(found.ledger.established) > 1
+    missing = f"{established_text(found)} are missing" if several else f"{found.effect} is missing"
+    return titles.get(found.verdict, missing)
 
 
 def decision_line(found: Diagnosis) -> str:
     """The decision (`missing`, `adequate` or `unexplained`), a colon, and its statement."""
     statement = diagnosis_statement(found)
     if found.effect:
-        return f"missing: {statement.replace(' is missing', '', 1)}"
+        return f"missing: {statement.replace(' is missing', '', 1).replace(' are missing', '', 1)}"
     return f"adequate: {found.reason}." if found.verdict == "adequate" else f"{found.verdict}: {statement}"
 
 
@@ -143,30 +145,49 @@ def diagnosis_statement(found: Diagnosis) -> str:
         rivals = rivals_text(found)
         return f"{title}: {rivals or found.reason}. It depends on {depends or 'no recorded coordinate'}."
     channel = worst_channel(found.problem, found.before_validate)
-    before, after = found.before_validate[channel], found.best.after_validate[channel]
+    model = found.best if found.decision.detected_by else found.ledger.model
+    before, after = found.before_validate[channel], model.after_validate[channel]
     unit = channel_unit(found.problem, channel)
     rms = f"{quantity_text(before.rms, unit)} to {quantity_text(after.rms, unit)}"
     ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
     error = f"the error of {channel.replace('_', ' ')} on the held-out records"
+    them = "them" if len(found.ledger.established) > 1 else "it"
     if found.decision.detected_by:
         return f"{title}: {found.decision.detected_by}. With it {error} changes from {rms}, {ratio}."
     if dominated_by_few_samples(before, after):
-        text = f"{title}. With it {error} falls {ratio}."
+        text = f"{title}. With {them} {error} falls {ratio}."
         text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
     else:
-        text = f"{title}. With it {error} falls from {rms}, {ratio}."
-    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(found.best.after_fit, {}))
+        text = f"{title}. With {them} {error} falls from {rms}, {ratio}."
+    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(model.after_fit, {}))
     if fit[0] > CLEARLY_WORSE * before.over_noise or fit[1] > CLEARLY_WORSE * after.over_noise:
         text += f" On the fit records it falls from {over_noise_text(fit[0])} to {over_noise_text(fit[1])}."
+    text += _remainder_text(found, after)
     if depends:
-        text += f" Without it the residual depends on {depends}."
-    if found.unexplained_share > NEGLIGIBLE_SHARE:
-        text += f" {found.effect} explains {100 * (1.0 - found.unexplained_share):.0f} % of the misfit"
-        curve = found.decision.free_curve
-        if curve is not None and curve.share > 1.0 - found.unexplained_share:
-            text += f"; {_curve_text(curve)} explains {100 * curve.share:.0f} %"
-        text += "."
+        text += f" Without {them} the residual depends on {depends}."
     return text
+
+
+def established_text(found: Diagnosis) -> str:
+    """The effects that certainly act, largest gain first, each with the number of its periods."""
+    count: dict[str, int] = {}
+    for entry in found.ledger.established:
+        count[entry.name] = count.get(entry.name, 0) + 1
+    names = [name if many == 1 else f"{name} ({many} periods)" for name, many in count.items()]
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else "".join(names)
+
+
+def _remainder_text(found: Diagnosis, after: ChannelMisfit) -> str:
+    """How much of the signal is explained, how much of the misfit is left, and on what that depends."""
+    left = found.unexplained_share
+    text = f" The model then explains {after.fit_percent:.0f} % of the signal" if after.fit_percent > 0.0 else ""
+    if left <= NEGLIGIBLE_SHARE:
+        return f"{text}." if text else ""
+    text += f"{' and' if text else ' It'} leaves {100 * left:.0f} % of the misfit"
+    if found.ledger.coordinate:
+        name = COORDINATE_NAMES.get(found.ledger.coordinate, found.ledger.coordinate.replace("_", " "))
+        text += f", which depends on {name}"
+    return f"{text}."
 
 
 def rivals_text(found: Diagnosis) -> str:
@@ -194,6 +215,8 @@ def in_command(folder: Path) -> str:
 def next_step_statement(found: Diagnosis) -> str:
     """Possible next steps where more is missing than the effect named, or nothing is named; else empty."""
     folder = in_command(found.problem.experiment.folder)
+    if found.best is not None and len(found.ledger.established) > 1:
+        return f"To add them one after the other: 'stagecad add {folder} --all'."
     if found.best is not None and found.unexplained_share > NEGLIGIBLE_SHARE:
         return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."
     if found.verdict != "unexplained":
