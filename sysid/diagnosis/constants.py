@@ -28,8 +28,8 @@ MOST_AMPLITUDE = 2.0
 """Largest factor between the amplitude of an effect on the held-out records and the fitted one."""
 
 MOST_FORM_ERROR = 0.1
-"""Largest gain of a free curve of an effect's own coordinates on top of it, over its own gain: less than a straight line
-leaves of a cubic law in sinusoidal motion (1 - (3/8)^2/(1/2 5/16) = 0.1, over 0.9)."""
+"""Largest gain of a free curve of an effect's own coordinates on top of it, over its own gain: less than a straight
+line leaves of a cubic law in sinusoidal motion (1 - (3/8)^2/(1/2 5/16) = 0.1, over 0.9)."""
 
 FORM_ERROR = 0.08
 """Relative error of the form of a law: twice the median error of published laws of one effect, fitted to each other

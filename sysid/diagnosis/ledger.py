@@ -320,11 +320,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
         other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
         if _any_established(of_pair):
             whole, entries = other, of_pair
-    model = whole.model
-    for entry in [e for e in entries if e.state != "established" and e.effect.name in model.names]:
-        model = search.without(model, entry.effect.name) or model
-    if not _any_established(entries):
-        model = search.stated
+    model = whole.model if _any_established(entries) else search.stated
     final = replace(whole, model=model)
     order = {"established": 0, "possible": 1, "refused": 2}
     entries.sort(key=lambda entry: (order[entry.state], -entry.gain))
@@ -350,14 +346,17 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
         judged.sort(key=lambda entry: -entry.gain)
         if not judged:
             break
-        if _any_established(judged):
+        left_out = [entry for entry in judged if entry.state != "established"]
+        if not left_out:
             return whole, [*judged, *entries]
-        # Each may replace the others: the weakest is removed, and the rest is judged alone.
-        entries = [judged[-1], *entries]
-        below = whole.search.without(whole.model, judged[-1].effect.name)
-        if below is None:
-            break
-        whole = replace(whole, model=below)
+        if len(left_out) == len(judged):
+            # Each may replace the others: the weakest is removed, and the rest is judged alone.
+            left_out = left_out[-1:]
+        entries = [*left_out, *entries]
+        model = whole.model
+        for entry in left_out:
+            model = whole.search.without(model, entry.effect.name) or whole.search.stated
+        whole = replace(whole, model=model)
     return whole, entries
 
 
