@@ -35,9 +35,11 @@ def check(r):
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     from designcalc.checks import own_checks
 
-    monkeypatch.chdir(tmp_path)
+    work = tmp_path / "work"
+    work.mkdir()
+    monkeypatch.chdir(work)
     monkeypatch.setattr(own_checks, "OWN", own_checks.OWN)
-    yield tmp_path
+    yield work
     own_checks.OWN.clear()
 
 
