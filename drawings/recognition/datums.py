@@ -28,7 +28,10 @@ def proposed_datums(verifier: DimensionVerifier, features: Features, views: Sequ
     """The axis of a turned part and its largest end face; else the largest faces at right angles to each other."""
     used: list[Point] = []
     letters = iter("ABC")
-    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
+    # The outline of a bore about the same axis would be taken for that of the shaft.
+    bored = {face.axis_key for hole in features.holes for face in hole.faces}
+    shafts = [one for one in features.shafts if one.face.axis_key not in bored]
+    shaft = max(shafts, key=lambda one: one.radius, default=None)
     if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
         axis = positive(shaft.face.axis)
         at = moved(

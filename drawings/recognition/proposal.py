@@ -360,8 +360,8 @@ class _Builder:
             groups[round(face.high[number] - face.low[number], 3)].append((face, positive(along)))
         for number, (leg, faces) in enumerate(groups.items(), start=1):
             face, along = faces[0]
-            point = middle_of_face(face)
             view = self._chamfer_view(face, along)
+            point = _on_outline(face, view) if face.kind == "CONE" else middle_of_face(face)
             count = {"count": len(faces)} if len(faces) > 1 else {}
             self.add("chamfer", f"chamfer {number}", leg, tidy(point), along, view=view, **count)
 
@@ -521,6 +521,17 @@ class _Builder:
         step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
         u, v = PROJECTIONS[view].to_view(AXES[name])
         return round(abs(step[0] * v - step[1] * u), 3)
+
+
+def _on_outline(cone: Surface, view: str) -> Point:
+    """A point of a conical chamfer where a view shows its outline."""
+    levels = [dot(vertex, cone.axis) for vertex in cone.vertices]
+    radii = [cone.off_axis(vertex) for vertex in cone.vertices]
+    middle = (min(levels) + max(levels)) / 2
+    foot = moved(cone.origin, cone.axis, middle - dot(cone.origin, cone.axis))
+    across = cross(PROJECTIONS[view].towards_eye, cone.axis)
+    sides = (moved(foot, across, side * (min(radii) + max(radii)) / 2) for side in (1.0, -1.0))
+    return next((point for point in sides if cone.holds(tidy(point))), middle_of_face(cone))
 
 
 def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:

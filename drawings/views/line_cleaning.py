@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from itertools import chain, groupby
+from operator import itemgetter
 from typing import TypeVar
 
 import numpy as np
@@ -158,13 +159,14 @@ def _arcs(visible: list[Arc], hidden: list[Arc]) -> tuple[list[Arc], list[Arc]]:
     seen: list[Arc] = []
     behind: list[Arc] = []
 
-    def circle(item: tuple[Arc, bool]) -> tuple[float, float, float]:
-        arc = item[0]
+    def circle(arc: Arc) -> tuple[float, float, float]:
         return (round(arc.centre[0], 3) + 0.0, round(arc.centre[1], 3) + 0.0, round(arc.radius, 3))
 
-    marked = [(a, False) for a in visible] + [(a, True) for a in hidden]
-    for _, same in groupby(sorted(marked, key=circle), key=circle):
-        group = list(same)
+    marked = sorted(
+        ((circle(a), side, a) for side, arcs in enumerate((visible, hidden)) for a in arcs), key=itemgetter(0)
+    )
+    for _, same in groupby(marked, key=itemgetter(0)):
+        group = [(arc, bool(side)) for _, side, arc in same]
         pattern = group[0][0]
         gap = math.degrees(NEAR / pattern.radius)
         shown = joined((span for a, is_hidden in group if not is_hidden for span in _turns(a)), gap)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Dimension, Point
 
@@ -130,7 +130,21 @@ class DimensionVerifier:
 
     def is_inside(self, point: Point) -> bool:
         """Whether a point is in the material."""
-        return any(solid.isInside(point) for solid in self.solid.Solids())  # pyright: ignore[reportAttributeAccessIssue]
+        from OCP.gp import gp_Pnt  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+        from OCP.TopAbs import TopAbs_IN  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+
+        for classifier in self._classifiers:
+            classifier.Perform(gp_Pnt(*point), 1e-6)
+            if classifier.State() == TopAbs_IN:
+                return True
+        return False
+
+    @cached_property
+    def _classifiers(self) -> list[Any]:
+        """The kernel's classifiers of points, which are slow to make."""
+        from OCP.BRepClass3d import BRepClass3d_SolidClassifier  # pyright: ignore[reportAttributeAccessIssue]
+
+        return [BRepClass3d_SolidClassifier(solid.wrapped) for solid in self.solid.Solids()]
 
     def open_ends(self, surface: Surface, along: Point) -> tuple[bool, ...]:
         """For the lower and the upper end of a bore along a direction, True where it is open; only those that are."""
