@@ -129,6 +129,7 @@ class SupportedPlate:
         shorter = min(plate.length, plate.width)
         counts = (round(elements * plate.length / shorter), round(elements * plate.width / shorter))
         self._outline = outline(plate.length, plate.width, plate.poisson, *counts)
+        self.bodies = tuple(bodies)
         shares = [(foot, body.mass / len(body.feet)) for body in bodies for foot in body.feet]
         self._springs, self._masses = list(springs), [*masses, *shares]
         self._spring_rows = [(self._outline.row(place), k) for place, k in springs]

@@ -2,6 +2,7 @@
 
 Coarse: the tip follows its ellipse; the output of the controller is the signed amplitude along the travel. The
 desired speed falls with the square root of the remaining distance; the output is proportional to the speed error.
+Pressing the tip shifts the stage: beyond the reach of the fine loop the run is repeated with the shift learned.
 Fine: the tip is pressed on the drive surface and leans by the integral of the error; the stage follows through contact
 and bending stacks within its presliding, by a small part of the lean. Floor, amplifiers and air disturb both
 (`sim.stage.studies.disturbances`).
@@ -28,15 +29,16 @@ from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
 from sim.stage.waveforms import TipDrive, volts_for
 
 TARGET = 0.5e-3
-COARSE_HEIGHT = 0.5
+COARSE_HEIGHT = 0.25
 """Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DECELERATION = 0.15
 """m/s^2, of the desired speed; a tenth of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
 """Speed error at which the output is full, m/s."""
-HAND_OVER = 0.8
+HAND_OVER, WITHIN_REACH, ATTEMPTS = 0.4, 0.9, 4
 STOPPED = 0.2e-3
-"""The fine loop takes over within this part of its reach of the target, at less than this speed, m/s."""
+"""The tip is pressed within this part of the fine loop's reach of the target, at less than this speed, m/s. Pressed
+beyond that part of the reach, it is lifted again, and the run repeated with the shift taken into account."""
 COARSE_LONGEST = 0.4
 PRESS_TIME = 0.02
 LEAN_HIGHEST = 4e-6
@@ -188,6 +190,7 @@ def move_to(drive: TipDrive, loop: Loop) -> Positioning:
     pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
     gain = small_signal_gain(machine, pressed)
+    reach = gain * LEAN_HIGHEST
     simulation = StageSimulation(machine, rest, STEP)
     disturbances = Disturbances(machine.surroundings, machine.piezo, period, STEP)
     coarse, fine = _sensor(loop.coarse, machine, period), _sensor(loop.fine, machine, period)
@@ -199,30 +202,46 @@ def move_to(drive: TipDrive, loop: Loop) -> Positioning:
     def advance(volts: np.ndarray) -> None:
         simulation.advance(disturbances.disturbed(volts), actuation.steps)
 
-    before = read(coarse)
-    taken_over = None
-    smooth = 0.0
-    while simulation.time < COARSE_LONGEST:
-        seen = read(coarse)
-        # The rounded position's difference is smoothed over some ten periods.
-        smooth += 0.2 * ((seen - before) / period - smooth)
-        before = seen
-        left = TARGET - seen
-        if abs(left) < max(HAND_OVER * gain * LEAN_HIGHEST, coarse.count) and abs(smooth) < STOPPED:
-            taken_over = simulation.time
+    def run_to(target: float) -> float | None:
+        """Coarse run; the time at which the stage is within reach of the fine loop and stops, s."""
+        before, smooth, end = read(coarse), 0.0, simulation.time + COARSE_LONGEST
+        while simulation.time < end:
+            seen = read(coarse)
+            # The rounded position's difference is smoothed over some ten periods.
+            smooth += 0.2 * ((seen - before) / period - smooth)
+            before, left = seen, target - seen
+            if abs(left) < max(HAND_OVER * reach, coarse.count) and abs(smooth) < STOPPED:
+                return simulation.time
+            desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
+            output = min(max((desired - smooth) / SPEED_SCALE, -1.0), 1.0)
+            advance(actuation.commands(output, 1.0, 0.0, 0.0))
+        return None
+
+    def press(falls: bool) -> None:
+        """Press the tip on the stage, or set it back to the height of the coarse run."""
+        start = simulation.time
+        while simulation.time < start + PRESS_TIME:
+            part = min((simulation.time - start) / PRESS_TIME, 1.0)
+            share = 1.0 - part if falls else part
+            read(fine)
+            advance(actuation.commands(0.0, 1.0 - share, share * lift, 0.0))
+
+    taken_over, shift = None, 0.0
+    for attempt in range(ATTEMPTS):
+        taken_over = run_to(TARGET - shift)
+        press(falls=False)
+        missed = read(fine) - TARGET
+        if taken_over is None or abs(missed) < WITHIN_REACH * reach or attempt + 1 == ATTEMPTS:
             break
-        desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
-        output = min(max((desired - smooth) / SPEED_SCALE, -1.0), 1.0)
-        advance(actuation.commands(output, 1.0, 0.0, 0.0))
+        # The tip shifts the stage as it is pressed, much alike each time.
+        shift += missed
+        press(falls=True)
     lean, start = 0.0, simulation.time
     while simulation.time < start + FINE_TIME:
-        share = min((simulation.time - start) / PRESS_TIME, 1.0)
-        seen = read(fine)
-        if share >= 1.0:
-            # The controller makes up for what sway and pads leave of a motion of the tip.
-            lean += loop.fine_rate / gain * period * (TARGET - seen)
-            lean = min(max(lean, -LEAN_HIGHEST), LEAN_HIGHEST)
-        advance(actuation.commands(0.0, 1.0 - share, share * lift, lean))
+        # The controller makes up for what sway and pads leave of a motion of the tip.
+        lean += loop.fine_rate / gain * period * (TARGET - read(fine))
+        lean = min(max(lean, -LEAN_HIGHEST), LEAN_HIGHEST)
+        advance(actuation.commands(0.0, 0.0, lift, lean))
     run = simulation.record()
     return Positioning(run, TARGET, taken_over, disturbances.floor(run.time))
 

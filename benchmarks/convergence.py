@@ -1,0 +1,121 @@
+"""Convergence of the simulations and finite elements, written to docs/convergence.md.
+
+    python -m benchmarks.convergence
+
+Each table varies one number of the discretisation; the rows in bold are the setting that is used. The last column is
+the difference from the finest row. Half a minute of processor time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from designcalc.bearing.plate import SupportedPlate
+from designcalc.checks.inputs import DesignInputs
+from designcalc.friction_stage.physics.stage_plate import TIP, payload_places, stage_plate
+from sim.effects.model import compose
+from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, flexible_machine
+from sim.integration import drive
+from sim.integration.simulate import simulate
+from sim.stage.constants import STEP
+from sim.stage.machine import StageMachine
+from sim.stage.simulation import drive_stage
+from sim.stage.statics import over_drive_surface
+from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
+from stagecad.parameters.load import load_design
+from stagecad.solids.assembly.built_machine import body_masses
+
+PAGE = Path(__file__).parents[1] / "docs" / "convergence.md"
+Numbers = Sequence[float]
+
+
+def table(
+    heading: str, used: float, rows: Sequence[float], names: Sequence[str], run: Callable[[float], Numbers]
+) -> str:
+    """A table over a number of the discretisation; the last row is the finest."""
+    found = [list(run(row)) for row in rows]
+    lines = [
+        f"| {heading} | {' | '.join(names)} | largest difference |",
+        f"| --- |{' ---: |' * (len(names) + 1)}",
+    ]
+    for row, values in zip(rows, found, strict=True):
+        off = max(abs(a / b - 1.0) for a, b in zip(values, found[-1], strict=True))
+        shown = f"**{row:g}**" if math.isclose(row, used) else f"{row:g}"
+        lines.append(f"| {shown} | {' | '.join(f'{value:.5g}' for value in values)} | {off:.1e} |")
+    return "\n".join(lines)
+
+
+def driven(machine: StageMachine, step: float, frequency: float) -> tuple[float, float]:
+    """Speed, mm/s, and peak tip force, N, of a raised tip with ideal amplifiers."""
+    free = replace(machine.piezo, hysteresis=0.0, creep=0.0, current=math.inf, slew_rate=math.inf, bandwidth=1e7)
+    machine = replace(machine, piezo=free)
+    ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
+    begin, duration = 1.5 * ellipse.along * frequency, 30.0 / frequency + 0.03
+    time = step_times(round(duration / step / 40) * 40, step)
+    wave = ellipse_wave(machine, ellipse, frequency, time, np.minimum(time / 2e-3, 1.0))
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, 0.5 * ellipse.normal), wave, step, 1, begin)
+    late = run.time > 0.6 * duration
+    return float(run.mean_velocity(0.6 * duration, duration)[0]) * 1e3, float(run.tip_force(0)[late, 2].max())
+
+
+def energy_error(tolerance: float) -> tuple[float, float]:
+    """Position after a stick-slip of 20 s, m, and heat of the friction, J."""
+    model = compose(["lugre_causal", "stribeck", "viscous"], {"stribeck.velocity": 2e-3})
+    pull = drive.pulled_spring([0.0, 20.0], [0.0, 2.0], stiffness=2.0)
+    run = simulate(model, pull, np.linspace(0.0, 20.0, 2001), mass=1.0, tolerance=tolerance, energy=True)
+    return float(run.position[-1]), float(run.core_work[-1])
+
+
+def page() -> str:
+    """The page's text."""
+    design = load_design(None, ())
+    masses = body_masses(design)
+    r = DesignInputs(design, masses)
+    supported = stage_plate(r)
+    body = supported.bodies
+
+    def plate(elements: float) -> tuple[float, ...]:
+        one = SupportedPlate(supported.plate, supported._springs, (), body, int(elements))
+        f = one.modes(15).frequency
+        return float(f[0]), float(f[2]), float(f[14]), float(one.compliance([TIP], payload_places(r)[:1])[0, 0]) * 1e9
+
+    def machine(modes: float) -> StageMachine:
+        return driven_alone(design, flexible_machine(design, masses, int(modes)))
+
+    parts = [
+        "# Convergence\n",
+        "Written by `python -m benchmarks.convergence`. Each table varies one number of the discretisation; the row in "
+        "bold is used. The last column is the largest difference from the last, finest row.\n",
+        "## Plate of the stage on its pads, by the number of elements along its shorter side\n",
+        table("elements", 20, (10, 14, 20, 30, 40), ("mode 1 (Hz)", "mode 3", "mode 15", "compliance (nm/N)"), plate),
+        "\n## Driven stage, by the number of natural bending modes\n",
+        "Raised tip, ideal amplifiers, 3 kHz and 6 kHz. Impacts at 6 kHz are irregular: their peaks scatter.\n",
+        table(
+            "modes",
+            BENDING_MODES,
+            (10, 20, 40, 60),
+            ("3 kHz (mm/s)", "peak (N)", "6 kHz (mm/s)", "peak (N)"),
+            lambda n: (*driven(machine(n), STEP, 3000.0), *driven(machine(n), STEP, 6000.0)),
+        ),
+        "\n## Driven stage, by the step\n",
+        table(
+            "step (us)",
+            1.0,
+            (1.0, 0.5, 0.25),
+            ("3 kHz (mm/s)", "peak (N)"),
+            lambda us: driven(machine(BENDING_MODES), us * 1e-6, 3000.0),
+        ),
+        "\n## One axis, by the tolerance: stick-slip of 20 s, causal friction\n",
+        table("tolerance", 1e-8, (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), ("position (m)", "heat (J)"), energy_error),
+    ]
+    return "\n".join(parts) + "\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    print(PAGE)
