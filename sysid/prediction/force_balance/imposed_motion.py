@@ -123,8 +123,9 @@ def _on_grid(
     return _without_unknown_directions(given, position, sensor) if "position" in channels else given
 
 
-LEAST_KNOWN = 0.2
-"""Share of the rows whose direction must be known for the others to be left out."""
+LEAST_KNOWN = 100
+"""Rows whose direction must be known for the others to be left out: enough for the parameters of a friction law,
+however long the record rests besides."""
 
 
 def _without_unknown_directions(
@@ -137,10 +138,12 @@ def _without_unknown_directions(
     path = record.axis.position if record.prefiltered_noise else position
     shown = known_direction(path, std, record.prefilter_samples) if std > 0.0 else record.velocity_sign
     valid = {name: rows & (shown != 0.0) for name, rows in record.valid.items()}
-    if std == 0.0 or not all(rows.mean() > LEAST_KNOWN for rows in valid.values()):
+    if std == 0.0 or not all(np.count_nonzero(rows) >= LEAST_KNOWN for rows in valid.values()):
         return record
     clear = record.velocity_sign != 0.0
-    return replace(record, valid=valid, velocity_sign=np.where(clear, record.velocity_sign, shown))
+    undirected = record.valid[record.force_channel] & (shown == 0.0)
+    sign = np.where(clear, record.velocity_sign, shown)
+    return replace(record, valid=valid, velocity_sign=sign, undirected=undirected)
 
 
 def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:

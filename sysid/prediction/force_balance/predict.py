@@ -112,7 +112,9 @@ def _friction(
     if core.has_presliding or balance.stick_fraction is None:
         p = values_of(core, values)
         usual = _usual(core, level)
-        unseen = unobservable_part(balance, core, usual, p, values.get("rig.mass", 0.0))
+        # The level of the law, not the median along the record: the same for each part of a record.
+        declared = float(getattr(p, "force", usual))
+        unseen = unobservable_part(balance, core, declared, p, values.get("rig.mass", 0.0))
         if core.friction_state.rigid:
             p = p._replace(stretch=balance.stretch)
         gap = lost_motion(effects, values) if balance.acceleration is None else 0.0
@@ -360,8 +362,11 @@ ACCURACY = 1e-8
 
 def first_rows(balance: ForceBalanceRecord) -> slice:
     """Rows in which the first force is measured: an initial rest, or the first scored rows."""
-    valid = balance.valid[balance.force_channel]
-    begin = int(np.argmax(valid))
+    begin = int(np.argmax(balance.valid[balance.force_channel]))
+    if balance.undirected is not None:
+        # A rest before the first scored row shows the force with which the motion begins.
+        others = np.flatnonzero(~balance.undirected[:begin])
+        begin = int(others[-1]) + 1 if others.size else 0
     position = balance.axis.position[begin : begin + MOST_ROWS]
     moved = np.abs(position - position[0]) > balance.stretch
     rest = int(np.argmax(moved)) if moved.any() else position.size
