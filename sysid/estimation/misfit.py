@@ -89,9 +89,8 @@ def residual_std(
     if redrawn is not None:
         there = predict(redrawn, model.effects, model.values)
         change = redrawn.measured[channel] - there[channel] - record.measured[channel] + predicted[channel]
-        usual = (np.median(np.abs(change[record.valid[channel]])) / NORMAL_MEDIAN) ** 2
-        local = _local_mean(change**2, record, channel)
-        variance = np.where(local > UNEVEN * usual, local, usual)
+        own = _change_without_effects(model, record, redrawn, channel)
+        variance = _variance_of_change(change, own, record, channel)
         if isinstance(record, ForceBalanceRecord) and isinstance(redrawn, ForceBalanceRecord):
             halves = [_at_half_width(model, one, channel) for one in (record, redrawn)]
             if halves[0] is not None and halves[1] is not None:
@@ -103,6 +102,27 @@ def residual_std(
     if record.timing_uncertainty > 0.0:
         noise = np.hypot(noise, timing * record.timing_uncertainty * np.gradient(predicted[channel], record.step))
     return noise
+
+
+def _change_without_effects(model: Model, record: PreparedRecord, redrawn: PreparedRecord, channel: str) -> np.ndarray:
+    """Change (n,) of the residual by the noise added, of the model without effects: its noise is the record's."""
+    residuals = [one.measured[channel] - predict(one, (), model.values)[channel] for one in (redrawn, record)]
+    return residuals[0] - residuals[1]
+
+
+def _variance_of_change(change: np.ndarray, own: np.ndarray, record: PreparedRecord, channel: str) -> np.ndarray:
+    """Variance (n,) of a residual from its `change` (n,) by one draw of the noise.
+
+    The sample is finite: its error is shared by the change of the model without effects, `own` (n,), whose variance is
+    known. The ratio of the two is exact where the effects do not depend on the noise of the motion.
+    """
+    valid, known = record.valid[channel], record.scored[channel].noise ** 2
+    usual, reference = (float(np.median(np.abs(part[valid]))) ** 2 for part in (change, own))
+    ratio, level = 0.0, usual / NORMAL_MEDIAN**2
+    if reference > 0.0:  # A constant channel has no noise added.
+        ratio, level = usual / reference, usual / reference * known
+    excess = _local_mean(change**2 - ratio * own**2, record, channel)
+    return level + np.where(excess > (UNEVEN - 1.0) * level, excess, 0.0)
 
 
 def _at_half_width(model: Model, record: ForceBalanceRecord, channel: str) -> np.ndarray | None:

@@ -136,14 +136,20 @@ def build_problem(
     return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes))
 
 
+FAR = 0.25
+"""Part of its range by which a channel must have left its first value for the side to be that of its motion."""
+
+
 def _with_noise(record: Record, noise: Mapping[str, Noise]) -> Record:
-    """The log with noise of each sensor added; a mirrored channel has mirrored noise."""
+    """The log with noise of each sensor added: mirrored for a mirrored channel, and the same at another origin."""
     channels, random = dict(record.channels), np.random.default_rng(zlib.crc32(record.name.encode()))
     for name in sorted(noise.keys() & channels.keys()):
         values = channels[name]
-        if not np.nanmax(values, initial=-np.inf) > np.nanmin(values, initial=np.inf):
+        span = np.nanmax(values, initial=-np.inf) - np.nanmin(values, initial=np.inf)
+        if not span > 0.0:
             continue
-        side = np.sign(values[np.nanargmax(np.abs(values))])
+        away = values - values[np.argmax(np.isfinite(values))]
+        side = np.sign(away[np.argmax(np.abs(away) > FAR * span)])
         channels[name] = values + side * noise[name].value * noise[name].spectrum.drawn(values.size, random)
     return replace(record, channels=channels)
 
