@@ -33,7 +33,7 @@ def evaluate_proposals(
     """
     found = []
     for check in checks:
-        changes = tuple(_evaluated(one, check.name, checks, (design, masses), load) for one in check.changes)
+        changes = tuple(_evaluated(one, check.name, checks, design, masses, load) for one in check.changes)
         # What the user asked for with `--set` is not undone while another change passes.
         changes = tuple(sorted(changes, key=lambda one: (bool(one.result), design.is_overridden(one.key))))
         found.append(replace(check, changes=changes, proposal=_text(check.proposal, changes, design)))
@@ -51,10 +51,10 @@ def _evaluated(
     one: Change,
     name: str,
     checks: Sequence[Check],
-    base: tuple[Design, Masses | None],
+    design: Design,
+    masses: Masses | None,
     load: Callable[[str], Design],
 ) -> Change:
-    design, masses = base
     try:
         changed = load(one.override)
     except InputError as error:

@@ -67,8 +67,8 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
     ),
     (
         "unknown tolerance",
-        length('length = {value = "230 mm", tolerance = "Z9"}'),
-        r"tolerance = 'Z9'; allowed: X, X.X, X.XX",
+        length('length = {value = "230 mm", tolerance = "Q9"}'),
+        r"tolerance = 'Q9'; allowed: X, X.X, X.XX",
     ),
     (
         "unknown origin",

@@ -76,7 +76,7 @@ def test_a_record_of_pulses_has_the_settings_of_a_file() -> None:
         ({"rig": "velocity-drivr"}, r"no kind of rig; did you mean 'velocity-drive'"),
         ({"rig": Rig("velocity-drive", {"mass": "1.79"})}, r"slide: rig\.known\.mass: .*unit"),
         ({"model": ["coulom"]}, r"slide: model\.effects: .*did you mean 'coulomb'"),
-        ({"model": "coulomb"}, r"a list of effects is required"),
+        ({"model": "coulomb"}, r"a Model, or a list of effects, is required"),
         ({"model": Model(["coulomb"], {"coulomb.force": "1 kg"})}, r"coulomb\.force"),
         ({"noise": {"friction_force": "3"}}, r"slide: noise\.friction_force"),
         ({"validate": ["twp"]}, r"validate: no record 'twp'"),
