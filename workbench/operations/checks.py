@@ -121,7 +121,7 @@ class Checks(Result):
             }
             for check in self.checks
         ]
-        return pd.DataFrame(rows).set_index("check")
+        return pd.DataFrame(rows).set_index(["subject", "check"])
 
     def to_json(self) -> list[dict[str, Any]]:
         """The document of `stagecad check --json`."""

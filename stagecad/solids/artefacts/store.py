@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import math
 import os
 import shutil
@@ -171,6 +172,7 @@ class ArtefactStore:
             if folder not in _verified:
                 # A result that the disk has changed is made again; each process looks once.
                 if any(sha256((folder / name).read_bytes()) != digest for name, digest in record["hashes"].items()):
+                    logging.getLogger("stagecad").warning("a stored result was damaged; it is made again")
                     return None
                 _verified.add(folder)
             elif not all((folder / name).is_file() for name in record["hashes"]):

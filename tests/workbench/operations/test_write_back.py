@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import stagecad
 import workbench.operations.measurement.design_values
 from designcalc.checks.inputs import DesignInputs
 from sysid.estimation.covariance import intervals
@@ -100,10 +101,7 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: 
 
 
 def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    packaged = (
-        Path(workbench.operations.measurement.design_values.__file__).parents[2]
-        / "stagecad/friction_stage/parameters/thesis.toml"
-    )
+    packaged = Path(stagecad.__file__).parent / "friction_stage" / "parameters" / "thesis.toml"
     before = packaged.read_bytes()
     for params in ([], ["--params", str(packaged)]):
         assert run(["add", str(rig), "constant_bias", "--write-back", "friction.coulomb", *params]) == 2
