@@ -59,7 +59,8 @@ def _step_solids(path: Path) -> list[tuple[str, Any]]:
 def _shown_solids(module: ModuleType, path: Path) -> list[tuple[str, Any]]:
     """Solids that a script shows, else those of its last workplane, shape or assembly."""
     shown: list[tuple[str, Any]] = []
-    for number, (value, _, options) in enumerate(getattr(module, "SHOWN", ())):
+    marked: list[tuple[Any, Any, dict[str, Any]]] = getattr(module, "SHOWN", [])
+    for number, (value, _, options) in enumerate(marked):
         name = options.get("name") or (path.stem if number == 0 else f"{path.stem}_{number + 1}")
         shown += _named(_word(str(name)), _solids(value), path)
     if not shown:

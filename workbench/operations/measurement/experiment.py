@@ -239,11 +239,12 @@ def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
     if isinstance(data, Mapping):
         columns = dict(data)
     elif hasattr(data, "columns") and hasattr(data, "index"):
-        if data.index.dtype.kind in "mM":
-            columns["time"] = data.index
-        elif data.index.name is not None:
-            columns[data.index.name] = data.index
-        columns |= {label: data[label] for label in data.columns}
+        frame: Any = data
+        if frame.index.dtype.kind in "mM":
+            columns["time"] = frame.index
+        elif frame.index.name is not None:
+            columns[frame.index.name] = frame.index
+        columns |= {label: frame[label] for label in frame.columns}
     else:
         raise InputError(f"{name}: is {type(data).__name__}; a DataFrame or a mapping of arrays is required")
     return dict(_column(str(label), values, name) for label, values in columns.items())
