@@ -89,8 +89,10 @@ def record_suffix(name: str) -> str | None:
 
 def unknown_format(name: str) -> str:
     """Error of a file whose suffix is not known, with the suffixes that are allowed."""
+    suffix = Path(name).suffix.lower()
+    instead = "; save the sheet as CSV" if suffix in (".xlsx", ".xls", ".ods", ".xlsm") else ""
     return (
-        f"'{Path(name).suffix.lower()}' is not a record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
+        f"'{suffix}' is not a record format{instead}; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
         ".parquet, .mat, .h5, .npz, .tdms, .json"
     )
 

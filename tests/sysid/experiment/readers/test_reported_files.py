@@ -50,3 +50,10 @@ def test_commas_as_delimiter_and_decimal_sign_are_one_line(tmp_path: Path) -> No
     file.write_text("t [s],x [mm]\n" + "".join(f"0,{k},1,{k % 7}\n" for k in range(20)), encoding="utf-8")
     with pytest.raises(InputError, match="row 2: has 4 cells, the header 2; is the decimal sign a comma"):
         open_record_file(file, file.name)
+
+
+def test_a_spreadsheet_is_to_be_saved_as_csv(tmp_path: Path) -> None:
+    file = tmp_path / "log.xlsx"
+    file.write_bytes(b"PK")
+    with pytest.raises(InputError, match="save the sheet as CSV"):
+        open_record_file(file, file.name)
