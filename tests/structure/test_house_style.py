@@ -11,6 +11,24 @@ PACKAGES = ("stagecad", "designcalc", "sim", "sysid", "drawings", "workbench")
 FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
+BUDGET = {
+    "stagecad": 15270,
+    "designcalc": 11443,
+    "sim": 13330,
+    "sysid": 20773,
+    "drawings": 12501,
+    "workbench": 16436,
+}
+"""Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
+RAISED = (
+    "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits",
+    "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles of stick-slip",
+    "stagecad: every command works on a machine of the user's own; hostile files are refused in one line",
+    "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in one ledger",
+    "workbench: look, export, add --all, results with table, figure and document in one class",
+)
+"""Why the packages have more lines than the 85 214 before the tool and the machine were taken apart."""
+
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -80,3 +98,11 @@ def test_tests_have_the_folders_of_the_packages() -> None:
             if any(folder.glob("test_*.py")):
                 place = folder.relative_to(ROOT / "tests")
                 assert (ROOT / place).is_dir(), f"tests/{place} tests no folder of that name"
+
+
+def test_packages_keep_their_budget() -> None:
+    lines = {
+        name: sum(path.read_text("utf-8").count("\n") for path in (ROOT / name).rglob("*.py")) for name in PACKAGES
+    }
+    over = {name: f"{count} lines of {BUDGET[name]}" for name, count in lines.items() if count > BUDGET[name]}
+    assert not over and {row.partition(":")[0] for row in RAISED} <= set(PACKAGES), over
