@@ -105,8 +105,12 @@ def residual_std(
 
 
 def _change_without_effects(model: Model, record: PreparedRecord, redrawn: PreparedRecord, channel: str) -> np.ndarray:
-    """Change (n,) of the residual by the noise added, of the model without effects: its noise is the record's."""
-    residuals = [one.measured[channel] - predict(one, (), model.values)[channel] for one in (redrawn, record)]
+    """Change (n,) of the residual by the noise added, of the model without effects: its noise is that of the
+    record, which was computed with the mass and stiffness before any fit."""
+    values = dict(model.values)
+    if isinstance(record, ForceBalanceRecord):
+        values |= {"rig.mass": record.mass, "rig.pull_stiffness": record.pull_stiffness}
+    residuals = [one.measured[channel] - predict(one, (), values)[channel] for one in (redrawn, record)]
     return residuals[0] - residuals[1]
 
 
