@@ -103,7 +103,7 @@ PRESLIDING = frozenset(
 """Bristles of a driven mass that stretch by a hundred times the noise of the position: while it sticks, the balance
 takes the mass as at rest, and the spread of the displacement by that of the sensor alone."""
 
-DRIVEN_PRESLIDING = frozenset(name for name in PRESLIDING if ":" in name or name in ("presliding", "maxwell_slip"))
+DRIVEN_PRESLIDING = frozenset(("presliding", "presliding:maxwell_slip", "maxwell_slip"))
 """Those under a known force: the noise along the motion covers the smooth laws; these have corners."""
 
 BENCHES = {
