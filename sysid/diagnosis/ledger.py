@@ -263,11 +263,15 @@ class _Set:
         return None if without is None or with_it is None else without.gain_of(with_it).transfer
 
     def _form(self, effect: Effect, gain: float) -> float:
-        """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the effect."""
-        own = self.recurring & set(effect.coordinates)
+        """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the effect.
+
+        The curve of its first coordinate counts even where that does not recur: another law of it is no less likely.
+        """
+        own = (self.recurring & set(effect.coordinates)) | set(effect.coordinates[:1])
         if not own or self.model.held_out.loss - self.noise <= 0.5 * MOST_FORM_ERROR * gain:
             return 0.0
-        gains = [self.model.held_out.gain_of(c.held_out) for c in self.curves if c.added[-1].coordinates[0] in own]
+        curves = [*self.curves, *self.search.with_curves(self.model, frozenset(own - self.recurring))]
+        gains = [self.model.held_out.gain_of(c.held_out) for c in curves if c.added[-1].coordinates[0] in own]
         return max((g.loss for g in gains if g.z >= STEP_Z), default=0.0) / max(gain, 1e-12)
 
     def rivals(self, effect: Effect) -> list[Candidate]:

@@ -189,8 +189,11 @@ class JobRunner:
     def _completed(self, job: Job, future: Future[Any]) -> None:
         self._futures.pop(job.number, None)
         try:
-            kind, content, (job.step, job.done, job.total) = future.result()
-            self._finish(job, kind, content)
+            kind, content, last = future.result()
+            with self._lock:
+                # A report that arrives later finds the job ended.
+                job.step, job.done, job.total = last
+                self._finish(job, kind, content)
         except CancelledError:
             pass
         except (OSError, RuntimeError) as error:
