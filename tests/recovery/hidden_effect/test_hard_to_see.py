@@ -58,7 +58,8 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert tried is not None
     kept = search.reference.evaluate(tried.fitted, (tried.effect,))
     assert kept is not None
-    assert found.error < 1.1 < 1.5 < kept.error
+    # The law kept leaves a third more than the one chosen anew, which is at the noise.
+    assert found.error < 1.1 and kept.error > 4.0 / 3.0 * found.error
 
 
 @pytest.mark.slow

@@ -72,16 +72,16 @@ def test_tables_of_the_packaged_hardware_give_the_packaged_design(tmp_path: Path
 def test_materials_and_threads_of_a_table_are_used_without_a_row(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text(
         "name, description, density [g/cm^3], youngs_modulus [GPa], poisson_ratio, expansion [1/K], strength [MPa], "
-        "strength_kind, magnetic\n\nzerodur, Zerodur, 2.53, 90.3, 0.24, 2e-8, 50, fracture, FALSE\n",
+        "strength_kind, magnetic\n\nsteel_416, EN 1.4005, 7.75, 200, 0.28, 1e-5, 275, yield, FALSE\n",
         "utf-8",
     )
     (tmp_path / "t.csv").write_text("name,tap_drill [mm],pitch [mm]\nm6,5.1,1\n", "utf-8")
     file = tmp_path / "s.toml"
-    text = 'extends = "thesis"\n[hardware]\nmaterials = "m.csv"\nthreads = "t.csv"\n[stage]\nmaterial = "zerodur"\n'
+    text = 'extends = "thesis"\n[hardware]\nmaterials = "m.csv"\nthreads = "t.csv"\n[stage]\nmaterial = "steel_416"\n'
     file.write_text(text, "utf-8")
     design = load_design(file)
     material = design.material("stage.material")
-    assert (material.density, material.magnetic, material.treatment) == (pytest.approx(2530.0), False, "none")
+    assert (material.density, material.magnetic, material.treatment) == (pytest.approx(7750.0), False, "none")
     assert design.threads.m6_tap_drill == 5.1 and design.threads.m5_tap_drill == load_design().threads.m5_tap_drill
 
 
