@@ -39,7 +39,13 @@ def test_the_demo_finds_both_hidden_effects_and_stops_at_the_noise(demo: tuple[P
 def test_the_demo_leaves_one_report_of_every_step(demo: tuple[Path, dict]) -> None:
     out, document = demo
     page = Path(document["report"]).read_text(encoding="utf-8")
-    for word in ("The ladder", "The model as it stands", "stribeck and magnetic_cogging are missing", "magnetic_cogging", "adequate"):
+    for word in (
+        "The ladder",
+        "The model as it stands",
+        "stribeck and magnetic_cogging are missing",
+        "magnetic_cogging",
+        "adequate",
+    ):
         assert word in page
     assert Path(document["figure"]).stat().st_size > 5000
     assert (out / "demo" / "ladder" / "002.json").is_file()
