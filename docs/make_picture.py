@@ -17,8 +17,12 @@ PAGE = Path(__file__).parent / "images" / "workbench_diagnosis.png"
 PICTURE = Path(__file__).parent / "images" / "stagecad.png"
 SHEET = Path(__file__).parent / "images" / "tip_sheet.png"
 SHEET_WIDTH = 1400
-HEIGHT = 480
+PAGE_WIDTH, LADDER_WIDTH = 900, 640
 COLOURS = 255
+
+
+def _of_width(image: Image.Image, width: int) -> Image.Image:
+    return image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS)
 
 
 def picture(build: Path) -> bytes:
@@ -26,14 +30,10 @@ def picture(build: Path) -> bytes:
     page = Image.open(PAGE).convert("RGB")
     ladder = Image.open(build / "demo" / "ladder.png").convert("RGBA")
     ladder = Image.alpha_composite(Image.new("RGBA", ladder.size, "white"), ladder).convert("RGB")
-    parts = [
-        im.resize((round(im.width * HEIGHT / im.height), HEIGHT), Image.Resampling.LANCZOS) for im in (page, ladder)
-    ]
-    whole = Image.new("RGB", (sum(im.width for im in parts) + 10, HEIGHT), "white")
-    left = 0
-    for im in parts:
-        whole.paste(im, (left, 0))
-        left += im.width + 10
+    page, ladder = _of_width(page, PAGE_WIDTH), _of_width(ladder, LADDER_WIDTH)
+    whole = Image.new("RGB", (page.width + 10 + ladder.width, page.height), "white")
+    whole.paste(page, (0, 0))
+    whole.paste(ladder, (page.width + 10, (page.height - ladder.height) // 2))
     file = BytesIO()
     whole.quantize(COLOURS, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
     return file.getvalue()
