@@ -20,7 +20,7 @@ import time
 begin = time.perf_counter()
 import numpy as np
 from sim import drive
-from sim.effects.model import compose
+from sim.effects.catalogue import compose
 from sim.integration.simulate import simulate
 pull = drive.pulled_spring([0.0, 20.0], [0.0, 2.0], 2.0)
 run = simulate(compose(["lugre_causal", "stribeck", "viscous"]), pull, np.linspace(0.0, 20.0, 20001))

@@ -16,15 +16,15 @@ from pathlib import Path
 import numpy as np
 
 from designcalc.bearing.plate import SupportedPlate
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.stage_plate import TIP, payload_places, stage_plate
-from sim.effects.model import compose
+from sim.effects.catalogue import compose
 from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, flexible_machine
 from sim.integration import drive
 from sim.integration.simulate import simulate
 from sim.stage.constants import STEP
 from sim.stage.machine import StageMachine
-from sim.stage.simulation import drive_stage
+from sim.stage.run import drive_stage
 from sim.stage.statics import over_drive_surface
 from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.load import load_design

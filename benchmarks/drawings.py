@@ -115,8 +115,7 @@ def rendering_seconds(runs: int) -> tuple[float, float]:
     from drawings.artefacts.sheets import describe
     from drawings.export.drawing_model import drawing_model
     from drawings.export.dxf import dxf_document
-    from drawings.export.pdf import pdf_bytes, png_bytes
-    from drawings.export.svg import svg_bytes
+    from drawings.export.pdf import pdf_bytes, png_bytes, svg_bytes
     from drawings.sheets.part import part_sheets
     from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import build_part

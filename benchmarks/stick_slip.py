@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from sim.effects.model import compose
+from sim.effects.catalogue import compose
 from sim.integration import drive
 from sim.integration.simulate import simulate
 

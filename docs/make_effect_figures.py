@@ -13,9 +13,8 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from sim.effects.catalogue import library
+from sim.effects.catalogue import Model, compose, library
 from sim.effects.effect import Axis, Effect
-from sim.effects.model import Model, compose
 from stagecad.parameters.atomic import atomic_write_text
 
 mpl.use("svg")

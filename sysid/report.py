@@ -15,17 +15,16 @@ from sysid.diagnose import Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.covariance import Intervals, intervals
-from sysid.estimation.fit import FittedModel, root_mean_huber
+from sysid.estimation.fit import FittedModel, information_criteria, root_mean_huber
 from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key, substitution_angle
-from sysid.estimation.information_criteria import information_criteria
 from sysid.estimation.misfit import ChannelMisfit, worst_over_noise
 from sysid.estimation.residual_correlation import residual_correlation
 from sysid.experiment.rigs import CHANNELS
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
 from sysid.experiment_design.t_optimal_design import Suggestion
-from sysid.prediction.channel_scales import PREFIX as SCALE
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
+from sysid.prediction.sensors import PREFIX as SCALE
 from sysid.prediction.simulation_error import SimulationErrors, SimulationMisfit, simulation_errors
 
 SCHEMA = 1

@@ -31,12 +31,12 @@ from sysid.experiment.record import Record, load_record, load_whole_records
 from sysid.experiment.record_spec import RecordSpec
 from sysid.experiment.rigs import CHANNELS
 from sysid.noise.estimate import LEAST, Noise, noise_by_channel, with_quantisation
-from sysid.prediction.channel_scales import is_scale, noise_of_scale, scale_ratio, unscaled
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem, load_problem
 from sysid.prediction.rig_model import Start
+from sysid.prediction.sensors import is_scale, noise_of_scale, scale_ratio, unscaled
 from sysid.prediction.simulation import simulated_channels
 from sysid.report import parameter_unit
 from sysid.signals.gaussian_filter import GaussianFilter

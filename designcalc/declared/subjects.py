@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from designcalc.checks.subjects import Subjects
+from designcalc.checks.run import Subjects
 
 if TYPE_CHECKING:
     from designcalc.checks.chain import Chain

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
-from designcalc.checks.run import run_checks
-from designcalc.checks.subjects import subjects_of
+from designcalc.checks.run import run_checks, subjects_of
 from designcalc.optimisation.space import Free, distance, start_point, values_at
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.rules.registry import violations

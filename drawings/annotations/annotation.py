@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from drawings.annotations.font import TEXT_HEIGHT
+from drawings.annotations.primitives import TEXT_HEIGHT
 from drawings.views.view import Point2
 
 Symbol = Literal[

@@ -25,9 +25,11 @@ from drawings.annotations.annotation import (
     SectionMark,
     SurfaceTextureSymbol,
 )
-from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, TEXT_HEIGHT
 from drawings.annotations.primitives import (
+    LARGE_HEIGHT,
     LAYERS,
+    LINE_PITCH,
+    TEXT_HEIGHT,
     THICK,
     ArcStroke,
     FilledPolygon,
@@ -38,8 +40,7 @@ from drawings.annotations.primitives import (
     turned,
 )
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
-from drawings.views.bounding_box import bounding_box, extreme_points, view_box
-from drawings.views.view import Arc, Box2, Point2, View
+from drawings.views.view import Arc, Box2, Point2, View, bounding_box, extreme_points, view_box
 
 ARROW = 3.0
 """Length of an arrow head, mm; its width is a third of it."""

@@ -12,8 +12,16 @@ from functools import cache
 from typing import NamedTuple, get_args
 
 from drawings.annotations.annotation import Symbol
-from drawings.annotations.font import TEXT_HEIGHT, text_width
-from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import (
+    TEXT_HEIGHT,
+    ArcStroke,
+    FilledPolygon,
+    Primitive,
+    Stroke,
+    Text,
+    rectangle,
+    text_width,
+)
 from drawings.views.view import Arc, Point2
 
 _SPACE = 0.35

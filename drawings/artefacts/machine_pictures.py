@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from drawings.sheets.machine_sheets import sheets_of
+from drawings.sheets.plans import sheets_of
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
-from stagecad.solids.modelling.instance import Instance
+from stagecad.solids.modelling.registry import Instance
 
 if TYPE_CHECKING:
     from drawings.pictures.picture import Picture
@@ -38,7 +38,7 @@ def stored_picture(
     def draw(tracked: Any) -> Picture | None:
         from drawings.pictures.machine import machine_picture
         from drawings.pictures.scene import scene_of
-        from stagecad.solids.assembly.built_assembly import shapes_of
+        from stagecad.solids.assembly.built_machine import shapes_of
 
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(shown, parts, tracked).items()}
         scene = scene_of(shapes, {part.name: part.mesh for part in parts.values() if part.name in shapes})

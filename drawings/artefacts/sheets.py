@@ -16,23 +16,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.artefacts.machine_pictures import stored_picture
-from drawings.sheets.machine_sheets import sheets_of
+from drawings.sheets.plans import sheets_of
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import combined
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, part_mass
 from stagecad.solids.artefacts.source_digest import versions
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_assembly import assemble
-from stagecad.solids.modelling.instance import Instance
+from stagecad.solids.assembly.built_machine import assemble
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import notes_of, treatment_of
-from stagecad.solids.modelling.registry import ASSEMBLY, PartSource, construction, part_names, part_source
+from stagecad.solids.modelling.registry import ASSEMBLY, Instance, PartSource, construction, part_names, part_source
 
 if TYPE_CHECKING:
     from drawings.dimensions.definition import Notes
     from drawings.pictures.picture import Picture
-    from drawings.sheets.assembly import AssemblyDescription
-    from drawings.sheets.assembly_dimensions import MachineSize
+    from drawings.sheets.assembly import AssemblyDescription, MachineSize
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
     from stagecad.parameters.dimension import Dimension
@@ -342,7 +340,7 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
 
 def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> MachineSize:
     """Bounding box of all parts at the middle of travel, from the corners of each part's own box; and the travel."""
-    from drawings.sheets.assembly_dimensions import MachineSize
+    from drawings.sheets.assembly import MachineSize
 
     corners = []
     for instance in instances:
@@ -374,8 +372,7 @@ def write_sheet(sheet: Sheet, folder: Path) -> dict[str, Any]:
     from drawings.export.drawing_model import drawing_model
     from drawings.export.dxf import dxf_bytes, dxf_document
     from drawings.export.lint import lint
-    from drawings.export.pdf import pdf_bytes, png_bytes
-    from drawings.export.svg import svg_bytes
+    from drawings.export.pdf import pdf_bytes, png_bytes, svg_bytes
     from drawings.sheets.sheet import scale_text
 
     drawing = drawing_model(sheet)

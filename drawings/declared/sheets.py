@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.pictures.machine import MachineViews
 from drawings.pictures.picture import SCALE
-from drawings.sheets.machine_sheets import Sheets, packaged_sheets
-from drawings.sheets.plans import SheetPlan
+from drawings.sheets.plans import SheetPlan, Sheets, packaged_sheets
 from drawings.sheets.procedure import CALCULATED, Figure, PartUse, Procedure, Step
 from drawings.views.view import Cut
 from stagecad.parameters.machine import MachineDeclaration, Mate
@@ -18,7 +17,7 @@ from stagecad.solids.modelling.registry import construction
 if TYPE_CHECKING:
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.bill_of_materials import Row
-    from stagecad.solids.modelling.instance import Instance
+    from stagecad.solids.modelling.registry import Instance
 
 SCALES = (5.0, 2.0, 1.0, SCALE, 0.2, 0.1, 0.05, 0.02)
 ROOM = (560.0, 380.0)

@@ -9,7 +9,6 @@ from itertools import pairwise
 
 from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension, RadialDimension
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives
-from drawings.annotations.font import printed, text_width
 from drawings.annotations.primitives import (
     LAYERS,
     ArcStroke,
@@ -18,6 +17,8 @@ from drawings.annotations.primitives import (
     Primitive,
     Stroke,
     Text,
+    printed,
+    text_width,
 )
 from drawings.sheets.frame import PAPERS, Paper, frame
 from drawings.sheets.sheet import Sheet

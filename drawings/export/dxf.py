@@ -11,19 +11,19 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from ezdxf._options import options
 from ezdxf.document import Drawing
-from ezdxf.filemanagement import new
+from ezdxf.filemanagement import new, readfile
+from ezdxf.math import Matrix44
 
 from drawings.annotations.annotation_geometry import primitive_box
-from drawings.annotations.font import FONT, TEXT_STYLE, WIDTH_FACTOR
-from drawings.annotations.primitives import LAYERS, LINE_TYPES, LineType, SheetLayer
+from drawings.annotations.primitives import FONT, LAYERS, LINE_TYPES, TEXT_STYLE, WIDTH_FACTOR, LineType, SheetLayer
 from drawings.export.drawing_model import DrawingModel
 from drawings.export.dxf_entities import ON_PAPER, ModelMapping, add_dimension, add_primitive
-from drawings.views.bounding_box import enclosing_box
-from drawings.views.view import Box2
+from drawings.views.view import Box2, enclosing_box
 
 COLOURS: dict[SheetLayer, int] = {
     "VISIBLE": 7,
@@ -138,3 +138,50 @@ def _fixed_metadata() -> Iterator[None]:
         yield
     finally:
         options.write_fixed_meta_data_for_testing = before
+
+
+def flat_file(path: Path) -> bytes:
+    """The DXF file of a sheet, flat."""
+    return dxf_bytes(flattened(readfile(path)))
+
+
+def flattened(document: Drawing) -> Drawing:
+    """Move everything on the paper of a document to its model space, in place."""
+    model, paper = document.modelspace(), document.paperspace()
+    viewports = [view for view in paper.query("VIEWPORT") if view.dxf.id != 1]
+    for dimension in model.query("DIMENSION"):
+        for entity in document.blocks.get(dimension.dxf.geometry):
+            model.add_entity(entity.copy())
+        model.delete_entity(dimension)  # type: ignore[arg-type]
+    for entity in list(model):
+        viewport = _of(entity, viewports)
+        scale = viewport.dxf.height / viewport.dxf.view_height
+        middle, seen = viewport.dxf.center, viewport.dxf.view_center_point
+        place = Matrix44.translate(middle.x - scale * seen.x, middle.y - scale * seen.y, 0.0)
+        entity.transform(Matrix44.scale(scale, scale, scale) @ place)
+        if entity.dxf.hasattr("ltscale"):
+            entity.dxf.ltscale = 1.0
+    for entity in list(paper):
+        if entity.dxftype() != "VIEWPORT":
+            paper.move_to_layout(entity, model)
+    for viewport in viewports:
+        paper.delete_entity(viewport)  # type: ignore[arg-type]
+    document.layers.remove(VIEWPORT_LAYER)
+    return document
+
+
+def _of(entity: Any, viewports: list[Any]) -> Any:
+    """The viewport that shows an entity."""
+    from ezdxf.bbox import extents
+
+    box = extents([entity], fast=True)
+    at = box.center if box.has_data else entity.dxf.insert
+
+    def distance(viewport: Any) -> float:
+        """How far a place is outside the part of model space that a viewport shows."""
+        half = viewport.dxf.view_height / 2
+        wide = half * viewport.dxf.width / viewport.dxf.height
+        middle = viewport.dxf.view_center_point
+        return max(abs(at.x - middle.x) - wide, abs(at.y - middle.y) - half)
+
+    return min(viewports, key=distance)

@@ -13,8 +13,17 @@ from typing import Any
 from ezdxf.enums import TextEntityAlignment
 
 from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension
-from drawings.annotations.font import TEXT_HEIGHT, TEXT_STYLE, WIDTH_FACTOR
-from drawings.annotations.primitives import LAYERS, ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.annotations.primitives import (
+    LAYERS,
+    TEXT_HEIGHT,
+    TEXT_STYLE,
+    WIDTH_FACTOR,
+    ArcStroke,
+    FilledPolygon,
+    Primitive,
+    Stroke,
+    Text,
+)
 from drawings.annotations.symbols import unframed
 from drawings.export.drawing_model import PrimitiveGroup
 from drawings.sheets.sheet import scale_text

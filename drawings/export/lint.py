@@ -35,9 +35,8 @@ from drawings.placement.occupancy import (
 from drawings.sheets.frame import drawing_space, frame
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import revision_box, title_box, title_primitives
-from drawings.views.bounding_box import enclosing_box
 from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_box, line_meets_box
-from drawings.views.view import Box2, Point2, View
+from drawings.views.view import Box2, Point2, View, enclosing_box
 
 Kind = Literal["text", "line", "leader", "callout", "frame", "title block", "dimensions", "view"]
 

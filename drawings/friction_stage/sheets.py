@@ -2,23 +2,61 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import string
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from drawings.friction_stage.procedure.figures import ProcedureValues
-from drawings.friction_stage.procedure.procedure import procedure
+from drawings.friction_stage.procedure.figures import ProcedureValues, figures_of
+from drawings.friction_stage.procedure.steps import step_templates
 from drawings.friction_stage.sheet_plans import sheet_plans
 from drawings.pictures.machine import MachineViews
-from drawings.sheets.machine_sheets import Sheets
+from drawings.sheets.plans import Sheets
+from drawings.sheets.procedure import PartUse, Procedure, Step
 from drawings.views.view import Cut
 from stagecad.friction_stage.assembly.bodies import CARRIED, MOVING
 from stagecad.friction_stage.construction import CAP_SCREWS
+from stagecad.solids.assembly.bill_of_materials import Row
 
 if TYPE_CHECKING:
     from drawings.sheets.procedure import Procedure
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.bill_of_materials import Row
-    from stagecad.solids.modelling.instance import Instance
+    from stagecad.solids.modelling.registry import Instance
+
+
+def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:
+    """The assembly procedure of a design."""
+    figures = figures_of(design, rows, values)
+    listed = {row.part: row for row in rows}
+    steps = []
+    for number, template in enumerate(step_templates(design, values), start=1):
+        used = {
+            name: figures[name]
+            for text in (*template.tools, *template.sentences, f"{{{template.torque}}}")
+            for name in _names(text)
+        }
+        shown = {name: figure.text for name, figure in used.items()}
+        steps.append(
+            Step(
+                number,
+                template.title,
+                tuple(text.format(**shown) for text in template.sentences),
+                tuple(_use(listed[part]) for part in template.parts),
+                tuple(text.format(**shown) for text in template.tools),
+                figures[template.torque] if template.torque else None,
+                used,
+            )
+        )
+    return Procedure(tuple(steps))
+
+
+def _names(text: str) -> Iterable[str]:
+    return [name for _, name, _, _ in string.Formatter().parse(text) if name]
+
+
+def _use(row: Row) -> PartUse:
+    return PartUse(row.item, row.part, row.part_number, row.quantity)
+
 
 ALONG = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 ACROSS = Cut((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "B")

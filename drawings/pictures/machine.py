@@ -20,7 +20,7 @@ from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, near, subtract
 
 if TYPE_CHECKING:
-    from stagecad.solids.modelling.instance import Instance
+    from stagecad.solids.modelling.registry import Instance
 
 EYE_BELOW = Projection(
     FROM_BELOW,

@@ -26,7 +26,7 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.annotations.annotation_geometry import ARROW, BOX, GAP, TARGET, readable
-from drawings.annotations.font import TEXT_HEIGHT
+from drawings.annotations.primitives import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import near_end, places_along
 from drawings.dimensions.specification import (

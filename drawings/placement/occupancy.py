@@ -27,11 +27,9 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_boxes, text_box
-from drawings.annotations.font import TEXT_HEIGHT
-from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.annotations.primitives import TEXT_HEIGHT, ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.annotations.symbols import BOX_RISE, symbol_text_width
 from drawings.dimensions.text import DIAMETER
-from drawings.views.bounding_box import bounding_box, enclosing_box
 from drawings.views.segment_index import (
     Line,
     SegmentIndex,
@@ -44,7 +42,7 @@ from drawings.views.segment_index import (
     points_beside,
     polyline_lines,
 )
-from drawings.views.view import Box2, Layer, Point2, View
+from drawings.views.view import Box2, Layer, Point2, View, bounding_box, enclosing_box
 
 OUTLINE: tuple[Layer, ...] = ("VISIBLE", "HIDDEN")
 """Layers of the edges of the part, without centre lines and hatch."""

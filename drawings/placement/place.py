@@ -22,7 +22,7 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.annotations.annotation_geometry import callout_boxes
-from drawings.annotations.font import LARGE_HEIGHT
+from drawings.annotations.primitives import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import CLEAR_OF_END
 from drawings.dimensions.specification import (

@@ -14,9 +14,8 @@ from drawings.annotations.annotation import Annotation, DetailMark, ReferenceArr
 from drawings.dimensions.specification import DimensionSpec
 from drawings.placement.occupancy import translated, view_outline
 from drawings.placement.place import AnnotatedView, place_annotations
-from drawings.views.bounding_box import enclosing_box
 from drawings.views.segment_index import boxes_overlap, enlarged
-from drawings.views.view import Box2, Point2, View, dot
+from drawings.views.view import Box2, Point2, View, dot, enclosing_box
 from stagecad.parameters.dimension import Point
 
 VIEW_SPACING, TABLE_SPACING = 9.0, 3.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from drawings.recognition.datums import ProposedDatum
 from drawings.recognition.features import along_of
 from drawings.recognition.proposal import Proposal, Proposed
+from drawings.recognition.visible import ProposedDatum
 from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 

@@ -17,7 +17,6 @@ from types import SimpleNamespace
 from typing import Any
 
 from drawings.dimensions.definition import AXES, Notes, centred_axes, definition, is_fillet
-from drawings.recognition.datums import ProposedDatum, proposed_datums
 from drawings.recognition.features import (
     Features,
     Hole,
@@ -28,10 +27,12 @@ from drawings.recognition.features import (
 from drawings.recognition.visible import (
     PREFERRED,
     VIEW_OF,
+    ProposedDatum,
     VisibleLines,
     cross,
     negative,
     positive,
+    proposed_datums,
     tidy,
     views_along,
 )

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Literal
 
-from drawings.annotations.font import TEXT_HEIGHT
-from drawings.annotations.primitives import FilledPolygon, Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import TEXT_HEIGHT, FilledPolygon, Primitive, Stroke, Text, rectangle
 from drawings.views.view import Box2, Point2
 
 Paper = Literal["A4", "A3", "A2", "A1", "A0"]

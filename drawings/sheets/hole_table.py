@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from drawings.annotations.font import TEXT_HEIGHT
-from drawings.annotations.primitives import Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import TEXT_HEIGHT, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_text_primitives
 from drawings.dimensions.hole_table import HoleGroup, HoleTable
 from drawings.sheets.sheet import wrapped

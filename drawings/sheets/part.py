@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from drawings.annotations.annotation import Note
-from drawings.annotations.font import LINE_PITCH, TEXT_HEIGHT
-from drawings.annotations.primitives import Primitive
+from drawings.annotations.primitives import LINE_PITCH, TEXT_HEIGHT, Primitive
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.dimensioning import SheetDimensions, sheet_dimensions
 from drawings.dimensions.hole_table import HoleTable

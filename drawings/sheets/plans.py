@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from drawings.sheets.frame import Paper
 from drawings.views.view import PROJECTIONS, Cut
 from stagecad.parameters.dimension import FaceRequirement, Point
+from stagecad.parameters.machine import content, packaged_machine
+
+if TYPE_CHECKING:
+    from drawings.pictures.machine import MachineViews
+    from drawings.sheets.procedure import Procedure
+    from stagecad.solids.artefacts.part import BuiltPart
+    from stagecad.solids.assembly.bill_of_materials import Row
+    from stagecad.solids.modelling.registry import Instance
 
 
 @dataclass(frozen=True)
@@ -76,3 +86,34 @@ def sheet_of_requirement(plans: tuple[SheetPlan, ...], requirement: FaceRequirem
             if named and abs(sum(a * b for a, b in zip(eye, requirement.normal, strict=True))) < 1e-6:
                 found.append((view.cut is None or any(map(view.cut.holds, requirement.points)), plan))
     return next((plan for through, plan in found if through), found[0][1] if found else plans[0])
+
+
+@dataclass(frozen=True)
+class Sheets:
+    """Sheets of a kind of machine.
+
+    Args:
+        plans: the sheets of a kind of part in a design; none for one that has the standard sheet.
+        titles: words of the title block for kinds of part, where they are not those of its name.
+        views: how the whole is shown, given the design, its instances and built parts.
+        procedure: the steps of assembly, given the design, the parts list and the calculated values.
+        travel: of the parts that move, from end to end, mm.
+        modules: dotted names of the modules that these are made by.
+    """
+
+    plans: Callable[[str, Any], tuple[SheetPlan, ...]]
+    titles: Mapping[str, str]
+    views: Callable[[Any, Sequence[Instance], Mapping[str, BuiltPart]], MachineViews]
+    procedure: Callable[[Any, Sequence[Row], Any], Procedure]
+    travel: Callable[[Any], float]
+    modules: tuple[str, ...]
+
+
+def sheets_of(design: Any) -> Sheets:
+    """The sheets of a design's machine."""
+    return content("drawings", design.machine, "sheets").SHEETS
+
+
+def packaged_sheets() -> Sheets:
+    """The sheets of the packaged machine, whose parts any machine may have."""
+    return content("drawings", packaged_machine(), "sheets").SHEETS

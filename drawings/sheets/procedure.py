@@ -6,15 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation_geometry import BALLOON
-from drawings.annotations.font import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT
-from drawings.annotations.primitives import Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, Primitive, Stroke, Text, rectangle
 from drawings.pictures.picture import Picture
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, PAPERS, Paper, drawing_space
 from drawings.sheets.sheet import Sheet, scale_text, wrapped
 from drawings.sheets.title_block import HEIGHT, TitleBlock
-from drawings.views.bounding_box import view_box
-from drawings.views.view import Box2
+from drawings.views.view import Box2, view_box
 from stagecad.solids.assembly.bill_of_materials import Row
 
 NAME = "procedure"

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drawings.annotations.annotation import Annotation, Note
-from drawings.annotations.font import TEXT_HEIGHT
-from drawings.annotations.primitives import Primitive
+from drawings.annotations.primitives import TEXT_HEIGHT, Primitive
 from drawings.annotations.symbols import symbol_text_width
 from drawings.placement.views import SheetArea
 from drawings.sheets.frame import CENTRING, MARGIN, PAPERS, Paper, drawing_space

@@ -5,8 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from drawings.annotations.font import LARGE_HEIGHT, SMALL_HEIGHT, TEXT_HEIGHT, text_width
-from drawings.annotations.primitives import ArcStroke, Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import (
+    LARGE_HEIGHT,
+    SMALL_HEIGHT,
+    TEXT_HEIGHT,
+    ArcStroke,
+    Primitive,
+    Stroke,
+    Text,
+    rectangle,
+    text_width,
+)
 from drawings.sheets.frame import Paper, drawing_space
 from drawings.views.view import Arc, Box2, Point2
 

@@ -14,9 +14,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from drawings.views.bounding_box import bounding_box, extreme_points
 from drawings.views.line_cleaning import cleaned, joined
-from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment
+from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment, bounding_box, extreme_points
 from stagecad.parameters.dimension import Point
 
 if TYPE_CHECKING:

@@ -23,8 +23,52 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
-from sim.effects.time_domain import TimeDomain
 from stagecad.parameters.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class AddedOscillator:
+    """A part of the moving mass on a spring and damper: x2'' = w^2 (x - x2) - 2 damping w x2', w = 2 pi frequency.
+
+    Its reaction on the axis is mass_ratio * mass * x2''; the axis itself keeps (1 - mass_ratio) * mass. So a slow
+    motion has the total mass, and a steady one no drag.
+    """
+
+    frequency: float  # Hz
+    damping: float  # ratio
+    mass_ratio: float
+
+
+@dataclass(frozen=True)
+class Backlash:
+    """Lost motion of full width `gap` (m) in the spring that drives the axis: no force within +-gap/2 of stretch."""
+
+    gap: float
+
+
+@dataclass(frozen=True)
+class DelayedSpeed:
+    """The friction level depends on the speed `delay` (s) ago, in the present direction."""
+
+    delay: float
+
+
+@dataclass(frozen=True)
+class FirstOrderLag:
+    """The drive's force, or the driven end of its spring, follows its command: y' = (u - y)/time_constant (s)."""
+
+    time_constant: float
+
+
+@dataclass(frozen=True)
+class TransportDelay:
+    """The drive follows its command after `delay` (s)."""
+
+    delay: float
+
+
+TimeDomain = AddedOscillator | Backlash | DelayedSpeed | FirstOrderLag | TransportDelay
+
 
 Coordinate = Literal[
     "time",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from sim.effects.model import Model, compose
+from sim.effects.catalogue import Model, compose
 from stagecad.parameters.errors import InputError
 
 MODELS = ("lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run")

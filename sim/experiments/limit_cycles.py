@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.model import Model, compose
+from sim.effects.catalogue import Model, compose
 from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.integration import drive
 from sim.integration.simulate import Simulation, simulate

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.model import Model
+from sim.effects.catalogue import Model
 from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.experiments.presliding import extremum
 from sim.integration import drive

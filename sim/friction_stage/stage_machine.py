@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.errors.sensors import count_size
 from designcalc.friction_stage.physics.body import moving_body, with_ballast
 from designcalc.friction_stage.physics.loads import gravity, load, moved_mass, preload
@@ -15,9 +15,9 @@ from designcalc.friction_stage.physics.pads import mean_film, pad_positions
 from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
 from designcalc.friction_stage.physics.stage_plate import bending_modes
 from designcalc.friction_stage.physics.teeth import magnets
-from designcalc.friction_stage.physics.tip_contact import contact_stiffness
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
+    contact_stiffness,
     inertia_on_piezos,
     mass_on_piezos,
     stack_stiffness,

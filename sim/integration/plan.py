@@ -8,12 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect
-from sim.effects.model import Model
-from sim.effects.time_domain import AddedOscillator, Backlash, DelayedSpeed, FirstOrderLag, TransportDelay
+from sim.effects.catalogue import Model
+from sim.effects.effect import AddedOscillator, Axis, Backlash, DelayedSpeed, Effect, FirstOrderLag, TransportDelay
 from sim.integration.compiled import kernels
-from sim.integration.drive import Drive, delayed
-from sim.integration.input_compression import compressed
+from sim.integration.drive import Drive, compressed, delayed
 from sim.integration.problem import FORCE, FRICTION, WORKS, Body, Input, Laws, Layout, Problem, Tolerance
 from stagecad.parameters.errors import InputError
 

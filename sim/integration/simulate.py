@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.effects.model import Model
-from sim.integration.drive import Drive
-from sim.integration.input_compression import force_at
+from sim.effects.catalogue import Model
+from sim.integration.drive import Drive, force_at
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:

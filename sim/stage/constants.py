@@ -9,9 +9,8 @@ import numpy as np
 
 from sim.stage.dynamics import ELEMENTS, TIP_FREEDOMS
 from sim.stage.machine import StageMachine
-from sim.stage.piezo import LAGS, PLAYS, piezo_response
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
-from sim.stage.state import Constants, State
+from sim.stage.state import LAGS, PLAYS, Constants, State, piezo_response
 from sim.stage.statics import Rest, contact_depth, preload_places
 from stagecad.parameters.errors import InputError
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from sim.stage.constants import STEP
 from sim.stage.machine import StageMachine
-from sim.stage.run import StageRun
-from sim.stage.simulation import StageSimulation, drive_stage
+from sim.stage.run import StageRun, StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface
 from sim.stage.waveforms import Ellipse, ellipse_wave, step_times
 

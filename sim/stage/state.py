@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+
+from sim.stage.machine import Piezo
 
 
 class Constants(NamedTuple):
@@ -97,3 +100,48 @@ class State(NamedTuple):
     actuator_totals: np.ndarray  # (actuators, 4): impulses x, y, z on the stage, time in contact
     pad_totals: np.ndarray  # (pads, 2): time lifted, slid distance
     clock: np.ndarray  # (1,) s
+
+
+PLAYS = 8
+CREEP_START = 0.1
+CREEP_DECADES = 3.0
+LAGS = 13
+
+
+@dataclass(frozen=True)
+class PiezoResponse:
+    """Numbers of the operators.
+
+    Args:
+        gain: stretch per volt of u, m/V.
+        strength: s.
+        thresholds: r_i, V, shape (8,).
+        weights: w_i, shape (8,), summing to 1.
+        creep_weights: shape (13,); creep_rates: 1/s, shape (13,).
+    """
+
+    gain: float
+    strength: float
+    thresholds: np.ndarray
+    weights: np.ndarray
+    creep_weights: np.ndarray
+    creep_rates: np.ndarray
+
+    @property
+    def small_signal_gain(self) -> float:
+        """Stretch per volt of a wave smaller than the least play, m/V."""
+        return self.gain * (1.0 - self.strength)
+
+
+def piezo_response(piezo: Piezo) -> PiezoResponse:
+    """The operators that give a stack its catalogue stroke, hysteresis and creep."""
+    half = 0.5 * piezo.highest_voltage
+    thresholds = half * np.linspace(0.1, 1.0, PLAYS)
+    weights = np.full(PLAYS, 1.0 / PLAYS)
+    mean = float(weights @ thresholds)
+    behind = float(weights @ np.minimum(thresholds, half - thresholds))
+    strength = piezo.hysteresis * half / (behind + piezo.hysteresis * mean)
+    gain = piezo.stroke / (piezo.highest_voltage - 2.0 * strength * mean)
+    times = CREEP_START * 10.0 ** (CREEP_DECADES * np.arange(LAGS) / (LAGS - 1))
+    creep = np.full(LAGS, piezo.creep * CREEP_DECADES / (LAGS - 1))
+    return PiezoResponse(gain, strength, thresholds, weights, creep, 1.0 / times)

@@ -21,8 +21,16 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.interference import build_interferences
 from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, scaled
-from stagecad.solids.modelling.instance import Instance
-from stagecad.solids.modelling.registry import CONTACT, OPEN, OVERLAP, Construction, PartSource, Position, packaged
+from stagecad.solids.modelling.registry import (
+    CONTACT,
+    OPEN,
+    OVERLAP,
+    Construction,
+    Instance,
+    PartSource,
+    Position,
+    packaged,
+)
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -8,11 +8,9 @@ from importlib import import_module
 from itertools import product
 from typing import Any, cast
 
-from stagecad.friction_stage.assembly.accessories import accessories
 from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.bodies import CARRIED, MOVING, documents, machine_masses, masses
+from stagecad.friction_stage.assembly.bodies import CARRIED, MOVING, accessories, documents, machine_masses, masses
 from stagecad.friction_stage.parameters.derived import Derived
-from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.modelling.part import Part
 from stagecad.solids.modelling.registry import (
     CONTACT,
@@ -22,6 +20,7 @@ from stagecad.solids.modelling.registry import (
     SLIDING,
     THREAD,
     Construction,
+    Instance,
     PartSource,
     Position,
 )

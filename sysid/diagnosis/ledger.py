@@ -42,8 +42,8 @@ from sysid.diagnosis.coordinate_dependence import explained_variance
 from sysid.diagnosis.model_search import ModelSearch, without_added
 from sysid.diagnosis.transfer import Transfer, transfer
 from sysid.estimation.fit import FittedModel
+from sysid.estimation.identifiability import implausible
 from sysid.estimation.misfit import blocks, huber_square, weighted_residual
-from sysid.estimation.plausibility import implausible
 from sysid.prediction.model import public_name
 
 State = Literal["established", "possible", "refused"]

@@ -32,8 +32,8 @@ from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, weighted_residual
 from sysid.experiment.experiment import Experiment
+from sysid.experiment.questions import Prior, Unknown
 from sysid.experiment.record import Record
-from sysid.experiment.unknowns import Prior, Unknown
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, build_problem

@@ -25,7 +25,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, Revision
 from sysid.experiment.file_lock import file_lock
 from sysid.experiment.model_table import grown_model, json_data, model_hash, model_of, with_model
-from sysid.experiment.unknowns import Prior
+from sysid.experiment.questions import Prior
 
 SCHEMA = 1
 LOCK_SECONDS = 10.0

@@ -14,9 +14,9 @@ from sysid.experiment.experiment import Experiment, read_experiment
 from sysid.experiment.history import Revision
 from sysid.experiment.known import DesignValues
 from sysid.experiment.model_table import grown_model, json_data, model_of
+from sysid.experiment.questions import Prior
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import TomlTable
-from sysid.experiment.unknowns import Prior
 
 
 def experiment_in_memory(

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.unknowns import Prior
+from sysid.experiment.questions import Prior
 
 
 def model_of(text: str) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 QUESTION = "QUESTION:"
 """Mark of a line that the user should look at."""
 
@@ -17,3 +19,23 @@ def unanswered_questions(text: str) -> list[str]:
         f"{len(lines)} question{'s' * many} of experiment.toml {'are' if many else 'is'} unanswered (line{'s' * many} "
         f"{shown}): what stands there is assumed"
     ]
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Prior knowledge of a value before the fit: its value and standard deviation."""
+
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One unknown of a fit: key, start, bounds, typical size, and prior."""
+
+    key: str
+    start: float
+    low: float
+    high: float
+    size: float
+    prior: Prior | None = None

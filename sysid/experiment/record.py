@@ -10,14 +10,13 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import format_quantity
-from sysid.experiment.columns.repeated_time import RepeatedTime, without_repeats
 from sysid.experiment.experiment import Experiment, RecordSpec
 from sysid.experiment.quality import Fault, faults_of, without_faults
 from sysid.experiment.readers.base import MOST_ROWS, shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.sampling import sampled_times, stamp_rounding
+from sysid.experiment.sampling import RepeatedTime, sampled_times, stamp_rounding, without_repeats
 
 MINIMUM_ROWS = 10
 """Least number of rows of a record."""

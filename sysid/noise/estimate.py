@@ -31,8 +31,7 @@ from sysid.experiment.rigs import RIGS
 from sysid.noise.autocorrelation import Autoregression, Series, fit_noise, without_outliers
 from sysid.noise.mains import without_hum
 from sysid.noise.motion_regression import motion_residual
-from sysid.noise.quantisation import LEAST_LEVELS, LEAST_NOISY_LEVELS, find_quantisation_step
-from sysid.noise.repeats import cycle_scatter
+from sysid.noise.repeats import LEAST_LEVELS, LEAST_NOISY_LEVELS, cycle_scatter, find_quantisation_step
 from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
 NoiseSource = Literal["given", "repeats", "difference"]

@@ -9,8 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect
-from sim.effects.time_domain import Backlash
+from sim.effects.effect import Axis, Backlash, Effect
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 Values = Mapping[str, float]

@@ -9,11 +9,11 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from sim.effects.effect import Effect, Parameter
-from sysid.experiment.unknowns import Unknown
-from sysid.prediction.channel_scales import scaled
+from sysid.experiment.questions import Unknown
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.friction_drive.friction import CONTACT
 from sysid.prediction.prepared_record import PreparedRecord
+from sysid.prediction.sensors import scaled
 
 
 def predict(

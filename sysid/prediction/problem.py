@@ -16,15 +16,15 @@ from sim.effects.effect import Effect
 from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
+from sysid.experiment.questions import Prior
 from sysid.experiment.record import Record, load_records
-from sysid.experiment.unknowns import Prior
 from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
-from sysid.prediction.channel_scales import put_scales
 from sysid.prediction.model import Model, Scales, scales_of, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.rig_model import RigModel
-from sysid.prediction.rig_models import RIG_MODELS
+from sysid.prediction.sensors import put_scales
+from sysid.prediction.simulation import RIG_MODELS
 
 
 @dataclass(frozen=True)

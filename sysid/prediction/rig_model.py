@@ -1,4 +1,4 @@
-"""Interface of a kind of rig: preparation, prediction, simulation; `sysid/prediction/rig_models.py` has the kinds."""
+"""Interface of a kind of rig: preparation, prediction, simulation; `sysid/prediction/simulation.py` has the kinds."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.known import Known
+from sysid.experiment.questions import Prior, Unknown
 from sysid.experiment.record import Record
-from sysid.experiment.unknowns import Prior, Unknown
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values
 from sysid.prediction.model import Model, Scales

@@ -10,11 +10,18 @@ import numpy as np
 from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
+from sysid.prediction.actuator_tip import ActuatorTip
 from sysid.prediction.effect_terms import Values
+from sysid.prediction.force_balance.driven_mass import ForceDrive, SpringPull
+from sysid.prediction.force_balance.imposed_motion import VelocityDrive
+from sysid.prediction.friction_drive.record import FrictionDrive
 from sysid.prediction.resampling import uniform
-from sysid.prediction.rig_model import Start
-from sysid.prediction.rig_models import RIG_MODELS
+from sysid.prediction.rig_model import RigModel, Start
 from sysid.signals.masks import filled
+
+RIG_MODELS: dict[str, RigModel] = {
+    rig.name: rig for rig in (VelocityDrive(), SpringPull(), ForceDrive(), ActuatorTip(), FrictionDrive())
+}
 
 
 def simulated_channels(

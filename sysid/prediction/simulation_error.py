@@ -21,7 +21,6 @@ from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
-from sysid.prediction.channel_scales import scaled, unscaled
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, values_of
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -30,9 +29,8 @@ from sysid.prediction.model import Model, predict
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.rig_model import Start
-from sysid.prediction.rig_models import RIG_MODELS
-from sysid.prediction.sensors import sensor_input
-from sysid.prediction.simulation import uniform_inputs
+from sysid.prediction.sensors import scaled, sensor_input, unscaled
+from sysid.prediction.simulation import RIG_MODELS, uniform_inputs
 
 HORIZONS = {"0.1 s": 0.1, "1 s": 1.0}
 """Lengths of the simulations from measured states, s."""

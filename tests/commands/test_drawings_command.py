@@ -10,8 +10,8 @@ from typing import Any
 import ezdxf
 import pytest
 
-from drawings.artefacts.names import chosen_sheets, sheet_names
 from drawings.artefacts.sheets import digest
+from drawings.artefacts.tasks import chosen_sheets, sheet_names
 from drawings.friction_stage.sheet_plans import sheet_plans
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError

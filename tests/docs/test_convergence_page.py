@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from designcalc.bearing.plate import SupportedPlate
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.stage_plate import stage_plate
 from stagecad.parameters.load import load_design
 

@@ -10,8 +10,8 @@ from ezdxf.document import Drawing
 from drawings.annotations.annotation import AngularDimension, Annotation, Callout, LinearDimension, RadialDimension
 from drawings.export.drawing_model import drawing_model
 from drawings.export.dxf import dxf_document
-from drawings.sheets.machine_sheets import sheets_of
 from drawings.sheets.part import PartDescription, part_sheets
+from drawings.sheets.plans import sheets_of
 from drawings.sheets.sheet import Sheet
 from stagecad.friction_stage.construction import part_definition
 from stagecad.parameters.design import Design

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from workbench.operations.design import Design
-    from workbench.operations.progress import ProgressCallback
+    from workbench.operations.lines import ProgressCallback
 
 
 @dataclass(frozen=True)

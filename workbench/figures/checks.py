@@ -13,8 +13,7 @@ from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
-    from designcalc.checks.analysis.grid import GridPoint
-    from designcalc.checks.analysis.sweep import Point, Range
+    from designcalc.checks.analysis.sweep import GridPoint, Point, Range
     from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import Masses
@@ -115,7 +114,7 @@ def rail_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     from dataclasses import replace
 
     from designcalc.bearing.bolted_rail import best_spacing_ratio, total_stiffness
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.physics.pads import rail
 
     r = DesignInputs(design, masses)
@@ -166,7 +165,7 @@ def teeth_figure(axes: Any, design: Design, masses: Masses | None) -> str | None
 @check_figure(6.4, 4.0)
 def speed_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.drive.tip_ellipse import speed_of
     from designcalc.friction_stage.physics.tip_dynamics import tip_resonance, usable_ellipse
 
@@ -193,7 +192,7 @@ def speed_figure(axes: Any, design: Design, masses: Masses | None) -> str | None
 @check_figure(6.4, 4.0)
 def travel_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
     from designcalc.friction_stage.physics.loads import gravity, load_centre, preload_ratio
     from designcalc.friction_stage.physics.pads import pad_positions
@@ -223,7 +222,7 @@ def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | No
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.checks.bearing.smoothness import lapped_surface, spot
 
     r = DesignInputs(design, masses)
@@ -244,7 +243,7 @@ def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | No
 
 def budget_figure(design: Design, masses: Masses | None) -> Figure:
     """Contributions to the error budgets at the payload."""
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.checks.budget import budgets
 
     r = DesignInputs(design, masses)
@@ -271,7 +270,7 @@ def budget_figure(design: Design, masses: Masses | None) -> Figure:
 
 def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.checks.position_loop import limit_key
     from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 

@@ -15,7 +15,7 @@ from workbench.figures.plot import AFTER, BEFORE, GREY, MODEL, WIDTH, Plot, new_
 if TYPE_CHECKING:
     import pandas as pd
 
-    from designcalc.optimisation.reached_levels import Levels
+    from designcalc.optimisation.requirement_levels import Levels
 
 MOST_BARS = 40
 """Checks of a figure, worst first."""

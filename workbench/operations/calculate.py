@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors

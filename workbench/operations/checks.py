@@ -6,25 +6,33 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.grid import GridPoint, combinations, grid_table, run_grid_point
 from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
-from designcalc.checks.analysis.sweep import Point, Range, changing_checks, read_range, run_point, table
+from designcalc.checks.analysis.sweep import (
+    GridPoint,
+    Point,
+    Range,
+    changing_checks,
+    combinations,
+    grid_table,
+    read_range,
+    run_grid_point,
+    run_point,
+    table,
+)
 from designcalc.checks.analysis.tolerance import ToleranceStudy, tolerance_study
 from designcalc.checks.chain import Chain
 from designcalc.checks.check import Check
 from designcalc.checks.own_checks import register
-from designcalc.checks.run import run_checks
-from designcalc.checks.subjects import subjects_of
+from designcalc.checks.run import run_checks, subjects_of
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, plain_table
+from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, silent
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.progress import ProgressCallback, counted, silent
 from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:

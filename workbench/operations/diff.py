@@ -13,9 +13,8 @@ from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.design import Design, as_design
-from workbench.operations.lines import Line, plain_table
+from workbench.operations.lines import Line, ProgressCallback, plain_table, silent
 from workbench.operations.parameters import difference_json, difference_lines
-from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
@@ -390,8 +389,7 @@ def sheet_changes(
     before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
 ) -> list[SheetChange]:
     """Sheets that differ; the later one of each is written to `folder` with its changes marked."""
-    from drawings.artefacts.names import chosen_sheets
-    from drawings.artefacts.tasks import build_all_sheets
+    from drawings.artefacts.tasks import build_all_sheets, chosen_sheets
     from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.operations.drawings import procedure_values
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.inputs import DesignInputs
-from designcalc.checks.subjects import subjects_of
-from drawings.artefacts.names import chosen_sheets as chosen_by_part
-from drawings.artefacts.names import sheet_names as names_by_part
+from designcalc.checks.check import DesignInputs
+from designcalc.checks.run import subjects_of
 from drawings.artefacts.tasks import build_all_sheets
+from drawings.artefacts.tasks import chosen_sheets as chosen_by_part
+from drawings.artefacts.tasks import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
@@ -21,9 +21,8 @@ from stagecad.solids.artefacts.outputs import write_manifest, write_stored
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import STAGE, Design, load_design
-from workbench.operations.lines import Line, plain_table
+from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, remark, silent
 from workbench.operations.parts import with_repair
-from workbench.operations.progress import ProgressCallback, counted, remark, silent
 from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
@@ -194,7 +193,7 @@ def drawings(
 
 def write_flat(files: Sequence[str]) -> list[str]:
     """Write the DXF files among some files flat, for viewers without viewports; their names."""
-    from drawings.export.flat import flat_file
+    from drawings.export.dxf import flat_file
 
     written = []
     for path in (Path(file) for file in files if file.endswith(".dxf")):

@@ -7,13 +7,11 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.analysis.report import shown
-from designcalc.optimisation.reached_levels import Levels
-from designcalc.optimisation.requirement_levels import requirement_levels
+from designcalc.optimisation.requirement_levels import Levels, requirement_levels
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
-from workbench.operations.lines import Line, Table, markdown, plain_table
+from workbench.operations.lines import Line, ProgressCallback, Table, markdown, plain_table, silent
 from workbench.operations.optimise import Search
-from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result
 
 if TYPE_CHECKING:

@@ -5,9 +5,13 @@ The command line prints a `Table`, the macro `data_table` of the report's templa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import logging
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
+
+from stagecad.parameters.errors import one_line
 
 TEXT, NUMBER, STRONG, CODE, REMARK, BAR, QUIET = "", "n", "n strong", "code", "warn", "bar", "quiet"
 """Kinds of a column: the classes of its cells in HTML. Cells of BAR are a width in percent, drawn in HTML only."""
@@ -63,3 +67,26 @@ def markdown(table: Table) -> list[str]:
     """The lines of a table in Markdown."""
     cells = [[title for title, _ in table.columns], ["---"] * len(table.columns), *table.rows]
     return ["| " + " | ".join(text.replace("|", "\\|") for text in row) + " |" for row in cells]
+
+
+ProgressCallback = Callable[[str, int, int], None]
+"""Called with the name of a step, the steps done, and all steps (0: not known)."""
+
+
+def silent(step: str, done: int, steps: int) -> None:
+    """The progress callback that shows nothing."""
+
+
+def remark(text: str) -> None:
+    """Log a remark of one line; it may quote a file. Without any logging set up, it goes to standard error."""
+    logging.getLogger("stagecad").warning("%s", one_line(text))
+
+
+def counted(progress: ProgressCallback, step: str, steps: int) -> Callable[[object], None]:
+    """What reports one step more each time it is called; an empty `step` is the name that it is called with."""
+    done = count(1)
+
+    def advance(item: object) -> None:
+        progress(step or str(item), next(done), steps)
+
+    return advance

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
 from designcalc.checks.analysis.tolerance import scaled_masses
 from designcalc.checks.check import Check
-from designcalc.checks.run import run_checks
-from designcalc.checks.subjects import subjects_of
+from designcalc.checks.run import run_checks, subjects_of
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -29,9 +29,8 @@ from stagecad.parameters.rules.registry import violations
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, markdown, plain_table
+from workbench.operations.lines import Line, ProgressCallback, markdown, plain_table, silent
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:

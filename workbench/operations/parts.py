@@ -14,12 +14,10 @@ from stagecad.solids.artefacts.part import CRASHED, build_parts
 from stagecad.solids.artefacts.store import ArtefactStore, sha256
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
-from stagecad.solids.assembly.built_assembly import assemble
-from stagecad.solids.assembly.built_machine import body_masses, build_machine, find_machine, part_mass
+from stagecad.solids.assembly.built_machine import assemble, body_masses, build_machine, find_machine, part_mass
 from stagecad.solids.modelling.registry import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, plain_table
-from workbench.operations.progress import ProgressCallback, counted, remark, silent
+from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, remark, silent
 from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:

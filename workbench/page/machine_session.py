@@ -14,9 +14,9 @@ from stagecad.parameters.file import packaged_text
 from stagecad.parameters.rules.registry import violations
 from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
+from workbench.operations.lines import remark
 from workbench.operations.live_checks import LiveChecks, LiveResult, check_row
 from workbench.operations.parameters import entry_row, parameter_rows
-from workbench.operations.progress import remark
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"

@@ -53,7 +53,7 @@ from workbench.operations.measurement.tables import (
     worst_over_noise,
 )
 from workbench.operations.result import Reported, finite
-from workbench.report.html import render
+from workbench.report.checks import render
 
 SCHEMA = 6
 REPORT = "report.html"

@@ -11,8 +11,7 @@ from designcalc.checks.analysis.report import counted
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from workbench.operations.drawings import SMALL, reduced_sheet
-from workbench.report.checks import check_rows
-from workbench.report.html import data_url, embedded, link, render
+from workbench.report.checks import check_rows, data_url, embedded, link, render
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check

@@ -13,7 +13,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.subjects import subjects_of
+from designcalc.checks.run import subjects_of
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
 from drawings.artefacts.tasks import TIME_LIMIT, slowest_first
@@ -22,8 +22,7 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_assembly import assemble, build_assembly
-from stagecad.solids.assembly.built_machine import BuiltMachine
+from stagecad.solids.assembly.built_machine import BuiltMachine, assemble, build_assembly
 from stagecad.solids.assembly.interference import stored_interferences
 from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.subjects import subjects_of
+from designcalc.checks.run import subjects_of
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
 
@@ -75,7 +75,7 @@ def check_files(store: ArtefactStore, source: StatedDesign, design: Design, mass
 
     For a design without a project's own checks (`stored_checks`).
     """
-    from workbench.report.html import templates_digest
+    from workbench.report.checks import templates_digest
 
     figures = {title: check_figure(store, design, masses, title) for title in figures_of(design)}
 

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
-from designcalc.checks.run import run_checks, subject_names
-from designcalc.checks.subjects import subjects_of
+from designcalc.checks.run import run_checks, subject_names, subjects_of
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules.registry import violations
 

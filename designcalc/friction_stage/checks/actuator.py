@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.bearing.sliding import crown_wear_distance
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, ratio, show
 from designcalc.drive.piezo_stack import drive_pull, stack_current, stack_heat, stack_tension, tilt_stress
 from designcalc.friction_stage.physics.body import tip_mass
 from designcalc.friction_stage.physics.loads import load, tip_load

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.porous_air import stiffness_of_gap
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
 from designcalc.contact.hertz import contact_modulus, load_at_pressure, load_at_stiffness, point_contact
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.drive.suspension import Suspension, dipole_hessian, rank_sum

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, CheckFunction, at_most, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import AXES, Budget, Contribution, budget
 from designcalc.errors.sensors import filtered_noise

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.checks.inputs import DesignInputs
-from designcalc.friction_stage.physics.screws import wedge
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
+from designcalc.friction_stage.physics.clamp import wedge
 from designcalc.friction_stage.physics.tolerance_chains import (
     Chain,
     holder_in_pocket,

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.checks.inputs import DesignInputs
-from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip
-from designcalc.friction_stage.physics.screws import screw_preload
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
+from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip, screw_preload
 from designcalc.friction_stage.physics.tip_dynamics import peak_tip_force
 from stagecad.parameters.design import Design
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
 from designcalc.friction_stage.physics.loads import tip_load
 from designcalc.friction_stage.physics.plate_vibration import above_tip
-from designcalc.friction_stage.physics.tip_contact import tip_contact
-from designcalc.friction_stage.physics.tip_dynamics import peak_tip_force, stack_stiffness, usable_ellipse
+from designcalc.friction_stage.physics.tip_dynamics import peak_tip_force, stack_stiffness, tip_contact, usable_ellipse
 from stagecad.parameters.design import Design
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"

@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.drive.friction_drive import acceleration_limit, preload_ratio_for, resonance, tip_force_limit
 from designcalc.drive.tip_ellipse import frequency_for, speed_of
 from designcalc.friction_stage.physics.body import moving_body

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
-from designcalc.friction_stage.physics.clamp import clamping_shift, grip
-from designcalc.friction_stage.physics.screws import wedge
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
+from designcalc.friction_stage.physics.clamp import clamping_shift, grip, wedge
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
 

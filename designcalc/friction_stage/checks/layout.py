@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from designcalc.checks.check import Check, CheckFunction, at_least, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, show
 from stagecad.parameters.design import Design
 
 _SECTION = "thesis 2.2, 'other pertinent issues'"

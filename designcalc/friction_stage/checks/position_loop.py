@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_most, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, show
 from designcalc.errors.dynamic_budget import DynamicBudget
 from designcalc.friction_stage.physics.loads import tip_load
 from designcalc.friction_stage.physics.plate_vibration import held_plate

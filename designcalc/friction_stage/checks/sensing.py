@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, ratio, show
 from designcalc.errors.sensors import (
     abbe_error,
     air_index_error,

@@ -7,8 +7,7 @@ import math
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.physics.pads import pads_stiffness
 from designcalc.friction_stage.physics.teeth import CIRCUITS, MagnetCircuit, attraction, circuit, magnets, tooth_field

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from designcalc.checks.check import Check, CheckFunction, at_most, change, ratio, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, ratio, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.thermal import bow_of_layers, differential_growth, floor_motion, loop_drift
 from designcalc.friction_stage.physics.loads import moved_mass

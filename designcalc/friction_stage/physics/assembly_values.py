@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance
-from designcalc.checks.inputs import DesignInputs
-from designcalc.friction_stage.physics.clamp import clamping_shift
+from designcalc.checks.check import DesignInputs
+from designcalc.friction_stage.physics.clamp import clamping_shift, screw_preload, wedge
 from designcalc.friction_stage.physics.pads import heaviest_pad
-from designcalc.friction_stage.physics.screws import screw_preload, wedge
 from designcalc.friction_stage.physics.teeth import attraction
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 

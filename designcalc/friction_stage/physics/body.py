@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
 
 _POINT = ((0.0, 0.0, 0.0),) * 3

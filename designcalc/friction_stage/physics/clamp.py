@@ -5,11 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.bearing.fastener import preload_of_torque
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.drive.clamp import ClampFinger
-from designcalc.drive.height_adjustment import ClampShift, clamp_shift
-from designcalc.friction_stage.physics.screws import screw_preload
+from designcalc.drive.height_adjustment import ClampShift, WedgeDrive, clamp_shift, wedge_drive
 from stagecad.parameters.errors import InputError
+
+
+def screw_preload(r: DesignInputs, screw: str) -> float:
+    """Force of one screw at its torque, N; `screw` is a table of `screws`."""
+    return float(preload_of_torque(*(r(f"screws.{screw}.{name}") for name in ("torque", "diameter", "nut_factor"))))
+
+
+def wedge(r: DesignInputs) -> WedgeDrive:
+    """The set screw that moves height pin 1 under height pin 2."""
+    return wedge_drive(r("set_screw.pitch"), r("height_pin_1.slope"), r("height_pin_1.stroke"))
+
 
 PRESSED = math.radians(10.0)
 """Angle of the pocket's wall beside the gap slot on which a finger presses."""

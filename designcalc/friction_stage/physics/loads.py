@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.friction_stage.physics.body import bare_stage, loaded_stage, moving_body
 from designcalc.friction_stage.physics.teeth import attraction
 from stagecad.parameters.mass_properties import BodyMasses

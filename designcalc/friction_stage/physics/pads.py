@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import Rail
 from designcalc.bearing.sliding import PadStiffness, pad_loads, pad_stiffness
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.contact.film import FilmContact, confined_modulus, film_contact
 from designcalc.contact.hertz import PointContact, contact_modulus, point_contact
 from designcalc.friction_stage.physics.loads import load, load_centre
-from designcalc.friction_stage.physics.tip_contact import elastic_constants
+from designcalc.friction_stage.physics.tip_dynamics import elastic_constants
 
 Array = NDArray[np.float64]
 

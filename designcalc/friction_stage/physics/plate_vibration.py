@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from designcalc.bearing.plate import Modes
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.contact.pulsed import pulse_harmonics
 from designcalc.errors.dynamic_budget import Response, resonant_response
 from designcalc.friction_stage.physics.loads import load
@@ -36,8 +36,7 @@ from designcalc.friction_stage.physics.stage_plate import (
     stage_modes,
     stage_plate,
 )
-from designcalc.friction_stage.physics.tip_contact import contact_stiffness
-from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, stack_stiffness, usable_ellipse
+from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, contact_stiffness, stack_stiffness, usable_ellipse
 
 Array = NDArray[np.float64]
 

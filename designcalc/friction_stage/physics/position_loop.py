@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.dynamic_budget import (
     Disturbance,

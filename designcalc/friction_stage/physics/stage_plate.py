@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from designcalc.bearing.plate import Modes, Place, Plate, StandingBody, SupportedPlate
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.friction_stage.physics.body import ballast, bare_stage
 from designcalc.friction_stage.physics.loads import gravity, preload
 from designcalc.friction_stage.physics.pads import pad_positions, pad_spring_stiffness

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from designcalc.checks.inputs import DesignInputs, remembered
+from designcalc.checks.check import DesignInputs, remembered
 from designcalc.drive.magnetic_circuit import MagnetForces, MagnetSection, magnet_forces
 from designcalc.drive.magnetic_teeth import TeethField, teeth_field
 

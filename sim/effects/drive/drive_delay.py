@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from sim.effects.effect import TransportDelay
 from sim.effects.sensor import sensor_delay
-from sim.effects.time_domain import TransportDelay
 
 _OF_CURVES = replace(
     sensor_delay.EFFECT.variants[0],

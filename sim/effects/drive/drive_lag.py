@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from sim.effects.effect import FirstOrderLag
 from sim.effects.sensor import sensor_lag
-from sim.effects.time_domain import FirstOrderLag
 
 _SENSOR, _SENSOR_OF_STEPS = sensor_lag.EFFECT, sensor_lag.EFFECT.variants[0]
 _TIME_CONSTANT = replace(_SENSOR.parameters[0], source="amplifier or piezo charging lag")

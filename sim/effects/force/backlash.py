@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect, Parameter, Scan
-from sim.effects.time_domain import Backlash
+from sim.effects.effect import Axis, Backlash, Effect, Parameter, Scan
 
 
 def _memory(axis: Axis, p: Any) -> Axis:

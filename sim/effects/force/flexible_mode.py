@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.effect import Effect, Parameter, Scan
-from sim.effects.time_domain import AddedOscillator
+from sim.effects.effect import AddedOscillator, Effect, Parameter, Scan
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:

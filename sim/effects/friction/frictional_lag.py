@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect, Parameter, Scan
-from sim.effects.time_domain import DelayedSpeed
+from sim.effects.effect import Axis, DelayedSpeed, Effect, Parameter, Scan
 
 
 def _memory(axis: Axis, p: Any) -> Axis:

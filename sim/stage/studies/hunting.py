@@ -8,9 +8,8 @@ from functools import partial
 import numpy as np
 
 from sim.stage.constants import STEP
-from sim.stage.run import StageRun
+from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Interferometer
-from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies import RunAll
 from sim.stage.studies.positioning import COARSE_HEIGHT, LEAN_HIGHEST, Actuation

@@ -5,7 +5,7 @@ desired speed falls with the square root of the remaining distance; the output i
 Pressing the tip shifts the stage: beyond the reach of the fine loop the run is repeated with the shift learned.
 Fine: the tip is pressed on the drive surface and leans by the integral of the error; the stage follows through contact
 and bending stacks within its presliding, by a small part of the lean. Floor, amplifiers and air disturb both
-(`sim.stage.studies.disturbances`).
+(`sim.stage.studies.positioning`).
 """
 
 from __future__ import annotations
@@ -17,16 +17,78 @@ from typing import Any
 
 import numpy as np
 
+from designcalc.errors.dynamic_budget import base_response
 from sim.stage.constants import STEP
-from sim.stage.machine import StageMachine
-from sim.stage.run import StageRun
+from sim.stage.machine import Piezo, StageMachine, Surroundings
+from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
-from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies import RunAll
-from sim.stage.studies.disturbances import Disturbances
 from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
 from sim.stage.waveforms import TipDrive, volts_for
+
+LINES = 24
+"""Sine waves in each band of the floor's velocity."""
+
+
+class Disturbances:
+    """Samples of all disturbances, one a period of the controller.
+
+    Args:
+        surroundings: of the machine; None is a quiet place.
+        piezo: whose amplifiers are noisy.
+        period: of the controller, s.
+        step: of the integration, s.
+        seed: of the random numbers.
+    """
+
+    def __init__(
+        self, surroundings: Surroundings | None, piezo: Piezo, period: float, step: float, seed: int = 2
+    ) -> None:
+        self.surroundings, self.period = surroundings, period
+        self.random = np.random.default_rng(seed)
+        self.index = 0.0
+        self.deviation = 0.0
+        if surroundings is None:
+            return
+        # A first-order lag fed with independent values of deviation s leaves s sqrt(share/(2 - share)).
+        share = 1.0 - math.exp(-2.0 * math.pi * piezo.bandwidth * step)
+        self.deviation = surroundings.amplifier_noise * math.sqrt((2.0 - share) / share)
+        self.kept = math.exp(-period / surroundings.air_time)
+        self.waves = self._waves(surroundings)
+
+    def _waves(self, surroundings: Surroundings) -> np.ndarray:
+        """Angular frequency (rad/s), amplitude (m) and phase of the waves of the stage against its base, (3, n)."""
+        edges = [np.linspace(low, high, LINES + 1) for low, high in surroundings.floor_bands]
+        frequency = np.concatenate([self.random.uniform(one[:-1], one[1:]) for one in edges])
+        # Each wave has an equal share of the power of its band: v^2 = lines x amplitude^2/2.
+        velocity = surroundings.floor_velocity * math.sqrt(2.0 / LINES)
+        response = base_response(frequency, surroundings.held_resonance, surroundings.held_damping)
+        amplitude = velocity / (2.0 * math.pi * frequency) * np.abs(response)
+        phase = self.random.uniform(0.0, 2.0 * math.pi, frequency.size)
+        return np.stack([2.0 * math.pi * frequency, amplitude, phase])
+
+    def floor(self, time: np.ndarray) -> np.ndarray:
+        """Motion of the held stage against its base by the floor, m, at times (n,), s."""
+        if self.surroundings is None:
+            return np.zeros_like(time)
+        rate, amplitude, phase = self.waves
+        return np.sin(time[:, None] * rate + phase) @ amplitude
+
+    def air(self) -> float:
+        """Error of the next reading of an interferometer, m: a first-order random process that begins at zero."""
+        if self.surroundings is None:
+            return 0.0
+        fresh = self.surroundings.air_error * math.sqrt(1.0 - self.kept**2)
+        self.index = self.kept * self.index + fresh * float(self.random.standard_normal())
+        return self.index
+
+    def disturbed(self, volts: np.ndarray) -> np.ndarray:
+        """Voltages of each step with the noise that leaves its rms behind the amplifiers' bandwidth."""
+        if self.deviation == 0.0:
+            return volts
+        return volts + self.deviation * self.random.standard_normal(volts.shape)
+
 
 TARGET = 0.5e-3
 COARSE_HEIGHT = 0.25

@@ -10,10 +10,8 @@ import numpy as np
 
 from sim.stage.constants import STEP, make_constants
 from sim.stage.machine import StageMachine
-from sim.stage.piezo import piezo_response
-from sim.stage.run import StageRun
-from sim.stage.simulation import drive_stage
-from sim.stage.state import Constants
+from sim.stage.run import StageRun, drive_stage
+from sim.stage.state import Constants, piezo_response
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.studies import RunAll
 from sim.stage.waveforms import TipDrive, knots_wave, step_times

@@ -15,7 +15,7 @@ from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.modelling.frame import UNMOVED, Frame, Vector, add, dot, mate, scaled, subtract
-from stagecad.solids.modelling.instance import Instance
+from stagecad.solids.modelling.registry import Instance
 
 EXPLODED = {
     "bearing_way": 60.0,

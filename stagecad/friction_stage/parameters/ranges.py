@@ -7,11 +7,13 @@ before those of tables and units. What fits together within the ranges is a matt
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache
 
-from stagecad.parameters.schema import Declaration
+from stagecad.friction_stage.parameters import hardware, physics
+from stagecad.parameters.project_tables import ROW, Kind
+from stagecad.parameters.schema import Declaration, declarations, mm
 
 THREAD = "a tap drill lies between the thread's minor and major diameter"
 PITCH = "no standard pitch of this thread is outside"
@@ -135,3 +137,31 @@ def with_range(key: str, declaration: Declaration) -> Declaration:
     # Zero stays where the declaration permits it: no coating, no chamfer.
     low = declaration.low if declaration.closed and declaration.low == 0.0 else max(low, declaration.low)
     return replace(declaration, low=low, high=min(high, declaration.high), why=why)
+
+
+@dataclass
+class _Thread:
+    tap_drill: float = mm("of the thread")
+    pitch: float = mm("of the thread")
+
+
+@cache
+def kinds() -> dict[str, Kind]:
+    """The kinds of table by name."""
+
+    def of(table: type, slots: tuple[str, ...], optional: tuple[str, ...] = ()) -> Kind:
+        columns = {name: one for name, one in declarations(table).items() if name != ROW}
+        free = (name for name, one in columns.items() if one.computed or one.default is not None)
+        return Kind(columns, slots, (*optional, *free))
+
+    threads = tuple(name.removesuffix("_pitch") for name in declarations(hardware.Threads) if name.endswith("_pitch"))
+    screws = tuple(f"screws.{name}" for name in ("way", "clamp_long", "clamp_short", "bar"))
+    ceramic = ("hysteresis", "strain_limit", "creep", "damping_ratio")
+    return {
+        "piezos": of(hardware.Piezo, ("piezo",), ceramic),
+        "screws": of(hardware.Screw, screws, ("torque", "nut_factor")),
+        "set_screws": of(hardware.SetScrew, ("set_screw",)),
+        "springs": of(hardware.Spring, ("spring",)),
+        "threads": Kind(declarations(_Thread), names=threads),
+        "materials": of(physics.Material, ()),
+    }

@@ -19,10 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_assembly import shapes_of
+from stagecad.solids.assembly.built_machine import shapes_of
 from stagecad.solids.assembly.pair_measurement import common_volumes, least_distance, relative_frame
 from stagecad.solids.modelling.frame import Box, Frame, near, transformed_box
-from stagecad.solids.modelling.instance import Instance
 from stagecad.solids.modelling.registry import (
     ASSEMBLY,
     CLASH,
@@ -32,6 +31,7 @@ from stagecad.solids.modelling.registry import (
     OPEN,
     OVERLAP,
     THREAD,
+    Instance,
     Position,
     construction,
 )

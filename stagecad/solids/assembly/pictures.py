@@ -11,10 +11,9 @@ from typing import Any
 
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_assembly import EXPLODED, meshes_of, placed_shapes, shapes_of
-from stagecad.solids.assembly.built_machine import BuiltMachine
+from stagecad.solids.assembly.built_machine import EXPLODED, BuiltMachine, meshes_of, placed_shapes, shapes_of
 from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
-from stagecad.solids.modelling.placed_shape import PlacedShape
+from stagecad.solids.modelling.frame import PlacedShape
 from stagecad.solids.modelling.registry import ASSEMBLY, construction
 
 PART_SIZE = (900, 650)

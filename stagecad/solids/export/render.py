@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stagecad.solids.export.mesh import Mesh
-from stagecad.solids.modelling.placed_shape import PlacedShape
+from stagecad.solids.modelling.frame import PlacedShape
 
 SIZE = (1400, 1000)
 MARGIN = 0.06

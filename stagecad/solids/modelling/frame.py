@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from stagecad.parameters.dimension import Datum
 
+
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 Box = tuple[Vector, Vector]
@@ -99,3 +100,47 @@ def _triple(values: list[float]) -> Vector:
 
 def _rows(values: list[list[float]]) -> Matrix:
     return (_triple(values[0]), _triple(values[1]), _triple(values[2]))
+
+
+Colour = tuple[float, float, float]
+
+BY_MATERIAL: dict[str, Colour] = {
+    "al6061": (0.74, 0.77, 0.80),
+    "invar": (0.62, 0.62, 0.66),
+    "sus416": (0.58, 0.60, 0.64),
+    "sic": (0.27, 0.31, 0.37),
+    "ptfe": (0.93, 0.92, 0.86),
+    "steel": (0.40, 0.42, 0.45),
+    "alloysteel": (0.30, 0.31, 0.34),
+    "alumina": (0.90, 0.89, 0.85),
+    "iron": (0.58, 0.48, 0.42),
+    "ndfeb": (0.62, 0.22, 0.20),
+    "pzt": (0.85, 0.68, 0.30),
+}
+"""Display colours (sRGB, 0 to 1) by the first letters of a material's name in the parameter file."""
+
+OTHER: Colour = (0.60, 0.62, 0.60)
+
+
+def colour_of(material: str) -> Colour:
+    """Colour of `material` (its name in the parameter file): of the longest entry that its name begins with."""
+    plain = material.lower().replace("-", "").replace("_", "")
+    known = sorted((name for name in BY_MATERIAL if plain.startswith(name)), key=len)
+    return BY_MATERIAL[known[-1]] if known else OTHER
+
+
+@dataclass(frozen=True)
+class PlacedShape:
+    """A shape in an assembly.
+
+    Attributes:
+        name: of this instance.
+        part: name of the shape; equal to `name` for a single part.
+        colour: sRGB, 0 to 1.
+        frame: position in the assembly.
+    """
+
+    name: str
+    part: str
+    colour: Colour
+    frame: Frame = UNMOVED

@@ -12,7 +12,7 @@ from sim.effects.effect import Axis, Effect
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.noise.quantisation import find_quantisation_step
+from sysid.noise.repeats import find_quantisation_step
 from sysid.prediction.effect_terms import Values
 from sysid.prediction.force_balance.measured_motion import (
     direction_from_velocity,

@@ -15,7 +15,6 @@ from scipy.optimize import root_scalar
 
 from sim.effects.effect import Axis, Effect
 from sim.numerics.elasto_plastic import position_behind_gap, springs_of
-from sysid.prediction.channel_scales import scale_ratio
 from sysid.prediction.effect_terms import (
     Values,
     axis_force,
@@ -43,7 +42,14 @@ from sysid.prediction.force_balance.stick_phases import (
     median_level,
     presliding_displacement,
 )
-from sysid.prediction.sensors import ahead_of_motion, delayed_like_motion, delays_motion, sensed, sensor_input
+from sysid.prediction.sensors import (
+    ahead_of_motion,
+    delayed_like_motion,
+    delays_motion,
+    scale_ratio,
+    sensed,
+    sensor_input,
+)
 
 
 def predict_balance(

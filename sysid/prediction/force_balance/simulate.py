@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from sim.effects.catalogue import Model
 from sim.effects.effect import Effect
-from sim.effects.model import Model
 from sim.integration.drive import Drive, force, held_force, pulled_spring
 from sim.integration.simulate import simulate
 from sysid.experiment.experiment import Rig

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.effects.catalogue import Model
 from sim.effects.effect import Axis, Effect
-from sim.effects.model import Model
 from sim.integration.driven_stage.inputs import FrictionLimit, TipMotion, VelocityTable, velocity_independent
 from sim.integration.driven_stage.midpoint import NO_BRISTLES
 from sim.numerics.elasto_plastic import Elements

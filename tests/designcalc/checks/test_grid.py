@@ -6,8 +6,7 @@ import json
 
 import pytest
 
-from designcalc.checks.analysis.grid import combinations, grid_table, run_grid_point
-from designcalc.checks.analysis.sweep import read_range
+from designcalc.checks.analysis.sweep import combinations, grid_table, read_range, run_grid_point
 from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip
 from stagecad.parameters.errors import InputError

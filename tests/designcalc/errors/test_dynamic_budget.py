@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.errors import dynamic_budget as db
 from designcalc.errors.thermal import floor_motion
 from designcalc.friction_stage.physics.position_loop import BANDS, dynamic_budgets, position_loop, suspension

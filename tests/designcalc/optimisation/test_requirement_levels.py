@@ -9,8 +9,7 @@ from PIL import Image
 
 from designcalc.checks.run import run_checks
 from designcalc.optimisation import requirement_levels as module
-from designcalc.optimisation.reached_levels import Levels, Price, Together
-from designcalc.optimisation.requirement_levels import requirement_levels
+from designcalc.optimisation.requirement_levels import Levels, Price, Together, requirement_levels
 from designcalc.optimisation.space import read_range
 from stagecad.parameters.load import load_design, load_variations
 from workbench.cli import run as stagecad

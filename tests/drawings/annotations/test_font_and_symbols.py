@@ -10,9 +10,10 @@ from ezdxf.fonts import fonts
 
 from drawings.annotations.annotation import Symbol
 from drawings.annotations.annotation_geometry import primitive_box
-from drawings.annotations.font import (
+from drawings.annotations.primitives import (
     TEXT_HEIGHT,
     WIDTH_FACTOR,
+    Text,
     cap_height,
     font_path,
     glyph_advance,
@@ -20,7 +21,6 @@ from drawings.annotations.font import (
     printed,
     text_width,
 )
-from drawings.annotations.primitives import Text
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
 
 

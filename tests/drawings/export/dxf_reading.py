@@ -12,10 +12,9 @@ from typing import Any
 
 from ezdxf.document import Drawing
 
-from drawings.annotations.font import text_width
-from drawings.views.bounding_box import bounding_box
+from drawings.annotations.primitives import text_width
 from drawings.views.segment_index import Line, arc_points, polyline_lines
-from drawings.views.view import Arc, Box2, Point2
+from drawings.views.view import Arc, Box2, Point2, bounding_box
 
 
 @dataclass(frozen=True)

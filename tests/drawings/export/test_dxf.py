@@ -11,8 +11,17 @@ from ezdxf.document import Drawing
 from ezdxf.filemanagement import readfile
 
 from drawings.annotations.annotation import LinearDimension
-from drawings.annotations.font import TEXT_STYLE, WIDTH_FACTOR
-from drawings.annotations.primitives import LAYERS, THICK, Alignment, ArcStroke, FilledPolygon, Stroke, Text
+from drawings.annotations.primitives import (
+    LAYERS,
+    TEXT_STYLE,
+    THICK,
+    WIDTH_FACTOR,
+    Alignment,
+    ArcStroke,
+    FilledPolygon,
+    Stroke,
+    Text,
+)
 from drawings.export.dxf import VIEWPORT_LAYER, dxf_bytes
 from drawings.export.dxf_entities import ModelMapping, add_primitive, measured_text
 from drawings.views.view import Arc

@@ -12,8 +12,7 @@ from ezdxf.document import Drawing
 from scipy.spatial import KDTree
 
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
-from drawings.annotations.font import printed
-from drawings.annotations.primitives import Primitive, Text
+from drawings.annotations.primitives import Primitive, Text, printed
 from drawings.placement.occupancy import primitive_lines, view_lines
 from drawings.sheets.frame import frame
 from drawings.sheets.sheet import Sheet

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
-from drawings.export.flat import flattened
+from drawings.export.dxf import flattened
 from drawings.views.segment_index import polyline_lines
 from tests.drawings.drawn import document_of, sheets
 from tests.drawings.export.dxf_reading import PaperContent, entity_points

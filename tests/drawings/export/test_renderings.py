@@ -13,7 +13,6 @@ import pytest
 from pypdfium2 import PdfDocument
 
 from drawings.annotations.annotation import Note, Symbol
-from drawings.annotations.font import text_width
 from drawings.annotations.primitives import (
     LINE_TYPES,
     ArcStroke,
@@ -22,10 +21,10 @@ from drawings.annotations.primitives import (
     Primitive,
     Stroke,
     Text,
+    text_width,
 )
 from drawings.export.drawing_model import DrawingModel, PrimitiveGroup, bezier_curves, drawing_model, text_origin
-from drawings.export.pdf import DPI, pdf_bytes, png_bytes
-from drawings.export.svg import svg_bytes
+from drawings.export.pdf import DPI, pdf_bytes, png_bytes, svg_bytes
 from drawings.views.view import Arc
 from tests.drawings.plate_sheet import plate, sheet
 from tests.drawings.rendered import assert_same_picture, picture_of

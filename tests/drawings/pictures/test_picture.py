@@ -8,9 +8,8 @@ import pytest
 
 from drawings.pictures.picture import Picture, Piece, picture
 from drawings.pictures.scene import FINE, MANY_FACES, faces_of_view, faces_of_views, meshed, moved, visible_faces
-from drawings.views.bounding_box import extreme_points
 from drawings.views.projection import hidden_lines, project
-from drawings.views.view import PROJECTIONS, Curve
+from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 

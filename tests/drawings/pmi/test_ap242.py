@@ -19,8 +19,7 @@ from drawings.dimensions.dimensioning import sheet_dimensions
 from drawings.dimensions.hole_table import HoleGroup
 from drawings.dimensions.specification import CalloutSpec, FrameSpec, TagSpec, TargetSpec
 from drawings.friction_stage.sheet_plans import sheet_plans
-from drawings.pmi.ap242 import ap242_bytes, pmi_of
-from drawings.pmi.step_text import with_properties
+from drawings.pmi.ap242 import ap242_bytes, pmi_of, with_properties
 from drawings.sheets.part import part_views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement
 from stagecad.friction_stage.construction import MADE, part_definition

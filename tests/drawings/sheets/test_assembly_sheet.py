@@ -16,8 +16,7 @@ import pytest
 
 from drawings.annotations.annotation import Balloon, LinearDimension, SectionMark
 from drawings.annotations.annotation_geometry import BALLOON
-from drawings.annotations.font import SMALL_HEIGHT
-from drawings.annotations.primitives import Text
+from drawings.annotations.primitives import SMALL_HEIGHT, Text
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, machine_size
 from drawings.export.lint import lint
@@ -28,15 +27,13 @@ from drawings.pictures.scene import scene_of
 from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread, uncrossed
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
-from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
-from drawings.views.view import Cut, Segment
+from drawings.views.view import Cut, Segment, view_box
 from stagecad.friction_stage.assembly.assemble import assemble
 from stagecad.friction_stage.assembly.bodies import CARRIED
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.assembly.built_assembly import shapes_of
-from stagecad.solids.assembly.built_machine import BuiltMachine
+from stagecad.solids.assembly.built_machine import BuiltMachine, shapes_of
 from stagecad.solids.modelling.frame import transformed_box
 
 ROOT = Path(__file__).parents[3]

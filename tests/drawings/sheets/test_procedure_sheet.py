@@ -9,16 +9,14 @@ import pytest
 from test_procedure import made, rows, thesis
 
 from drawings.annotations.annotation import Balloon
-from drawings.annotations.font import SMALL_HEIGHT, text_width
-from drawings.annotations.primitives import Stroke, Text
-from drawings.friction_stage.procedure.procedure import Procedure, Step
+from drawings.annotations.primitives import SMALL_HEIGHT, Stroke, Text, text_width
+from drawings.friction_stage.sheets import Procedure, Step
 from drawings.pictures.picture import Picture
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.procedure import procedure_sheet
 from drawings.sheets.sheet import Sheet, wrapped
 from drawings.sheets.title_block import TitleBlock, title_box
-from drawings.views.bounding_box import view_box
-from drawings.views.view import PROJECTIONS, Segment, View
+from drawings.views.view import PROJECTIONS, Segment, View, view_box
 from tests.drawings.drawn import document_of
 
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())

@@ -5,10 +5,9 @@ from __future__ import annotations
 import cadquery as cq
 import pytest
 
-from drawings.views.bounding_box import bounding_box, extreme_points
 from drawings.views.centre_lines import BEYOND, axes_of, centre_lines
 from drawings.views.projection import project
-from drawings.views.view import PROJECTIONS, Box2, Curve, Segment
+from drawings.views.view import PROJECTIONS, Box2, Curve, Segment, bounding_box, extreme_points
 
 
 def box_of(curves: tuple[Curve, ...]) -> Box2:

@@ -7,8 +7,7 @@ import sys
 
 import pytest
 
-from sim.effects.catalogue import ORDER, find, library
-from sim.effects.model import compose
+from sim.effects.catalogue import ORDER, compose, find, library
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import unit_dimension
 

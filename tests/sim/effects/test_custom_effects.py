@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.effects.catalogue import find, library
+from sim.effects.catalogue import compose, find, library
 from sim.effects.custom import load_all_custom, load_custom
 from sim.effects.effect import Axis
-from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import SimulationError, simulate
 from stagecad.parameters.errors import InputError

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.effects.catalogue import find, library
+from sim.effects.catalogue import compose, find, library
 from sim.effects.effect import Axis, Effect
-from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import simulate
 

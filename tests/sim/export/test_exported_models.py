@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.effects.catalogue import find, library
+from sim.effects.catalogue import Model, compose, find, library
 from sim.effects.effect import Axis, Effect
-from sim.effects.model import Model, compose
 from sim.export.files import Exported, files_of
 from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.errors import InputError

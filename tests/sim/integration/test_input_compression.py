@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.effects.model import compose
+from sim.effects.catalogue import compose
 from sim.integration import drive
-from sim.integration.input_compression import SHARE, compressed, force_at
+from sim.integration.drive import SHARE, compressed, force_at
 from sim.integration.plan import Surroundings
 from sim.integration.simulate import simulate
 

@@ -9,8 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from sim.effects.catalogue import find
-from sim.effects.model import compose
+from sim.effects.catalogue import compose, find
 from sim.integration import drive, integrator
 from sim.integration.compiled import kernels, views
 from sim.integration.drive import Drive

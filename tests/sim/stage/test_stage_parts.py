@@ -11,15 +11,14 @@ from scipy.signal import lfilter
 from stage_machines import example, ideal_piezos
 
 from sim.stage.machine import Surroundings
-from sim.stage.piezo import piezo_response
+from sim.stage.run import drive_stage
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
-from sim.stage.simulation import drive_stage
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
+from sim.stage.state import piezo_response
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies.coupling import with_ample_amplifier
-from sim.stage.studies.disturbances import Disturbances
 from sim.stage.studies.planar import directed
-from sim.stage.studies.positioning import LOOPS, move_to
+from sim.stage.studies.positioning import LOOPS, Disturbances, move_to
 from sim.stage.studies.steps import converter_count
 from sim.stage.waveforms import TipDrive, largest_stroke, step_times, two_piezo_ellipse, volts_for
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.friction_stage.parameters.hardware_tables import kinds
+from stagecad.friction_stage.parameters.ranges import kinds
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
-from workbench.operations.hardware_table import table_text
+from workbench.operations.templates import table_text
 
 PIEZOS = """name,part_number,description,material,diameter [mm],length [mm],end_radius [mm],stroke [um],\
 blocking_force [N],highest_voltage [V],capacitance [uF],element_area [mm^2],moving_mass [g],source

@@ -14,7 +14,7 @@ from sysid.estimation.covariance import Intervals, _student, intervals
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights
-from sysid.experiment.unknowns import Prior, Unknown
+from sysid.experiment.questions import Prior, Unknown
 from sysid.prediction.model import Model
 
 SAMPLES = 2000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.estimation.information_criteria import criteria_of
+from sysid.estimation.fit import criteria_of
 
 
 def _criteria_by_likelihood(y: np.ndarray, columns: np.ndarray) -> tuple[float, float]:

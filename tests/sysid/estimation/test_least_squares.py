@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sysid.estimation.least_squares import least_squares, robust_scale
-from sysid.experiment.unknowns import Prior, Unknown
+from sysid.experiment.questions import Prior, Unknown
 
 REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "nonlinear_regression.toml").read_text("utf-8"))
 

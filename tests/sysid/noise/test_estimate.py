@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_warnings, with_quantisation
-from sysid.noise.quantisation import find_quantisation_step
+from sysid.noise.repeats import find_quantisation_step
 
 SHARED = Path(__file__).parents[4] / "shared"
 N, STEP = 12000, 1e-3

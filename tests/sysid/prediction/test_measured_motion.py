@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.compare import Comparison, compare
 from sysid.diagnose import diagnose
 from sysid.noise.estimate import Noise
-from sysid.noise.quantisation import find_quantisation_step
+from sysid.noise.repeats import find_quantisation_step
 from sysid.prediction.force_balance.measured_motion import (
     motion_filter_width,
     motion_warnings,

@@ -15,9 +15,15 @@ import stagecad
 from stagecad.parameters.errors import InputError
 from workbench.cli.dispatch import COMMANDS
 from workbench.cli.dispatch import stagecad as group
-from workbench.documentation.reference import GROUPS, commands_page, parameters_page
-from workbench.documentation.server import documentation_server
-from workbench.documentation.site import build_site, contents, site_links
+from workbench.documentation.site import (
+    GROUPS,
+    build_site,
+    commands_page,
+    contents,
+    documentation_server,
+    parameters_page,
+    site_links,
+)
 
 # One site for all of them: they go to one test process.
 pytestmark = pytest.mark.xdist_group("documentation")

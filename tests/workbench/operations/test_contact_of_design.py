@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import workbench.operations.measurement.design_values
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.loads import load
-from designcalc.friction_stage.physics.tip_contact import contact_stiffness
+from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
 from sysid.experiment.known import DesignValue
 from workbench.cli.options import Run
 from workbench.operations.measurement.design_values import as_design_values

@@ -9,7 +9,7 @@ import pytest
 
 import stagecad.solids.assembly.built_machine
 from designcalc.checks.analysis.report import markdown, shown
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.friction_stage.physics.assembly_values import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine

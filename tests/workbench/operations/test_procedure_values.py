@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.assembly_values import assembly_values
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties

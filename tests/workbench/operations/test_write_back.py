@@ -12,7 +12,7 @@ import pytest
 
 import stagecad
 import workbench.operations.measurement.design_values
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue

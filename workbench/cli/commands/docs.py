@@ -27,9 +27,13 @@ import click
 @click.pass_context
 def command(context: click.Context, out: Path, port: int, serve: bool, show: bool) -> None:
     """Build the documentation and serve it on this machine; broken links are errors."""
-    from workbench.documentation.reference import commands_page, parameters_page, python_page
-    from workbench.documentation.server import documentation_server
-    from workbench.documentation.site import build_site
+    from workbench.documentation.site import (
+        build_site,
+        commands_page,
+        documentation_server,
+        parameters_page,
+        python_page,
+    )
 
     group = context.find_root().command
     assert isinstance(group, click.Group)

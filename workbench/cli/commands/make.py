@@ -40,7 +40,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
 def _write_results(run: Run, store: ArtefactStore, simulations: bool) -> None:
     """Write all results from the store, and the report."""
     from designcalc.checks.analysis.report import counted
-    from drawings.sheets.machine_sheets import sheets_of
+    from drawings.sheets.plans import sheets_of
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
     from stagecad.solids.assembly.interference import build_interferences, clashes
     from workbench.operations.drawings import drawings, stored_values
@@ -129,7 +129,7 @@ def _write_checks(
 
 def _simulations(run: Run, store: ArtefactStore) -> list[Path]:
     """Data and figures of the thesis's experiments; the figures, as PNG."""
-    from designcalc.checks.subjects import subjects_of
+    from designcalc.checks.run import subjects_of
     from workbench.report.stored_results import simulation
 
     names = subjects_of(run.design.values).experiments

@@ -11,8 +11,7 @@ from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ROW
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
-from workbench.operations.hardware_table import table_text
-from workbench.operations.templates import template, write_machine, write_new
+from workbench.operations.templates import table_text, template, write_machine, write_new
 
 
 class Templates(click.Group):

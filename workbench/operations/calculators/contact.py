@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from designcalc.bearing.bolted_rail import Rail as RailModel
 from designcalc.bearing.bolted_rail import joint_stiffness, total_stiffness
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.contact import hertz, hertz_stress
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.physics import loads

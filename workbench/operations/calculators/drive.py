@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from designcalc.bearing.fastener import Thread, preload_of_torque, strip_area_of_bed, strip_area_of_screw
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import contact_modulus
 from designcalc.drive import friction_drive

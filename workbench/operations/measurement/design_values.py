@@ -10,10 +10,10 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue, DesignValues
 from workbench.operations.design import Design
-from workbench.operations.progress import remark
+from workbench.operations.lines import remark
 
 if TYPE_CHECKING:
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
@@ -73,7 +73,7 @@ class DesignNumbers:
     def _contact_stiffness(self) -> DesignValue:
         # Its elliptic integrals come from a library that takes a third of a second to load.
         from designcalc.friction_stage.physics.loads import load
-        from designcalc.friction_stage.physics.tip_contact import contact_stiffness
+        from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
 
         r = _inputs(self.design)
         contact = contact_stiffness(r, load(r))
@@ -99,7 +99,7 @@ def as_design_values(design: Design | None) -> DesignValues:
 
 def _inputs(design: Design) -> DesignInputs:
     """The design with the masses of its solids, as checks and simulation of the stage read it."""
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from stagecad.solids.assembly.built_machine import packaged_masses
 
     return DesignInputs(design.values, packaged_masses(design.values))

@@ -17,9 +17,9 @@ from stagecad.consent import store_consent
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.names import file_stem
-from sysid.experiment.consent import python_files as files_of
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.experiment.experiment import load_experiment, trust_experiment
+from sysid.experiment.experiment import python_files as files_of
 from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable

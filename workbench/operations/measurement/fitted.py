@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
+from sysid.estimation.fit import InformationCriteria, information_criteria
 from sysid.estimation.identifiability import public_key
-from sysid.estimation.information_criteria import InformationCriteria, information_criteria
 from sysid.estimation.misfit import misfit
 from sysid.estimation.residual_correlation import ResidualCorrelation, residual_correlation
 from sysid.prediction.model import Model, PreparedRecord, predict

@@ -111,7 +111,7 @@ class Look(Result):
 
     def plot(self) -> Figure:
         """All raw channels over time, with the faults marked."""
-        from workbench.figures.raw_channels import raw_channels_figure
+        from workbench.figures.identification import raw_channels_figure
 
         return raw_channels_figure(self.records)
 

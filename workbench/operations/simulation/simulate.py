@@ -29,10 +29,9 @@ from sysid.experiment.readers.memory import MemoryTable
 from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import CODE, STRONG, TEXT, Line, Note
+from workbench.operations.lines import CODE, STRONG, TEXT, Line, Note, ProgressCallback, silent
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of
 from workbench.operations.measurement.tables import make_table, quantity_text
-from workbench.operations.progress import ProgressCallback, silent
 from workbench.operations.result import Result, finite
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
@@ -134,7 +133,7 @@ def moving_mass(design: Values, given: str | None) -> float:
         return design.friction.mass
     if given != "design":
         return parse_mass(given)
-    from designcalc.checks.inputs import DesignInputs
+    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.physics.loads import moved_mass
     from stagecad.solids.assembly.built_machine import packaged_masses
 

@@ -22,8 +22,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
 from stagecad.processes import parallel_map
 from workbench.operations.design import Design
-from workbench.operations.lines import NUMBER, TEXT, Line, Note, Table
-from workbench.operations.progress import ProgressCallback
+from workbench.operations.lines import NUMBER, TEXT, Line, Note, ProgressCallback, Table
 from workbench.operations.simulation.simulate import (
     FeaturePath,
     Selection,

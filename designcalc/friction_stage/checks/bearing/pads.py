@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.friction_stage.physics.body import moving_body
 from designcalc.friction_stage.physics.loads import gravity, load, weight
 from designcalc.friction_stage.physics.loads import preload as acting_preload

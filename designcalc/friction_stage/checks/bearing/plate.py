@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.friction_stage.physics.body import bare_stage
 from designcalc.friction_stage.physics.loads import gravity, load, preload
 from designcalc.friction_stage.physics.plate_vibration import driven_modes

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
-from designcalc.checks.check import Check, CheckFunction, at_most, change, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_positions
 from stagecad.parameters.design import Design
 

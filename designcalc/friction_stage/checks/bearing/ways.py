@@ -13,13 +13,12 @@ from designcalc.bearing.fastener import (
     strip_area_of_bed,
     strip_area_of_screw,
 )
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
 from designcalc.errors.thermal import preload_change
+from designcalc.friction_stage.physics.clamp import screw_preload
 from designcalc.friction_stage.physics.loads import moved_mass
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.plate_vibration import at_feet
-from designcalc.friction_stage.physics.screws import screw_preload
 from stagecad.parameters.design import Design
 
 _APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"

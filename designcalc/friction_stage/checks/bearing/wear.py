@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, ratio, show
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import heaviest_pad, pad_contact
 from stagecad.parameters.design import Design

@@ -14,8 +14,7 @@ from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import corrections, markdown, requirements
 from designcalc.checks.analysis.sweep import changing_checks, read_range, run_point, table
 from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
-from designcalc.checks.check import Change, Check, Comparison
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import Change, Check, Comparison, DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.friction_stage.checks.alternatives import ranking
 from designcalc.friction_stage.checks.budget import budgets

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.friction_stage.checks import contact

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.friction_stage.physics.assembly_values import assembly_values
 from stagecad.parameters.load import load_design

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.pulsed import peak_of_mean, pressed_force, pulse_harmonics
 from designcalc.friction_stage.physics.loads import tip_load
@@ -113,7 +113,11 @@ def test_the_pulsation_is_taken_where_the_payload_moves_most():
 
 
 def _pulse(r: DesignInputs) -> tuple[float, float, float]:
-    from designcalc.friction_stage.physics.tip_contact import contact_stiffness
-    from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, stack_stiffness, usable_ellipse
+    from designcalc.friction_stage.physics.tip_dynamics import (
+        PIEZOS,
+        contact_stiffness,
+        stack_stiffness,
+        usable_ellipse,
+    )
 
     return usable_ellipse(r)[1], contact_stiffness(r, tip_load(r)).rate, PIEZOS * stack_stiffness(r)

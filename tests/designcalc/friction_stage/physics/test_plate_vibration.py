@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.errors.dynamic_budget import base_response
 from designcalc.friction_stage.physics.plate_vibration import HeldPlate, held_plate
 from designcalc.friction_stage.physics.position_loop import dynamic_budget

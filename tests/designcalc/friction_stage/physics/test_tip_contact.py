@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.loads import load
-from designcalc.friction_stage.physics.tip_contact import contact_stiffness
+from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
 from stagecad.parameters.load import load_design
 
 

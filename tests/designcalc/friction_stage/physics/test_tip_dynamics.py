@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from designcalc.checks.inputs import DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.drive.friction_drive import resonance
 from designcalc.friction_stage.checks.actuator import SLIP_SHARE

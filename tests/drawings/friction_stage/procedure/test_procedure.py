@@ -9,9 +9,9 @@ from functools import cache
 import pytest
 
 from drawings.friction_stage.procedure.figures import CALCULATED, ProcedureValues
-from drawings.friction_stage.procedure.procedure import Procedure, procedure
 from drawings.friction_stage.procedure.steps import step_templates
-from stagecad.friction_stage.assembly.accessories import accessories
+from drawings.friction_stage.sheets import Procedure, procedure
+from stagecad.friction_stage.assembly.bodies import accessories
 from stagecad.friction_stage.construction import MADE
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design

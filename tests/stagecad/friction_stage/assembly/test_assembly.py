@@ -20,9 +20,8 @@ from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine, find_machine
 from stagecad.solids.modelling.frame import Frame, add, mate, scaled
-from stagecad.solids.modelling.instance import Instance, count
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import part_names
+from stagecad.solids.modelling.registry import Instance, count, part_names
 
 
 def by_name(instances: tuple[Instance, ...]) -> dict[str, Instance]:

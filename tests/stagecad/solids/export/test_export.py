@@ -17,9 +17,8 @@ import trimesh
 from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
-from stagecad.solids.modelling.frame import Frame
+from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.mass import exact_box, geometry_of
-from stagecad.solids.modelling.placed_shape import PlacedShape
 
 GREY = (0.7, 0.7, 0.8)
 TURNED = Frame(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (10.0, 20.0, 50.0))

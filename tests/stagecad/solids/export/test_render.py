@@ -16,8 +16,7 @@ from scipy.special import ndtr
 from stagecad.solids.export import rasteriser
 from stagecad.solids.export.mesh import Mesh, mesh_of
 from stagecad.solids.export.render import picture
-from stagecad.solids.modelling.frame import IDENTITY, Frame
-from stagecad.solids.modelling.placed_shape import PlacedShape
+from stagecad.solids.modelling.frame import IDENTITY, Frame, PlacedShape
 
 RED, BLUE = (0.9, 0.1, 0.1), (0.1, 0.1, 0.9)
 FRONT = (0.0, -1.0, 1e-6)
@@ -74,7 +73,7 @@ def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
 def test_works_without_a_display_and_repeats(cube: Mesh) -> None:
     program = """
 import sys, cadquery as cq
-from stagecad.solids.modelling.placed_shape import PlacedShape
+from stagecad.solids.modelling.frame import PlacedShape
 from stagecad.solids.export.mesh import mesh_of
 from stagecad.solids.export.render import picture
 mesh = mesh_of(cq.Workplane().box(10, 10, 10).val(), 1000.0)
