@@ -1,4 +1,4 @@
-"""Run every design check on one design."""
+"""Run every design check on one design, and what a machine states of its checks."""
 
 from __future__ import annotations
 

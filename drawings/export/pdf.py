@@ -1,4 +1,4 @@
-"""A sheet as a page of PDF with selectable text in an embedded font, and the picture of that page."""
+"""A sheet as SVG, as a page of PDF with selectable text in an embedded font, and the picture of that page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sheet plans: the views of a part, their sheets and scales."""
+"""Sheet plans: the views of a part, their sheets and scales, and the plans of a machine."""
 
 from __future__ import annotations
 

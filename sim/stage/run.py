@@ -1,4 +1,4 @@
-"""The record of a simulated motion of the stage, its columns by name."""
+"""One simulated motion of the stage, and its record with columns by name."""
 
 from __future__ import annotations
 

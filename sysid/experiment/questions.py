@@ -1,4 +1,4 @@
-"""Questions that a proposed experiment file leaves to the user."""
+"""Questions that a proposed experiment file leaves to the user, and what is unknown in it."""
 
 from __future__ import annotations
 

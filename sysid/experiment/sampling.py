@@ -1,4 +1,4 @@
-"""Times of the rows of a record without the rounding of their stamps.
+"""Times of the rows of a record without repetitions and without the rounding of their stamps.
 
 Stamps printed with few digits have unequal steps (16.666 and 16.667 ms at 60 Hz), of which neither is the sampling
 step: a line of the mains would alias to a wrong frequency, and rates would be noisy. Rows whose stamps are within their

@@ -1,4 +1,4 @@
-"""Scatter from cycle to cycle of a periodic motion."""
+"""Scatter from cycle to cycle of a periodic motion, and the step of a quantised channel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`new`: templates of what a user makes."""
+"""`new`: templates of what a user makes, and the hardware table of a machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Margins over the values of one parameter."""
+"""Margins over the values of one parameter, and over a grid of two."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The clamp of the actuator in its pocket: what its finger closes, presses with and bears."""
+"""The clamp of the actuator in its pocket: what its finger closes, presses with and bears; its screws."""
 
 from __future__ import annotations
 

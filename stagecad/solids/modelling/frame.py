@@ -1,4 +1,4 @@
-"""Rigid transformations, vectors, and the mating of two datums."""
+"""Rigid transformations, vectors, the mating of two datums, and shapes placed by them."""
 
 from __future__ import annotations
 
