@@ -1,4 +1,4 @@
-"""Channels of a rig as a model simulates them from the inputs of a record, without noise; the model class of each rig."""
+"""Channels of a rig as a model simulates them from the inputs of a record; the model class of each rig."""
 
 from __future__ import annotations
 
