@@ -50,7 +50,7 @@ def sampled_times(time: np.ndarray, rounding: float, notes: list[str]) -> np.nda
         return time
     step, start = np.polyfit(rows, time, 1)
     away = time - (start + step * rows)
-    if rounding == 0.0 or np.ptp(away) > WITHIN * rounding or np.ptp(away) < EXACT * step:
+    if not EXACT * rounding < np.ptp(away) <= WITHIN * rounding:
         return time
     if rounding > NOTED * step:
         notes.append(
