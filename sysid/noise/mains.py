@@ -212,8 +212,10 @@ def _stands_out(blocks: _Blocks, frequency: float, power: float, room: float, re
 
 
 def _fitted_lines(time: np.ndarray, values: np.ndarray, lines: list[float]) -> np.ndarray:
-    """The sinusoids (n,) at the frequencies, by least squares with a mean."""
+    """The sinusoids (n,) at the frequencies, by least squares with a mean, weighted by a Hann window: without it, a
+    motion of low frequency adds its ends to a line, falling with 1/f only."""
     angles = 2.0 * np.pi * np.outer(time - time[0], lines)
     columns = np.column_stack([np.cos(angles), np.sin(angles), np.ones(time.size)])
-    found = np.linalg.lstsq(columns, values, rcond=None)[0]
+    root = np.sqrt(np.hanning(time.size))
+    found = np.linalg.lstsq(root[:, None] * columns, root * values, rcond=None)[0]
     return columns[:, :-1] @ found[:-1]
