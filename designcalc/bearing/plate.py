@@ -33,22 +33,15 @@ _EXTREME = 1e3
 
 @dataclass(frozen=True)
 class Plate:
-    """A free rectangular plate about the origin.
+    """A free rectangular plate about the origin."""
 
-    Args:
-        length, width: along x and y, m.
-        thickness: m.
-        modulus: Young's modulus, Pa.
-        poisson: Poisson's ratio.
-        density: kg/m^3.
-    """
-
+    # length, width: along x and y, m
     length: float
     width: float
-    thickness: float
-    modulus: float
-    poisson: float
-    density: float
+    thickness: float  # m
+    modulus: float  # Young's modulus, Pa
+    poisson: float  # Poisson's ratio
+    density: float  # kg/m^3
 
     def __post_init__(self) -> None:
         for name in ("length", "width", "thickness", "modulus", "density"):
@@ -65,15 +58,10 @@ class Plate:
 
 @dataclass(frozen=True)
 class Modes:
-    """Natural modes of a supported plate.
+    """Natural modes of a supported plate."""
 
-    Args:
-        frequency: Hz, shape (modes,), rising.
-        shapes: deflection at the requested places, of modes with modal mass 1 kg, shape (places, modes).
-    """
-
-    frequency: Array
-    shapes: Array
+    frequency: Array  # Hz, shape (modes,), rising
+    shapes: Array  # deflection at the requested places, of modes with modal mass 1 kg, shape (places, modes)
 
 
 @dataclass(frozen=True)
@@ -84,16 +72,11 @@ class StandingBody:
     along the plate as it turns: the inertia m h^2 turns by the mean slopes of the feet,
     ``sum (x_i - x_0) w_i/sum (x_i - x_0)^2``. The slope of the plate at a single point would not do: under a moment
     there it grows without bound with the number of elements.
-
-    Args:
-        feet: places, m.
-        mass: m, kg.
-        height: h, m.
     """
 
-    feet: tuple[Place, ...]
-    mass: float
-    height: float
+    feet: tuple[Place, ...]  # places, m
+    mass: float  # m, kg
+    height: float  # h, m
 
     def turns(self) -> list[list[tuple[Place, float]]]:
         """Mean slopes along x and y: weights of the deflections of the feet, 1/m."""

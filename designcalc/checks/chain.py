@@ -21,18 +21,12 @@ from stagecad.parameters.units import as_json
 
 @dataclass(frozen=True)
 class Link:
-    """One dimension of a chain.
+    """One dimension of a chain."""
 
-    Args:
-        key: parameter; a geometrical tolerance by its own key.
-        coefficient: change of the result per change of the dimension.
-        nominal: m; 0 for a geometrical tolerance.
-        low, high: limit deviations, m.
-    """
-
-    key: str
-    coefficient: float
-    nominal: float
+    key: str  # parameter; a geometrical tolerance by its own key
+    coefficient: float  # change of the result per change of the dimension
+    nominal: float  # m; 0 for a geometrical tolerance
+    # low, high: limit deviations, m
     low: float
     high: float
 
@@ -70,17 +64,11 @@ def _sum_of_uniforms(halves: tuple[float, ...]) -> float:
 
 @dataclass(frozen=True)
 class Chain:
-    """A functional distance and the dimensions that it is the sum of.
+    """A functional distance and the dimensions that it is the sum of."""
 
-    Args:
-        name: of the distance.
-        links: its dimensions.
-        offset: constant part of the nominal value, m.
-    """
-
-    name: str
-    links: tuple[Link, ...]
-    offset: float = 0.0
+    name: str  # of the distance
+    links: tuple[Link, ...]  # its dimensions
+    offset: float = 0.0  # constant part of the nominal value, m
 
     @property
     def nominal(self) -> float:

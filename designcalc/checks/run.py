@@ -24,17 +24,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Studies:
-    """What the report of the checks shows besides them.
+    """What the report of the checks shows besides them."""
 
-    Args:
-        suspensions: alternatives by rank.
-        budgets: error budgets.
-        dynamic: dynamic error budgets.
-    """
-
-    suspensions: Sequence[Suspension] = ()
-    budgets: Sequence[Budget] = ()
-    dynamic: Sequence[DynamicBudget] = ()
+    suspensions: Sequence[Suspension] = ()  # alternatives by rank
+    budgets: Sequence[Budget] = ()  # error budgets
+    dynamic: Sequence[DynamicBudget] = ()  # dynamic error budgets
 
 
 def _nothing(design: Design) -> tuple[str, ...]:
@@ -51,32 +45,22 @@ def _no_values(r: DesignInputs) -> dict[str, float | None]:
 
 @dataclass(frozen=True)
 class Subjects:
-    """Checks of a kind of machine.
+    """Checks of a kind of machine."""
 
-    Args:
-        checks: of a design by subject, in the order of the report.
-        chains: tolerance chains of a design.
-        scaled_masses: masses of a design, given another one that it differs from by tolerances, and that one's.
-        changed_masses: the same for a design with any other values, for a search.
-        mass_keys: beginnings of the keys that these masses depend on.
-        requirements: names that checks refer to, with their text.
-        not_made: subjects of alternatives that are not made: their tolerances do not matter.
-        studies: for the report.
-        procedure_values: calculated numbers of the assembly procedure.
-        figures: names of the figures of the checks (`workbench.figures.checks`) that a design has.
-        experiments: names of the friction experiments of the thesis that are run with the design's values.
-    """
-
-    checks: Mapping[str, Callable[[Design], list[CheckFunction]]]
-    chains: Callable[[Design], tuple[Chain, ...]]
+    checks: Mapping[str, Callable[[Design], list[CheckFunction]]]  # of a design by subject, in the order of the report
+    chains: Callable[[Design], tuple[Chain, ...]]  # tolerance chains of a design
+    # masses of a design, given another one that it differs from by tolerances, and that one's
     scaled_masses: Callable[[Design, Design, Any], Any]
-    changed_masses: Callable[[Design, Design, Any], Any]
-    mass_keys: tuple[str, ...] = ()
-    requirements: Mapping[str, str] = field(default_factory=dict)
-    not_made: tuple[str, ...] = ()
-    studies: Callable[[DesignInputs], Studies] = _no_studies
+    changed_masses: Callable[[Design, Design, Any], Any]  # the same for a design with any other values, for a search
+    mass_keys: tuple[str, ...] = ()  # beginnings of the keys that these masses depend on
+    requirements: Mapping[str, str] = field(default_factory=dict)  # names that checks refer to, with their text
+    not_made: tuple[str, ...] = ()  # subjects of alternatives that are not made: their tolerances do not matter
+    studies: Callable[[DesignInputs], Studies] = _no_studies  # for the report
+    # calculated numbers of the assembly procedure
     procedure_values: Callable[[DesignInputs], dict[str, float | None]] = _no_values
+    # names of the figures of the checks (`workbench.figures.checks`) that a design has
     figures: Callable[[Design], tuple[str, ...]] = _nothing
+    # names of the friction experiments of the thesis that are run with the design's values
     experiments: tuple[str, ...] = ()
 
 

@@ -36,26 +36,17 @@ _GROWTH = 1.3
 
 @dataclass(frozen=True)
 class MagnetSection:
-    """Cross-section of one magnetic circuit, m: a magnet between two irons, and the bar below them.
+    """Cross-section of one magnetic circuit, m: a magnet between two irons, and the bar below them."""
 
-    Args:
-        pitch, tooth_width, gap, groove_depth: of the teeth.
-        teeth: on each iron.
-        iron_height: from the top of iron and magnet to the tooth crests.
-        magnet_thickness: along its magnetisation, between the irons.
-        magnet_height: down from the top of the irons, at most `iron_height`.
-        channel_depth: of the bar's channel below the magnet, from the crests.
-    """
-
-    pitch: float
-    tooth_width: float
-    gap: float
-    groove_depth: float
-    teeth: int
-    iron_height: float
-    magnet_thickness: float
-    magnet_height: float
-    channel_depth: float
+    pitch: float  # of the teeth
+    tooth_width: float  # of the teeth
+    gap: float  # of the teeth
+    groove_depth: float  # of the teeth
+    teeth: int  # on each iron
+    iron_height: float  # from the top of iron and magnet to the tooth crests
+    magnet_thickness: float  # along its magnetisation, between the irons
+    magnet_height: float  # down from the top of the irons, at most `iron_height`
+    channel_depth: float  # of the bar's channel below the magnet, from the crests
 
     @property
     def iron_width(self) -> float:

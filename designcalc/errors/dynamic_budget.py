@@ -47,19 +47,13 @@ class PositionLoop:
 
     The open loop is ``f_c/(i f) P(f) F(f) exp(-2 pi i f T)``: the plant P as a resonance with unit static gain, the
     sensor's filter F of first order, the delay T of one and a half samples.
-
-    Args:
-        crossover: f_c, Hz.
-        resonance: of the plant, Hz; damping: its ratio.
-        filter_corner: Hz; infinite without a filter.
-        sample_rate: Hz.
     """
 
-    crossover: float
-    resonance: float
-    damping: float
-    filter_corner: float
-    sample_rate: float
+    crossover: float  # f_c, Hz
+    resonance: float  # of the plant, Hz
+    damping: float  # its ratio
+    filter_corner: float  # Hz; infinite without a filter
+    sample_rate: float  # Hz
 
     def __post_init__(self) -> None:
         values = (self.crossover, self.resonance, self.damping, self.filter_corner, self.sample_rate)
@@ -95,32 +89,20 @@ class PositionLoop:
 
 @dataclass(frozen=True)
 class Disturbance:
-    """A disturbance as it appears at the payload.
+    """A disturbance as it appears at the payload."""
 
-    Args:
-        name: of the disturbance.
-        source: where its spectrum comes from.
-        density: one-sided amplitude spectral density at the payload, m/sqrt(Hz), shape (n,).
-    """
-
-    name: str
-    source: str
-    density: Array
+    name: str  # of the disturbance
+    source: str  # where its spectrum comes from
+    density: Array  # one-sided amplitude spectral density at the payload, m/sqrt(Hz), shape (n,)
 
 
 @dataclass(frozen=True)
 class DynamicBudget:
-    """Disturbances at the payload along one direction.
+    """Disturbances at the payload along one direction."""
 
-    Args:
-        name: direction and sensor.
-        frequency: Hz, rising, shape (n,).
-        rows: independent disturbances.
-    """
-
-    name: str
-    frequency: Array
-    rows: tuple[Disturbance, ...]
+    name: str  # direction and sensor
+    frequency: Array  # Hz, rising, shape (n,)
+    rows: tuple[Disturbance, ...]  # independent disturbances
 
     @property
     def total(self) -> Disturbance:

@@ -66,19 +66,12 @@ def uncertain_parameters(design: Design, is_read: Callable[[str], bool]) -> tupl
 
 @dataclass(frozen=True)
 class Distribution:
-    """One result over the samples. SI.
+    """One result over the samples. SI."""
 
-    Args:
-        nominal: of the design itself; None where it has none (a mass that does not slip).
-        values: of each sample, (samples,); NaN where it has none.
-        unit: SI.
-        strongest: the parameter with the largest rank correlation, and that correlation; an empty name where it is not
-            significant.
-    """
-
-    nominal: float | None
-    values: np.ndarray
-    unit: str
+    nominal: float | None  # of the design itself; None where it has none (a mass that does not slip)
+    values: np.ndarray  # of each sample, (samples,); NaN where it has none
+    unit: str  # SI
+    # the parameter with the largest rank correlation, and that correlation; an empty name where it is not significant
     strongest: tuple[str, float] = ("", 0.0)
 
     @property

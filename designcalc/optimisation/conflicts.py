@@ -14,36 +14,22 @@ from designcalc.optimisation.search import Best, search
 
 @dataclass(frozen=True)
 class Conflict:
-    """Requirements that no design within the ranges satisfies together, while it does without any one of them.
+    """Requirements that no design within the ranges satisfies together, while it does without any one of them."""
 
-    Args:
-        names: of the checks.
-        fixed: it is certain, since the check reads no free parameter; otherwise a search found no design.
-    """
-
-    names: tuple[str, ...]
-    fixed: bool = False
+    names: tuple[str, ...]  # of the checks
+    fixed: bool = False  # it is certain, since the check reads no free parameter; otherwise a search found no design
 
 
 @dataclass(frozen=True)
 class Relaxation:
-    """How far one requirement must be relaxed while others are kept.
+    """How far one requirement must be relaxed while others are kept."""
 
-    Args:
-        name: of the check.
-        margin: best that was reached.
-        needed: value of the check there: the limit that would be met.
-        limit: present limit.
-        unit: of both.
-        keeping: the other requirements of the conflict.
-    """
-
-    name: str
-    margin: float
-    needed: float | None
-    limit: float | None
-    unit: str
-    keeping: tuple[str, ...]
+    name: str  # of the check
+    margin: float  # best that was reached
+    needed: float | None  # value of the check there: the limit that would be met
+    limit: float | None  # present limit
+    unit: str  # of both
+    keeping: tuple[str, ...]  # the other requirements of the conflict
 
 
 def sample(evaluator: Evaluator, count: int, seed: int) -> list[Evaluation]:

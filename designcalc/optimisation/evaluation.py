@@ -34,27 +34,16 @@ REFUSED = 50.0
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One design of the search.
+    """One design of the search."""
 
-    Args:
-        point: of the unit cube.
-        values: of the free parameters.
-        margins: of the checks that were run; None without a value.
-        unmet: checks among them that do not pass.
-        violated: names of the violated rules, one for each message.
-        distance: sum of the changes in units of their ranges.
-        refused: why the values make no design.
-        complete: whether all checks of the design were run.
-    """
-
-    point: Array
-    values: Mapping[str, Any]
-    margins: Mapping[str, float | None]
-    unmet: frozenset[str]
-    violated: tuple[str, ...]
-    distance: float
-    refused: str = ""
-    complete: bool = True
+    point: Array  # of the unit cube
+    values: Mapping[str, Any]  # of the free parameters
+    margins: Mapping[str, float | None]  # of the checks that were run; None without a value
+    unmet: frozenset[str]  # checks among them that do not pass
+    violated: tuple[str, ...]  # names of the violated rules, one for each message
+    distance: float  # sum of the changes in units of their ranges
+    refused: str = ""  # why the values make no design
+    complete: bool = True  # whether all checks of the design were run
 
     def _knows(self, names: Collection[str]) -> bool:
         return self.complete or all(name in self.margins for name in names)

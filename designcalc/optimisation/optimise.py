@@ -61,33 +61,21 @@ class ParameterChange:
 
 @dataclass
 class Outcome:
-    """Result of an optimisation.
+    """Result of an optimisation."""
 
-    Args:
-        feasible: whether a design satisfies all requirements.
-        required: names of the checks that were required.
-        design: the nearest design that satisfies the requirements, without those of the conflicts when there are any;
-            None when none was found.
-        changes: of it.
-        conflicts: irreducible sets of requirements.
-        relax: how far each member of a conflict must be relaxed.
-        evaluations: number of evaluated designs.
-        left_out: requirements that the design does not meet, although no conflict is known.
-        complete: whether the search ended before its evaluations and its time were used up.
-        interrupted: by Ctrl-C; the rest is what was known then.
-    """
-
-    feasible: bool
-    required: tuple[str, ...]
+    feasible: bool  # whether a design satisfies all requirements
+    required: tuple[str, ...]  # names of the checks that were required
     before: Evaluation
+    # the nearest design that satisfies the requirements, without those of the conflicts when there are any; None when
+    # none was found
     design: Evaluation | None = None
-    changes: tuple[ParameterChange, ...] = ()
-    conflicts: list[Conflict] = field(default_factory=list)
-    relax: list[Relaxation] = field(default_factory=list)
-    evaluations: int = 0
-    left_out: tuple[str, ...] = ()
-    complete: bool = True
-    interrupted: bool = False
+    changes: tuple[ParameterChange, ...] = ()  # of it
+    conflicts: list[Conflict] = field(default_factory=list)  # irreducible sets of requirements
+    relax: list[Relaxation] = field(default_factory=list)  # how far each member of a conflict must be relaxed
+    evaluations: int = 0  # number of evaluated designs
+    left_out: tuple[str, ...] = ()  # requirements that the design does not meet, although no conflict is known
+    complete: bool = True  # whether the search ended before its evaluations and its time were used up
+    interrupted: bool = False  # by Ctrl-C; the rest is what was known then
 
 
 def required_checks(checks: Sequence[Check], keep: Sequence[str]) -> tuple[str, ...]:

@@ -26,58 +26,41 @@ from stagecad.parameters.variations import Variations
 
 @dataclass(frozen=True)
 class Together:
-    """Levels that one design meets together.
+    """Levels that one design meets together."""
 
-    Args:
-        kept: the requirement that was kept at the level it reaches by itself; empty for none.
-        levels: in the unit of their keys, by name; empty where no design was found.
-    """
-
-    kept: str
-    levels: Mapping[str, float]
+    kept: str  # the requirement that was kept at the level it reaches by itself; empty for none
+    levels: Mapping[str, float]  # in the unit of their keys, by name; empty where no design was found
 
 
 @dataclass(frozen=True)
 class Price:
-    """A check that fails with the required value of one requirement, and not with the level that was reached.
+    """A check that fails with the required value of one requirement, and not with the level that was reached."""
 
-    Args:
-        requirement: name in Table 1.
-        check: name.
-        value, limit: of the check, SI.
-        unit: of both.
-    """
-
-    requirement: str
-    check: str
+    requirement: str  # name in Table 1
+    check: str  # name
+    # value, limit: of the check, SI
     value: float | None
     limit: float | None
-    unit: str
+    unit: str  # of both
 
 
 @dataclass
 class Levels:
-    """Result of the study; levels are in the units of their keys.
+    """Result of the study; levels are in the units of their keys."""
 
-    Args:
-        required: values of the file.
-        units: of the levels.
-        never: checks that pass at no level, whatever the free parameters, by requirement.
-        alone: what each requirement reaches by itself, the others as required but not met.
-        together: designs that meet all other checks of Table 1; nothing is kept in the first one.
-        prices: what the required values of speed, acceleration and smoothness make fail.
-        fronts: levels (n, 2) of two requirements by their names, the other ones left aside.
-        evaluations: number of evaluated designs.
-    """
-
-    required: dict[str, float]
-    units: dict[str, str]
+    required: dict[str, float]  # values of the file
+    units: dict[str, str]  # of the levels
+    # checks that pass at no level, whatever the free parameters, by requirement
     never: dict[str, list[str]] = field(default_factory=dict)
+    # what each requirement reaches by itself, the others as required but not met
     alone: dict[str, float] = field(default_factory=dict)
+    # designs that meet all other checks of Table 1; nothing is kept in the first one
     together: list[Together] = field(default_factory=list)
+    # what the required values of speed, acceleration and smoothness make fail
     prices: list[Price] = field(default_factory=list)
+    # levels (n, 2) of two requirements by their names, the other ones left aside
     fronts: dict[tuple[str, str], list[tuple[float, float]]] = field(default_factory=dict)
-    evaluations: int = 0
+    evaluations: int = 0  # number of evaluated designs
 
 
 Array = NDArray[np.float64]
@@ -103,19 +86,12 @@ ROUNDS = 2
 
 @dataclass(frozen=True)
 class Level:
-    """A requirement with a number that may be weakened.
+    """A requirement with a number that may be weakened."""
 
-    Args:
-        name: in Table 1.
-        key: of its value.
-        larger: whether a larger value is harder to meet.
-        following: override of a key whose value may not be harder than this one.
-    """
-
-    name: str
-    key: str
-    larger: bool
-    following: str = ""
+    name: str  # in Table 1
+    key: str  # of its value
+    larger: bool  # whether a larger value is harder to meet
+    following: str = ""  # override of a key whose value may not be harder than this one
 
     def weaker(self, value: float, factor: float) -> float:
         """A level weaker by a factor."""

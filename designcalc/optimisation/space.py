@@ -24,26 +24,17 @@ _WIDE = 20.0
 
 @dataclass(frozen=True)
 class Free:
-    """A parameter that may change.
+    """A parameter that may change."""
 
-    Args:
-        key: parameter.
-        unit: of its attribute.
-        low, high: ends of its range, in `unit`; equal for choices.
-        whole: whole numbers only.
-        choices: values instead of a range, in the order of the file.
-        start: present value.
-        weight: of its change in the distance.
-    """
-
-    key: str
-    unit: str
+    key: str  # parameter
+    unit: str  # of its attribute
+    # low, high: ends of its range, in `unit`; equal for choices
     low: float
     high: float
-    whole: bool
-    choices: tuple[Any, ...]
-    start: Any
-    weight: float = 1.0
+    whole: bool  # whole numbers only
+    choices: tuple[Any, ...]  # values instead of a range, in the order of the file
+    start: Any  # present value
+    weight: float = 1.0  # of its change in the distance
 
     @property
     def logarithmic(self) -> bool:

@@ -41,36 +41,22 @@ HALVINGS = 7
 
 @dataclass(frozen=True)
 class Cycle:
-    """A run at one speed.
+    """A run at one speed."""
 
-    Args:
-        simulation: the run.
-        first: friction force at the first break-away, N.
-        top: largest friction force in the limit cycle, N.
-        size: peak to peak of the spring force in it, N.
-        dwell: longest time at rest in it, s.
-    """
-
-    simulation: Simulation
-    first: float
-    top: float
-    size: float
-    dwell: float
+    simulation: Simulation  # the run
+    first: float  # friction force at the first break-away, N
+    top: float  # largest friction force in the limit cycle, N
+    size: float  # peak to peak of the spring force in it, N
+    dwell: float  # longest time at rest in it, s
 
 
 @dataclass(frozen=True)
 class LimitCycles:
-    """Limit cycles over the speed with one spring.
+    """Limit cycles over the speed with one spring."""
 
-    Args:
-        stiffness: N/m.
-        cycles: at `SPEEDS`.
-        critical: speed above which the mass slides steadily, m/s; None where it sticks at all speeds.
-    """
-
-    stiffness: float
-    cycles: tuple[Cycle, ...]
-    critical: float | None
+    stiffness: float  # N/m
+    cycles: tuple[Cycle, ...]  # at `SPEEDS`
+    critical: float | None  # speed above which the mass slides steadily, m/s; None where it sticks at all speeds
 
     @property
     def sizes(self) -> np.ndarray:

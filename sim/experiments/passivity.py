@@ -29,19 +29,12 @@ MOTIONS = ("start", "tip")
 
 @dataclass(frozen=True)
 class Audit:
-    """Heat and force of one imposed motion.
+    """Heat and force of one imposed motion."""
 
-    Args:
-        simulation: the run.
-        heat: heat since the start, J, shape (n,).
-        least_heat: its smallest value, J: negative where the model has returned energy.
-        peak_force: largest friction force, N; in the last cycle for `tip`, by when the motion has settled.
-    """
-
-    simulation: Simulation
-    heat: np.ndarray
-    least_heat: float
-    peak_force: float
+    simulation: Simulation  # the run
+    heat: np.ndarray  # heat since the start, J, shape (n,)
+    least_heat: float  # its smallest value, J: negative where the model has returned energy
+    peak_force: float  # largest friction force, N; in the last cycle for `tip`, by when the motion has settled
 
     def features(self) -> dict[str, tuple[float, str]]:
         return {

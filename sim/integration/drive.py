@@ -17,25 +17,16 @@ from sim.numerics.compilation import compiled
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive, built by `force`, `held_force`, `pulled_spring` or `sinusoidal_velocity`.
+    """A drive, built by `force`, `held_force`, `pulled_spring` or `sinusoidal_velocity`."""
 
-    Args:
-        knots: times at which a segment begins, s, shape (m,), increasing.
-        values: s at each knot, N, shape (m,).
-        rates: slope of s from each knot on, N/s, shape (m,).
-        wave: amplitude (N), frequency (rad/s), phase (rad) of the sinusoidal part.
-        stiffness: of the spring between the drive and the axis, N/m.
-        prescribes: the motion is imposed, without reaction of the friction; s is then an acceleration.
-        initial_velocity: the velocity an imposed motion starts with, m/s.
-    """
-
-    knots: np.ndarray
-    values: np.ndarray
-    rates: np.ndarray
+    knots: np.ndarray  # times at which a segment begins, s, shape (m,), increasing
+    values: np.ndarray  # s at each knot, N, shape (m,)
+    rates: np.ndarray  # slope of s from each knot on, N/s, shape (m,)
+    # amplitude (N), frequency (rad/s), phase (rad) of the sinusoidal part
     wave: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    stiffness: float = 0.0
-    prescribes: bool = False
-    initial_velocity: float = field(default=0.0)
+    stiffness: float = 0.0  # of the spring between the drive and the axis, N/m
+    prescribes: bool = False  # the motion is imposed, without reaction of the friction; s is then an acceleration
+    initial_velocity: float = field(default=0.0)  # the velocity an imposed motion starts with, m/s
 
     def __post_init__(self) -> None:
         if not (self.knots.shape == self.values.shape == self.rates.shape and self.knots.ndim == 1 and self.knots.size):

@@ -63,25 +63,15 @@ _take_step = STEP.call
 
 
 class _Attempt(NamedTuple):
-    """An accepted step, or the reason why there is none.
+    """An accepted step, or the reason why there is none."""
 
-    Args:
-        outcome: `DONE` where a step is accepted.
-        h: length, s.
-        part: of the step that is accepted.
-        next_h: length that the next step need not fall below, s.
-        gain: ratio of the step length that meets the tolerance to h.
-        rejected: attempts that failed.
-        lands: whether the step ends where a segment of the drive does.
-    """
-
-    outcome: int
-    h: float
-    part: float
-    next_h: float
-    gain: float
-    rejected: int
-    lands: bool
+    outcome: int  # `DONE` where a step is accepted
+    h: float  # length, s
+    part: float  # of the step that is accepted
+    next_h: float  # length that the next step need not fall below, s
+    gain: float  # ratio of the step length that meets the tolerance to h
+    rejected: int  # attempts that failed
+    lands: bool  # whether the step ends where a segment of the drive does
 
 
 def _linearise_part(memory, arguments):

@@ -21,27 +21,17 @@ SCALE = 1e-3
 
 @dataclass(frozen=True)
 class Plan:
-    """A model with its drive, laid out for the integrator; keep it while its addresses are in use.
+    """A model with its drive, laid out for the integrator; keep it while its addresses are in use."""
 
-    Args:
-        drive: after delays.
-        laws: kernels and constants.
-        head: states before the friction elements: 2, or 4 where a law depends on the distance travelled or the contact
-            age.
-        scales: typical size of each element's state, (elements,).
-        axis: realisation of the effects of drive, structure and memory.
-        memory_length: of the contact age, m.
-        required: quantities of the axis that the laws depend on.
-        kernels, tables: owners of the memory that `laws` has the addresses of.
-    """
-
-    drive: Drive
-    laws: Laws
+    drive: Drive  # after delays
+    laws: Laws  # kernels and constants
+    # states before the friction elements: 2, or 4 where a law depends on the distance travelled or the contact age
     head: int
-    scales: np.ndarray
-    axis: _Mechanics
-    memory_length: float
-    required: frozenset[str]
+    scales: np.ndarray  # typical size of each element's state, (elements,)
+    axis: _Mechanics  # realisation of the effects of drive, structure and memory
+    memory_length: float  # of the contact age, m
+    required: frozenset[str]  # quantities of the axis that the laws depend on
+    # kernels, tables: owners of the memory that `laws` has the addresses of
     kernels: list[kernels.Kernel]
     tables: list[np.ndarray]
 
@@ -115,19 +105,12 @@ class Plan:
 
 @dataclass(frozen=True)
 class _Mechanics:
-    """Time-domain realisation of the effects of drive, structure and memory.
+    """Time-domain realisation of the effects of drive, structure and memory."""
 
-    Args:
-        mass: that moves with the axis itself, kg.
-        half_gap: half the backlash times the spring stiffness, N.
-        lag: time constant of the drive, s.
-        friction_delay: of the speed that the friction level depends on, s.
-    """
-
-    mass: float
-    half_gap: float = 0.0
-    lag: float = 0.0
-    friction_delay: float = 0.0
+    mass: float  # that moves with the axis itself, kg
+    half_gap: float = 0.0  # half the backlash times the spring stiffness, N
+    lag: float = 0.0  # time constant of the drive, s
+    friction_delay: float = 0.0  # of the speed that the friction level depends on, s
 
 
 class Surroundings(NamedTuple):

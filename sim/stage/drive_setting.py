@@ -31,23 +31,14 @@ STRIDE, STEADY_STRIDE = 20, 10
 
 @dataclass(frozen=True)
 class Setting:
-    """A drive with elliptical tips.
+    """A drive with elliptical tips."""
 
-    Args:
-        ellipse: of every tip.
-        frequency: Hz.
-        height: of the apex at mid-stroke over the drive surface without tips, m.
-        position: of the stage's middle at the start, m.
-        velocity: of the stage along x at the start, m/s.
-        phases: of each actuator's turn, rad; none when all turn together.
-    """
-
-    ellipse: Ellipse
-    frequency: float
-    height: float
-    position: float = 0.0
-    velocity: float = 0.0
-    phases: tuple[float, ...] | None = None
+    ellipse: Ellipse  # of every tip
+    frequency: float  # Hz
+    height: float  # of the apex at mid-stroke over the drive surface without tips, m
+    position: float = 0.0  # of the stage's middle at the start, m
+    velocity: float = 0.0  # of the stage along x at the start, m/s
+    phases: tuple[float, ...] | None = None  # of each actuator's turn, rad; none when all turn together
 
 
 def run_setting(
@@ -76,25 +67,15 @@ def _wave(machine: StageMachine, setting: Setting, time: np.ndarray) -> np.ndarr
 
 @dataclass(frozen=True)
 class Steady:
-    """A drive at its steady speed, averaged over whole periods at the end of a run.
+    """A drive at its steady speed, averaged over whole periods at the end of a run."""
 
-    Args:
-        velocity: along x, across it (m/s) and of yaw (rad/s), shape (3,).
-        changed: velocity along x in the last fifth of the run less that in the fifth before, m/s.
-        swing: of the first tip's apex along x, peak to peak, m.
-        tip_load: mean force of the tips on the stage, N.
-        contact_share: part of the time that the first tip touches.
-        lifted_share: part of the time that the pad most often lifted is off its way.
-        largest_tip_force: N.
-    """
-
-    velocity: np.ndarray
-    changed: float
-    swing: float
-    tip_load: float
-    contact_share: float
-    lifted_share: float
-    largest_tip_force: float
+    velocity: np.ndarray  # along x, across it (m/s) and of yaw (rad/s), shape (3,)
+    changed: float  # velocity along x in the last fifth of the run less that in the fifth before, m/s
+    swing: float  # of the first tip's apex along x, peak to peak, m
+    tip_load: float  # mean force of the tips on the stage, N
+    contact_share: float  # part of the time that the first tip touches
+    lifted_share: float  # part of the time that the pad most often lifted is off its way
+    largest_tip_force: float  # N
 
 
 def steady(

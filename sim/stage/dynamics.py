@@ -49,26 +49,17 @@ CREEP_EVERY = 128
 
 
 class Loads(NamedTuple):
-    """Forces of one step, N and N m, written in place.
+    """Forces of one step, N and N m, written in place."""
 
-    Args:
-        force, torque: on the stage, (3,).
-        mean: velocity at the middle of the step, (6,).
-        tip_force: of each tip on the stage, (actuators, 3).
-        pad_force: of each pad on the stage, (pads, 3).
-        apex: of each tip from mid-stroke, m, (actuators, 3).
-        energy: kinetic and potential energy, J, (1,); complete in the steps that write a row.
-        bend: on the bending modes, N kg^-1/2, (modes,).
-    """
-
+    # force, torque: on the stage, (3,)
     force: np.ndarray
     torque: np.ndarray
-    mean: np.ndarray
-    tip_force: np.ndarray
-    pad_force: np.ndarray
-    apex: np.ndarray
-    energy: np.ndarray
-    bend: np.ndarray
+    mean: np.ndarray  # velocity at the middle of the step, (6,)
+    tip_force: np.ndarray  # of each tip on the stage, (actuators, 3)
+    pad_force: np.ndarray  # of each pad on the stage, (pads, 3)
+    apex: np.ndarray  # of each tip from mid-stroke, m, (actuators, 3)
+    energy: np.ndarray  # kinetic and potential energy, J, (1,); complete in the steps that write a row
+    bend: np.ndarray  # on the bending modes, N kg^-1/2, (modes,)
 
 
 _KERNELS: Any = bending.advance_modes, bending.surface, slip_elements.slip

@@ -17,19 +17,14 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True)
 class Bending:
-    """Bending modes of the free stage with its payload, orthogonal to the motion of the rigid body.
+    """Bending modes of the free stage with its payload, orthogonal to the motion of the rigid body."""
 
-    Args:
-        frequencies: Hz, shape (modes,).
-        damping: ratio.
-        shapes: deflection at the nodes of a regular grid over the plate, of modes of mass 1 kg, kg^-1/2, shape
-            (modes, nodes along y, nodes along x).
-        corner: of the grid, (x, y) from the middle of the stage, m, shape (2,); the opposite corner is at its negative.
-    """
-
-    frequencies: np.ndarray
-    damping: float
+    frequencies: np.ndarray  # Hz, shape (modes,)
+    damping: float  # ratio
+    # deflection at the nodes of a regular grid over the plate, of modes of mass 1 kg, kg^-1/2, shape (modes, nodes
+    # along y, nodes along x)
     shapes: np.ndarray
+    # of the grid, (x, y) from the middle of the stage, m, shape (2,); the opposite corner is at its negative
     corner: np.ndarray
 
     @property
@@ -52,82 +47,49 @@ RIGID = Bending(np.empty(0), 0.0, np.empty((0, 2, 2)), np.array([-1.0, -1.0]))
 
 @dataclass(frozen=True)
 class Stage:
-    """The body that moves, payload and ballast included.
+    """The body that moves, payload and ballast included."""
 
-    Args:
-        mass: kg.
-        centre: of mass, from the middle of the stage at the height of the drive surface, m, shape (3,).
-        inertia: about the centre of mass, kg m^2, shape (3, 3).
-        preload: of the magnets, N, downwards at the middle of the stage; it moves with the stage.
-        guide_stiffness: of one tooth iron across the travel, N/m.
-        guide_places: middles of the tooth irons (x, y), m, shape (n, 2); empty without teeth.
-        guide_length: of an iron along the travel, m.
-        bending: modes; none for a rigid stage.
-    """
-
-    mass: float
-    centre: np.ndarray
-    inertia: np.ndarray
-    preload: float = 0.0
-    guide_stiffness: float = 0.0
+    mass: float  # kg
+    centre: np.ndarray  # of mass, from the middle of the stage at the height of the drive surface, m, shape (3,)
+    inertia: np.ndarray  # about the centre of mass, kg m^2, shape (3, 3)
+    preload: float = 0.0  # of the magnets, N, downwards at the middle of the stage; it moves with the stage
+    guide_stiffness: float = 0.0  # of one tooth iron across the travel, N/m
+    # middles of the tooth irons (x, y), m, shape (n, 2); empty without teeth
     guide_places: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
-    guide_length: float = 0.0
-    bending: Bending = RIGID
+    guide_length: float = 0.0  # of an iron along the travel, m
+    bending: Bending = RIGID  # modes; none for a rigid stage
 
 
 @dataclass(frozen=True)
 class Pads:
-    """The sliding bearing.
+    """The sliding bearing."""
 
-    Args:
-        places: centres (x, y), m, shape (n, 2).
-        contact_rate: K of the normal force K delta^1.5 of one pad, N/m^1.5.
-        damping: s/m, the normal force is K delta^1.5 (1 + damping ddelta/dt).
-        static_friction, dynamic_friction: coefficients.
-        stribeck_velocity: m/s; mu = mu_d + (mu_s - mu_d) exp(-(v/vs)^2).
-        presliding: distance from rest to full slip, m.
-        tangential_lag: of the film's shear force behind its shear, s; damps while it sticks.
-    """
-
-    places: np.ndarray
-    contact_rate: float
-    damping: float
-    static_friction: float
-    dynamic_friction: float
-    stribeck_velocity: float
-    presliding: float
-    tangential_lag: float
+    places: np.ndarray  # centres (x, y), m, shape (n, 2)
+    contact_rate: float  # K of the normal force K delta^1.5 of one pad, N/m^1.5
+    damping: float  # s/m, the normal force is K delta^1.5 (1 + damping ddelta/dt)
+    static_friction: float  # coefficients
+    dynamic_friction: float  # coefficients
+    stribeck_velocity: float  # m/s; mu = mu_d + (mu_s - mu_d) exp(-(v/vs)^2)
+    presliding: float  # distance from rest to full slip, m
+    tangential_lag: float  # of the film's shear force behind its shear, s; damps while it sticks
 
 
 @dataclass(frozen=True)
 class Tip:
-    """The rigid tip on its three piezos: it rises, tilts about the plane of their ends, and sways with that plane.
+    """The rigid tip on its three piezos: it rises, tilts about the plane of their ends, and sways with that plane."""
 
-    Args:
-        mass: with the part of the stacks that moves with it, kg.
-        inertia: about an axis in the piezos' plane, kg m^2.
-        height: of the apex over the piezos' plane, m.
-        piezo_places: axes (x, y) of the piezos about the tip's axis, m, shape (3, 2).
-        stiffness: of one piezo, N/m.
-        damping: of one piezo, N s/m.
-        moment: mass times height of the centre of mass over the piezos' plane, kg m.
-        sway_stiffness: of the three stacks together against a force across them, N/m; infinite where they only stretch.
-        sway_damping: of the same, N s/m.
-        sway_play: sway at which the stacks touch the mouths of their bores, m.
-        sway_stop: stiffness that the bores add beyond it, N/m.
-    """
-
-    mass: float
-    inertia: float
-    height: float
-    piezo_places: np.ndarray
-    stiffness: float
-    damping: float
-    moment: float = 0.0
+    mass: float  # with the part of the stacks that moves with it, kg
+    inertia: float  # about an axis in the piezos' plane, kg m^2
+    height: float  # of the apex over the piezos' plane, m
+    piezo_places: np.ndarray  # axes (x, y) of the piezos about the tip's axis, m, shape (3, 2)
+    stiffness: float  # of one piezo, N/m
+    damping: float  # of one piezo, N s/m
+    moment: float = 0.0  # mass times height of the centre of mass over the piezos' plane, kg m
+    # of the three stacks together against a force across them, N/m; infinite where they only stretch
     sway_stiffness: float = math.inf
-    sway_damping: float = 0.0
-    sway_play: float = math.inf
-    sway_stop: float = 0.0
+    sway_damping: float = 0.0  # of the same, N s/m
+    sway_play: float = math.inf  # sway at which the stacks touch the mouths of their bores, m
+    sway_stop: float = 0.0  # stiffness that the bores add beyond it, N/m
 
     @property
     def sways(self) -> bool:
@@ -136,48 +98,28 @@ class Tip:
 
 @dataclass(frozen=True)
 class Contact:
-    """Between tip and drive surface.
+    """Between tip and drive surface."""
 
-    Args:
-        rate: K of Hertz's K delta^1.5, N/m^1.5.
-        damping: s/m, as of a pad: the coefficient of restitution is 1 - (2/3) damping v for slow impacts.
-        friction: coefficient.
-        tangential_ratio: of the tangential to the normal stiffness, 2 (1 - nu)/(2 - nu) by Mindlin.
-    """
-
-    rate: float
-    damping: float
-    friction: float
-    tangential_ratio: float
+    rate: float  # K of Hertz's K delta^1.5, N/m^1.5
+    damping: float  # s/m, as of a pad: the coefficient of restitution is 1 - (2/3) damping v for slow impacts
+    friction: float  # coefficient
+    tangential_ratio: float  # of the tangential to the normal stiffness, 2 (1 - nu)/(2 - nu) by Mindlin
 
 
 @dataclass(frozen=True)
 class Piezo:
-    """One stack with its amplifier.
+    """One stack with its amplifier."""
 
-    Args:
-        stroke: of the whole sweep from 0 to the highest voltage, m.
-        highest_voltage: V.
-        bias: voltage of mid-stroke, V.
-        hysteresis: width of the loop of the whole sweep over its stroke.
-        creep: extension gained per decade of time.
-        capacitance: F.
-        current: that the amplifier can give, A.
-        slew_rate: of the amplifier itself, V/s.
-        bandwidth: of the amplifier, Hz.
-        bits: of the converter over the whole voltage.
-    """
-
-    stroke: float
-    highest_voltage: float
-    bias: float
-    hysteresis: float
-    creep: float
-    capacitance: float
-    current: float
-    slew_rate: float
-    bandwidth: float
-    bits: int
+    stroke: float  # of the whole sweep from 0 to the highest voltage, m
+    highest_voltage: float  # V
+    bias: float  # voltage of mid-stroke, V
+    hysteresis: float  # width of the loop of the whole sweep over its stroke
+    creep: float  # extension gained per decade of time
+    capacitance: float  # F
+    current: float  # that the amplifier can give, A
+    slew_rate: float  # of the amplifier itself, V/s
+    bandwidth: float  # of the amplifier, Hz
+    bits: int  # of the converter over the whole voltage
 
     @property
     def voltage_rate(self) -> float:
@@ -192,70 +134,46 @@ class Piezo:
 
 @dataclass(frozen=True)
 class Sensors:
-    """Sensors of the control loop.
+    """Sensors of the control loop."""
 
-    Args:
-        interferometer_count: m.
-        interferometer_speed: highest, m/s.
-        probe_noise: m rms within probe_bandwidth, Hz.
-        filter_frequency: corner of the RC filter behind the probe, Hz.
-        filtered_range: of the converter behind filter and gain, m; filtered_count: of the same, m.
-        lvdt_count, lvdt_linearity_error: m.
-    """
-
-    interferometer_count: float
-    interferometer_speed: float
-    probe_noise: float
+    interferometer_count: float  # m
+    interferometer_speed: float  # highest, m/s
+    probe_noise: float  # m rms within probe_bandwidth, Hz
     probe_bandwidth: float
-    filter_frequency: float
-    filtered_range: float
-    filtered_count: float
-    lvdt_count: float
-    lvdt_linearity_error: float
+    filter_frequency: float  # corner of the RC filter behind the probe, Hz
+    filtered_range: float  # of the converter behind filter and gain, m
+    filtered_count: float  # of the same, m
+    lvdt_count: float  # m
+    lvdt_linearity_error: float  # m
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Disturbances of a held position.
+    """Disturbances of a held position."""
 
-    Args:
-        floor_velocity: rms in each band, m/s; floor_bands: Hz.
-        held_resonance: of the stage that tip and sticking pads hold, Hz; held_damping: its ratio.
-        amplifier_noise: of each voltage, V rms within the amplifier's bandwidth.
-        air_error: rms of the interferometer's error by the air's index, m; air_time: its time constant, s.
-    """
-
-    floor_velocity: float
-    floor_bands: tuple[tuple[float, float], ...]
-    held_resonance: float
-    held_damping: float
-    amplifier_noise: float
-    air_error: float
-    air_time: float
+    floor_velocity: float  # rms in each band, m/s
+    floor_bands: tuple[tuple[float, float], ...]  # Hz
+    held_resonance: float  # of the stage that tip and sticking pads hold, Hz
+    held_damping: float  # its ratio
+    amplifier_noise: float  # of each voltage, V rms within the amplifier's bandwidth
+    air_error: float  # rms of the interferometer's error by the air's index, m
+    air_time: float  # its time constant, s
 
 
 @dataclass(frozen=True)
 class StageMachine:
-    """All parameters of the simulated stage.
+    """All parameters of the simulated stage."""
 
-    Args:
-        stage, pads, tip, contact, piezo, sensors: see there.
-        actuators: places (x, y) of the tips from the middle of the base, m, shape (n, 2), n = 1 or 3.
-        travel: of the stage, end to end, m.
-        gravity: m/s^2.
-        surroundings: disturbances of the position loop; None without any.
-    """
-
-    stage: Stage
-    pads: Pads
-    tip: Tip
-    contact: Contact
-    piezo: Piezo
-    sensors: Sensors
-    actuators: np.ndarray
-    travel: float
-    gravity: float
-    surroundings: Surroundings | None = None
+    stage: Stage  # see there
+    pads: Pads  # see there
+    tip: Tip  # see there
+    contact: Contact  # see there
+    piezo: Piezo  # see there
+    sensors: Sensors  # see there
+    actuators: np.ndarray  # places (x, y) of the tips from the middle of the base, m, shape (n, 2), n = 1 or 3
+    travel: float  # of the stage, end to end, m
+    gravity: float  # m/s^2
+    surroundings: Surroundings | None = None  # disturbances of the position loop; None without any
 
     @property
     def load(self) -> float:

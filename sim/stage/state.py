@@ -110,22 +110,14 @@ LAGS = 13
 
 @dataclass(frozen=True)
 class PiezoResponse:
-    """Numbers of the operators.
+    """Numbers of the operators."""
 
-    Args:
-        gain: stretch per volt of u, m/V.
-        strength: s.
-        thresholds: r_i, V, shape (8,).
-        weights: w_i, shape (8,), summing to 1.
-        creep_weights: shape (13,); creep_rates: 1/s, shape (13,).
-    """
-
-    gain: float
-    strength: float
-    thresholds: np.ndarray
-    weights: np.ndarray
-    creep_weights: np.ndarray
-    creep_rates: np.ndarray
+    gain: float  # stretch per volt of u, m/V
+    strength: float  # s
+    thresholds: np.ndarray  # r_i, V, shape (8,)
+    weights: np.ndarray  # w_i, shape (8,), summing to 1
+    creep_weights: np.ndarray  # shape (13,)
+    creep_rates: np.ndarray  # 1/s, shape (13,)
 
     @property
     def small_signal_gain(self) -> float:

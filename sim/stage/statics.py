@@ -17,27 +17,18 @@ from stagecad.parameters.errors import InputError
 
 @dataclass(frozen=True)
 class Rest:
-    """The stage at rest.
+    """The stage at rest."""
 
-    Args:
-        position: of the stage's middle along the travel, m.
-        apex_heights: of each unloaded apex at mid-stroke over the unloaded drive surface, m, shape (actuators,).
-        attitude: heave of the centre of mass (m) and turns about x and y (rad) from the unloaded pads, shape (3,).
-        tip_loads: N, shape (actuators,).
-        pad_loads: N, shape (pads,).
-        pad_height: of the pads below the drive surface, m.
-        bending: of the stage in its modes, m kg^1/2, shape (modes,).
-        slopes: of the drive surface above each tip along x and y, shape (actuators, 2).
-    """
-
-    position: float
+    position: float  # of the stage's middle along the travel, m
+    # of each unloaded apex at mid-stroke over the unloaded drive surface, m, shape (actuators,)
     apex_heights: np.ndarray
+    # heave of the centre of mass (m) and turns about x and y (rad) from the unloaded pads, shape (3,)
     attitude: np.ndarray
-    tip_loads: np.ndarray
-    pad_loads: np.ndarray
-    pad_height: float
-    bending: np.ndarray
-    slopes: np.ndarray
+    tip_loads: np.ndarray  # N, shape (actuators,)
+    pad_loads: np.ndarray  # N, shape (pads,)
+    pad_height: float  # of the pads below the drive surface, m
+    bending: np.ndarray  # of the stage in its modes, m kg^1/2, shape (modes,)
+    slopes: np.ndarray  # of the drive surface above each tip along x and y, shape (actuators, 2)
 
 
 def contact_depth(machine: StageMachine, load: float) -> float:

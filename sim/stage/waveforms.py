@@ -16,19 +16,12 @@ from sim.stage.machine import StageMachine
 
 @dataclass(frozen=True)
 class Ellipse:
-    """A path of one tip.
+    """A path of one tip."""
 
-    Args:
-        along: amplitude in the direction of motion, m.
-        normal: amplitude up, m.
-        lag: of the motion along behind a quarter turn against the motion up, rad: 0 is an upright ellipse.
-        direction: of the stage's motion, rad from x.
-    """
-
-    along: float
-    normal: float
-    lag: float = 0.0
-    direction: float = 0.0
+    along: float  # amplitude in the direction of motion, m
+    normal: float  # amplitude up, m
+    lag: float = 0.0  # of the motion along behind a quarter turn against the motion up, rad: 0 is an upright ellipse
+    direction: float = 0.0  # of the stage's motion, rad from x
 
 
 def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> Ellipse:
@@ -44,19 +37,12 @@ def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> 
 
 @dataclass(frozen=True)
 class TipDrive:
-    """A machine driven by the strokes of `two_piezo_ellipse`.
+    """A machine driven by the strokes of `two_piezo_ellipse`."""
 
-    Args:
-        machine: the driven machine.
-        amplitude: of a piezo, m.
-        phase: between piezos 1 and 2, rad.
-        frequency: Hz.
-    """
-
-    machine: StageMachine
-    amplitude: float
-    phase: float
-    frequency: float
+    machine: StageMachine  # the driven machine
+    amplitude: float  # of a piezo, m
+    phase: float  # between piezos 1 and 2, rad
+    frequency: float  # Hz
 
     @property
     def path(self) -> Ellipse:

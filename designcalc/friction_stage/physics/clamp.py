@@ -71,26 +71,16 @@ def clamp_finger(r: DesignInputs) -> ClampFinger:
 
 @dataclass(frozen=True)
 class Grip:
-    """Two fingers, alike, on the actuator in pocket 1.
+    """Two fingers, alike, on the actuator in pocket 1."""
 
-    Args:
-        screw: force of each clamp screw, N.
-        gap: that each finger closes while it pushes the actuator to the far wall, m.
-        closure: of the free finger at the screw's force, m.
-        press: force of each finger on the actuator, N.
-        hold: frictional force of both fingers and the far wall in any direction, N.
-        stress: of the neck, Pa; free_stress: without an actuator in the pocket, Pa.
-        rim: sum of the normal forces on the actuator's rim, N.
-    """
-
-    screw: float
-    gap: float
-    closure: float
-    press: float
-    hold: float
-    stress: float
-    free_stress: float
-    rim: float
+    screw: float  # force of each clamp screw, N
+    gap: float  # that each finger closes while it pushes the actuator to the far wall, m
+    closure: float  # of the free finger at the screw's force, m
+    press: float  # force of each finger on the actuator, N
+    hold: float  # frictional force of both fingers and the far wall in any direction, N
+    stress: float  # of the neck, Pa
+    free_stress: float  # without an actuator in the pocket, Pa
+    rim: float  # sum of the normal forces on the actuator's rim, N
 
 
 def clamp_gap(r: DesignInputs, tolerance: float = 0.0) -> float:

@@ -46,24 +46,15 @@ MODES = 20
 
 @dataclass(frozen=True)
 class HeldPlate:
-    """Modes of the stage on pads and tip.
+    """Modes of the stage on pads and tip."""
 
-    Args:
-        frequency: Hz, shape (m,); damping: ratio.
-        tip: deflection there of modes of mass 1 kg, kg^-1/2, shape (m,).
-        payload: the same at the places of the payload, shape (places, m).
-        participation: Gamma of a translation of the floor, kg^1/2, shape (m,).
-        push: stiffness of stacks and contact of the tip, N/m.
-        compliance: static deflection of the places by a unit force at the tip, m/N, shape (places,).
-    """
-
-    frequency: Array
-    damping: Array
-    tip: Array
-    payload: Array
-    participation: Array
-    push: float
-    compliance: Array
+    frequency: Array  # Hz, shape (m,)
+    damping: Array  # ratio
+    tip: Array  # deflection there of modes of mass 1 kg, kg^-1/2, shape (m,)
+    payload: Array  # the same at the places of the payload, shape (places, m)
+    participation: Array  # Gamma of a translation of the floor, kg^1/2, shape (m,)
+    push: float  # stiffness of stacks and contact of the tip, N/m
+    compliance: Array  # static deflection of the places by a unit force at the tip, m/N, shape (places,)
 
     def responses(self, f: Array) -> tuple[Response, Response]:
         """At frequencies in Hz, shape (n,): motion of the places relative to the floor over that of the floor, and
@@ -122,15 +113,11 @@ def driven_modes(r: DesignInputs) -> Modes:
 
 @dataclass(frozen=True)
 class Shaken:
-    """Displacement of places on the stage by a tip that presses in pulses.
+    """Displacement of places on the stage by a tip that presses in pulses."""
 
-    Args:
-        static: by the mean of the force, m, shape (n,).
-        parts: amplitudes at the multiples of the drive's frequency, m, the phase from the peak of the force, shape
-            (harmonics, n).
-    """
-
-    static: Array
+    static: Array  # by the mean of the force, m, shape (n,)
+    # amplitudes at the multiples of the drive's frequency, m, the phase from the peak of the force, shape (harmonics,
+    # n)
     parts: Response
 
     @property

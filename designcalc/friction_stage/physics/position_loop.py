@@ -59,17 +59,11 @@ def pads_shear_stiffness(r: DesignInputs) -> float:
 
 @dataclass(frozen=True)
 class Suspension:
-    """How the stage is held along its travel while the pads stick.
+    """How the stage is held along its travel while the pads stick."""
 
-    Args:
-        gain: displacement of the stage over that of the free tip, static.
-        resonance: Hz.
-        damping: ratio.
-    """
-
-    gain: float
-    resonance: float
-    damping: float
+    gain: float  # displacement of the stage over that of the free tip, static
+    resonance: float  # Hz
+    damping: float  # ratio
 
 
 def suspension(r: DesignInputs) -> Suspension:

@@ -14,19 +14,12 @@ CIRCUITS = 2
 
 @dataclass(frozen=True)
 class MagnetCircuit:
-    """One magnet with its two irons and its bar.
+    """One magnet with its two irons and its bar."""
 
-    Args:
-        section: geometry across the travel.
-        length: of magnet and irons along the travel, m.
-        remanence: T.
-        recoil_permeability: relative.
-    """
-
-    section: MagnetSection
-    length: float
-    remanence: float
-    recoil_permeability: float
+    section: MagnetSection  # geometry across the travel
+    length: float  # of magnet and irons along the travel, m
+    remanence: float  # T
+    recoil_permeability: float  # relative
 
     def forces(self, refinement: float = 1.0, **changes: float) -> MagnetForces:
         """Forces of the circuit, with some lengths of its section changed."""

@@ -43,19 +43,12 @@ def tip_contact(r: DesignInputs, load: float) -> PointContact:
 
 @dataclass(frozen=True)
 class ContactStiffness:
-    """The tip on the stage at one load, SI.
+    """The tip on the stage at one load, SI."""
 
-    Args:
-        load: N.
-        normal: tangent stiffness normal to the surface, N/m.
-        tangential: stiffness along the surface before any of it slips, N/m.
-        rate: K of ``F = K delta^1.5``, N/m^1.5; the same at every load.
-    """
-
-    load: float
-    normal: float
-    tangential: float
-    rate: float
+    load: float  # N
+    normal: float  # tangent stiffness normal to the surface, N/m
+    tangential: float  # stiffness along the surface before any of it slips, N/m
+    rate: float  # K of ``F = K delta^1.5``, N/m^1.5; the same at every load
 
     @property
     def tangential_ratio(self) -> float:

@@ -32,18 +32,12 @@ SlopePlan = list[tuple[int, int, bool]]
 
 @dataclass(frozen=True)
 class Kernel:
-    """A law behind its C signature; keep it while its address is in use.
+    """A law behind its C signature; keep it while its address is in use."""
 
-    Args:
-        address: of the C function.
-        compiled: by numba, else called back in Python.
-        callback: owner of the C function.
-        errors: raised by a law in Python; an exception cannot pass through compiled code.
-    """
-
-    address: int
-    compiled: bool
-    callback: Any
+    address: int  # of the C function
+    compiled: bool  # by numba, else called back in Python
+    callback: Any  # owner of the C function
+    # raised by a law in Python; an exception cannot pass through compiled code
     errors: list[BaseException] = field(default_factory=list)
 
 

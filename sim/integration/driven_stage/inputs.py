@@ -17,33 +17,23 @@ MOST_PHASE = 30.0
 
 
 class VelocityTable(NamedTuple):
-    """Velocity-dependent laws of one contact.
+    """Velocity-dependent laws of one contact."""
 
-    Args:
-        values: factor, extra limit (N) and other force (N), each forward and backward, at speeds that grow with the
-            square of their index, (6, k); (6, 0) for none.
-        top: speed of the last value, m/s; beyond it that value holds.
-    """
-
+    # factor, extra limit (N) and other force (N), each forward and backward, at speeds that grow with the square of
+    # their index, (6, k); (6, 0) for none
     values: np.ndarray
-    top: float
+    top: float  # speed of the last value, m/s; beyond it that value holds
 
 
 NO_TABLE = VelocityTable(np.empty((6, 0)), 1.0)
 
 
 class FrictionLimit(NamedTuple):
-    """Friction limit of a contact along a record.
+    """Friction limit of a contact along a record."""
 
-    Args:
-        at_rest: limit (n,), N, before its dependence on velocity.
-        factor: multiplies the extra limits of the table, (n,).
-        table: dependence on velocity.
-    """
-
-    at_rest: np.ndarray
-    factor: np.ndarray
-    table: VelocityTable = NO_TABLE
+    at_rest: np.ndarray  # limit (n,), N, before its dependence on velocity
+    factor: np.ndarray  # multiplies the extra limits of the table, (n,)
+    table: VelocityTable = NO_TABLE  # dependence on velocity
 
 
 def velocity_independent(limit: np.ndarray) -> FrictionLimit:

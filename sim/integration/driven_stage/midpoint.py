@@ -28,15 +28,10 @@ REFINEMENT = 8
 
 
 class Bristles(NamedTuple):
-    """Parallel elasto-plastic elements of a contact.
+    """Parallel elasto-plastic elements of a contact."""
 
-    Args:
-        limit: friction limit of all together, N, (n,); infinite where it never slips, 0 where nothing touches.
-        elements: their stretches and parts of the limit.
-    """
-
-    limit: np.ndarray
-    elements: Elements
+    limit: np.ndarray  # friction limit of all together, N, (n,); infinite where it never slips, 0 where nothing touches
+    elements: Elements  # their stretches and parts of the limit
 
 
 NO_BRISTLES = Elements(np.empty(0), np.empty(0))
@@ -52,26 +47,17 @@ class Inputs(NamedTuple):
 
 
 class Step(NamedTuple):
-    """One step.
+    """One step."""
 
-    Args:
-        length: s.
-        tip: displacement of the tip, m.
-        velocity: of the stage at the start, m/s.
-        mass: kg.
-        push: at the middle, N.
-        pad_limit, limit: friction limits of the pads and of the contact at the middle, N.
-        loss: dashpot over the length, N/m, of each spring of the contact.
-    """
-
-    length: float
-    tip: float
-    velocity: float
-    mass: float
-    push: float
+    length: float  # s
+    tip: float  # displacement of the tip, m
+    velocity: float  # of the stage at the start, m/s
+    mass: float  # kg
+    push: float  # at the middle, N
+    # pad_limit, limit: friction limits of the pads and of the contact at the middle, N
     pad_limit: float
     limit: float
-    loss: float
+    loss: float  # dashpot over the length, N/m, of each spring of the contact
 
 
 def simulate_midpoint(

@@ -57,23 +57,18 @@ class Inputs(NamedTuple):
 
 
 class State(NamedTuple):
-    """State of the stage.
+    """State of the stage."""
 
-    Args:
-        x, v: position, m, and velocity, m/s.
-        spring: force of the contact's spring, N.
-        pad_side, slip_side: direction in which the pads slide and the contact slips, 0 while they stick.
-        below: a contact that slips transmits its limit by spring and dashpot; whether its spring alone is below that.
-        touching: whether the tip touches the stage.
-    """
-
+    # x, v: position, m, and velocity, m/s
     x: float
     v: float
-    spring: float
+    spring: float  # force of the contact's spring, N
+    # pad_side, slip_side: direction in which the pads slide and the contact slips, 0 while they stick
     pad_side: float
     slip_side: float
+    # a contact that slips transmits its limit by spring and dashpot; whether its spring alone is below that
     below: bool
-    touching: bool
+    touching: bool  # whether the tip touches the stage
 
 
 @inlined

@@ -24,23 +24,14 @@ mid-travel."""
 
 @dataclass(frozen=True)
 class Fault:
-    """A drive with a fault.
+    """A drive with a fault."""
 
-    Args:
-        text: description of the fault.
-        gains: of the three piezos' waves about the bias, shape (3,).
-        delays: of the three piezos' waves, rad of the drive.
-        offset: of the actuator across the travel, m.
-        ample: an amplifier without limits of current and bandwidth.
-        linear: stacks without hysteresis and creep besides.
-    """
-
-    text: str
-    gains: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    delays: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    offset: float = 0.0
-    ample: bool = False
-    linear: bool = False
+    text: str  # description of the fault
+    gains: tuple[float, float, float] = (1.0, 1.0, 1.0)  # of the three piezos' waves about the bias, shape (3,)
+    delays: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the three piezos' waves, rad of the drive
+    offset: float = 0.0  # of the actuator across the travel, m
+    ample: bool = False  # an amplifier without limits of current and bandwidth
+    linear: bool = False  # stacks without hysteresis and creep besides
 
 
 FAULTS = {

@@ -20,21 +20,13 @@ HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 @dataclass(frozen=True)
 class EllipseSearch:
-    """Steady speeds over phase and height.
+    """Steady speeds over phase and height."""
 
-    Args:
-        frequency: Hz.
-        phases: rad, shape (n,).
-        heights: in amplitudes of the ellipse's height, shape (m,).
-        ellipses: commanded at each phase.
-        points: rows by height, columns by phase.
-    """
-
-    frequency: float
-    phases: np.ndarray
-    heights: np.ndarray
-    ellipses: list[Ellipse]
-    points: list[list[Steady]] = field(repr=False)
+    frequency: float  # Hz
+    phases: np.ndarray  # rad, shape (n,)
+    heights: np.ndarray  # in amplitudes of the ellipse's height, shape (m,)
+    ellipses: list[Ellipse]  # commanded at each phase
+    points: list[list[Steady]] = field(repr=False)  # rows by height, columns by phase
 
     @property
     def speed(self) -> np.ndarray:

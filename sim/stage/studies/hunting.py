@@ -23,23 +23,15 @@ STILL = 5e-9
 
 @dataclass(frozen=True)
 class HoldingLoop:
-    """A loop that holds the stage at a target, by the interferometer.
+    """A loop that holds the stage at a target, by the interferometer."""
 
-    Args:
-        text: description.
-        moves: action of the loop's output: `ellipse` scales the whole path, so that a small one does not touch the
-        drive surface;
-            `travel` scales its travel along only; `lean` leans the pressed tip.
-        proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s,
-        with the held stage.
-        target: m.
-    """
-
-    text: str
+    text: str  # description
+    # action of the loop's output: `ellipse` scales the whole path, so that a small one does not touch the drive
+    # surface; `travel` scales its travel along only; `lean` leans the pressed tip
     moves: str
-    proportional: float
-    integral: float
-    target: float = 20e-6
+    proportional: float  # output per metre, 1/m
+    integral: float  # 1/(m s). For `lean` the output is in metres: 1 and 1/s, with the held stage
+    target: float = 20e-6  # m
 
     @property
     def output_unit(self) -> str:
@@ -58,17 +50,11 @@ HOLDS = {
 
 @dataclass(frozen=True)
 class HoldingRun:
-    """A run of a hold.
+    """A run of a hold."""
 
-    Args:
-        run: the motion, one row a sample.
-        target: m.
-        output: of the loop, -1 to 1, or m of lean; shape (n,).
-    """
-
-    run: StageRun
-    target: float
-    output: np.ndarray
+    run: StageRun  # the motion, one row a sample
+    target: float  # m
+    output: np.ndarray  # of the loop, -1 to 1, or m of lean; shape (n,)
 
     @property
     def error(self) -> np.ndarray:

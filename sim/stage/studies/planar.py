@@ -30,17 +30,11 @@ WITHIN_CURRENT = 0.8
 
 @dataclass(frozen=True)
 class PlanarStudy:
-    """Starts from rest in each direction.
+    """Starts from rest in each direction."""
 
-    Args:
-        directions: commanded, rad, shape (n,).
-        frequencies: by drive, Hz.
-        runs: by drive, one a direction.
-    """
-
-    directions: np.ndarray
-    frequencies: dict[str, float]
-    runs: dict[str, list[StageRun]] = field(repr=False)
+    directions: np.ndarray  # commanded, rad, shape (n,)
+    frequencies: dict[str, float]  # by drive, Hz
+    runs: dict[str, list[StageRun]] = field(repr=False)  # by drive, one a direction
 
     def ends(self, drive: str) -> np.ndarray:
         """Final position of the stage (x, y, yaw), m, m, rad, shape (n, 3)."""

@@ -112,19 +112,12 @@ MEAN_SETTLED, MEAN_TIME = 1e-9, 0.01
 
 @dataclass(frozen=True)
 class Loop:
-    """Which sensors the loop has.
+    """Which sensors the loop has."""
 
-    Args:
-        text: description.
-        coarse: name of the sensor of the run.
-        fine: name of the sensor of the settling.
-        fine_rate: of the integral loop with the held stage, 1/s, well within the sensor's bandwidth.
-    """
-
-    text: str
-    coarse: str
-    fine: str
-    fine_rate: float
+    text: str  # description
+    coarse: str  # name of the sensor of the run
+    fine: str  # name of the sensor of the settling
+    fine_rate: float  # of the integral loop with the held stage, 1/s, well within the sensor's bandwidth
 
 
 LOOPS = {
@@ -136,19 +129,12 @@ LOOPS = {
 
 @dataclass(frozen=True)
 class Positioning:
-    """A move to a target.
+    """A move to a target."""
 
-    Args:
-        run: the motion, one row a sample.
-        target: m.
-        taken_over: when the fine loop took over, s; None when the coarse run did not come near in time.
-        by_floor: motion of the held stage by the floor, m, shape (n,).
-    """
-
-    run: StageRun
-    target: float
-    taken_over: float | None
-    by_floor: np.ndarray
+    run: StageRun  # the motion, one row a sample
+    target: float  # m
+    taken_over: float | None  # when the fine loop took over, s; None when the coarse run did not come near in time
+    by_floor: np.ndarray  # motion of the held stage by the floor, m, shape (n,)
 
     @property
     def error(self) -> np.ndarray:

@@ -28,21 +28,13 @@ APART = 0.1
 
 @dataclass(frozen=True)
 class SpeedStudy:
-    """Steady speeds.
+    """Steady speeds."""
 
-    Args:
-        travel: X, peak to peak, of the commanded ellipse, m.
-        drive_frequency: the design's, Hz.
-        frequencies: Hz, shape (n,).
-        points: by height, each shape (n,).
-        again: with the height `HALF` and from another initial speed, shape (n,).
-    """
-
-    travel: float
-    drive_frequency: float
-    frequencies: np.ndarray
-    points: dict[str, list[Steady]] = field(repr=False)
-    again: list[Steady] = field(repr=False)
+    travel: float  # X, peak to peak, of the commanded ellipse, m
+    drive_frequency: float  # the design's, Hz
+    frequencies: np.ndarray  # Hz, shape (n,)
+    points: dict[str, list[Steady]] = field(repr=False)  # by height, each shape (n,)
+    again: list[Steady] = field(repr=False)  # with the height `HALF` and from another initial speed, shape (n,)
 
     def speed(self, height: str) -> np.ndarray:
         """m/s, shape (n,)."""

@@ -27,17 +27,11 @@ LOAD_SHARE = 0.3
 
 @dataclass(frozen=True)
 class Staircase:
-    """Steps up and down again.
+    """Steps up and down again."""
 
-    Args:
-        run: the motion.
-        commanded_step: of the unloaded apex by the stacks' mean gain, m a step.
-        levels: position along x at the end of each hold, m, shape (2 n + 1,).
-    """
-
-    run: StageRun
-    commanded_step: float
-    levels: np.ndarray
+    run: StageRun  # the motion
+    commanded_step: float  # of the unloaded apex by the stacks' mean gain, m a step
+    levels: np.ndarray  # position along x at the end of each hold, m, shape (2 n + 1,)
 
     @property
     def steps(self) -> np.ndarray:
@@ -67,17 +61,11 @@ class Staircase:
 
 @dataclass(frozen=True)
 class StepStudy:
-    """Staircases by name, and what a count comes to.
+    """Staircases by name, and what a count comes to."""
 
-    Args:
-        staircases: by the names of `SIZES`.
-        count: motion of the apex for one count of the converter on two piezos, opposed, by the mean gain, m.
-        static: step of the stage over step of the free apex, in closed form, small signal.
-    """
-
-    staircases: dict[str, Staircase]
-    count: float
-    static: float
+    staircases: dict[str, Staircase]  # by the names of `SIZES`
+    count: float  # motion of the apex for one count of the converter on two piezos, opposed, by the mean gain, m
+    static: float  # step of the stage over step of the free apex, in closed form, small signal
 
     def features(self) -> dict[str, tuple[float, str] | None]:
         found: dict[str, tuple[float, str] | None] = {"count": (self.count, "m"), "static_ratio": (self.static, "1")}

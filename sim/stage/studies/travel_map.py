@@ -39,27 +39,16 @@ class DrivenPoint:
 
 @dataclass(frozen=True)
 class TravelMap:
-    """Maps over position and height.
+    """Maps over position and height."""
 
-    Args:
-        positions: of the stage's middle, m, shape (n,).
-        heights: of the apex over the drive surface, m, shape (m,).
-        lifted: part of the time that the pad most often lifted is off, shape (m, n).
-        tip_off: part of the time that the tip is off, shape (m, n).
-        load_share: mean tip load over weight and preload, shape (m, n).
-        acceleration: at the start from rest, m/s^2, shape (m, n).
-        pushed: tip force over load at which the first pad lifts, pushed slowly, shape (n,).
-        limit: the same by the moments about the pads' edge (`designcalc`), shape (n,).
-    """
-
-    positions: np.ndarray
-    heights: np.ndarray
-    lifted: np.ndarray
-    tip_off: np.ndarray
-    load_share: np.ndarray
-    acceleration: np.ndarray
-    pushed: np.ndarray
-    limit: np.ndarray
+    positions: np.ndarray  # of the stage's middle, m, shape (n,)
+    heights: np.ndarray  # of the apex over the drive surface, m, shape (m,)
+    lifted: np.ndarray  # part of the time that the pad most often lifted is off, shape (m, n)
+    tip_off: np.ndarray  # part of the time that the tip is off, shape (m, n)
+    load_share: np.ndarray  # mean tip load over weight and preload, shape (m, n)
+    acceleration: np.ndarray  # at the start from rest, m/s^2, shape (m, n)
+    pushed: np.ndarray  # tip force over load at which the first pad lifts, pushed slowly, shape (n,)
+    limit: np.ndarray  # the same by the moments about the pads' edge (`designcalc`), shape (n,)
 
     def highest_clean(self, position: int) -> int | None:
         """Index of the greatest height up to which no pad lifts at a position."""
