@@ -1,7 +1,5 @@
 """A record of ten million rows is compared within two gigabytes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What counts as every hidden effect found, and as a false one."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.scoring import all_found, established, not_hidden

@@ -1,7 +1,5 @@
 """`stagecad compare --bootstrap`: on a cluster and on the local cores alike, also with an effect of the user's own."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

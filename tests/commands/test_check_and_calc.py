@@ -1,7 +1,5 @@
 """`stagecad calc` and `stagecad check` as a user or a script runs them."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

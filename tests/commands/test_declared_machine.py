@@ -1,7 +1,5 @@
 """Machines declared in a parameter file take every command that the packaged machine takes."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`stagecad drawings` as a user meets it: names, files, exit statuses, and that nothing is drawn twice."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

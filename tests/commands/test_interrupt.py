@@ -1,7 +1,5 @@
 """Ctrl-C at any moment ends a command with one word and status 130, and nothing it started outlives it."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

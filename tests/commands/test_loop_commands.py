@@ -1,7 +1,5 @@
 """The commands of the loop on the packaged records: figures and report, and the demo from start to end."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Sweeps and tolerance studies on a dask cluster and on the local cores come out as run one after another."""
 
-from __future__ import annotations
-
 import json
 from functools import partial
 

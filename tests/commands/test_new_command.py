@@ -1,7 +1,5 @@
 """`stagecad new`: templates that work as they are written."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`stagecad new experiment`: what it proposes from files, what it asks, and what it leaves to the user."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

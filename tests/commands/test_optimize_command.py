@@ -1,7 +1,5 @@
 """`stagecad optimize` as the user types it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`stagecad params` as a script sees it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`stagecad simulate` and `stagecad effects` as a user runs them."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

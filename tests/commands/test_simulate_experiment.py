@@ -1,7 +1,5 @@
 """`stagecad simulate EXPERIMENT`: records of the experiment's model that `compare` takes at once."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

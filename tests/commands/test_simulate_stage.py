@@ -1,7 +1,5 @@
 """`stagecad simulate stage` as a user runs it."""
 
-from __future__ import annotations
-
 import csv
 import json
 

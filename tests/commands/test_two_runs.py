@@ -1,7 +1,5 @@
 """Two runs on one experiment at once, and a run that is stopped: nothing is lost, and nothing is half done."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

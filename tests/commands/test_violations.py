@@ -1,7 +1,5 @@
 """All violated rules at once, on standard error and in JSON."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

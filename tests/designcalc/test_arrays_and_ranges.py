@@ -1,7 +1,5 @@
 """Every calculator takes arrays where it takes a number, element by element, and says when it is out of its range."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Thermal, sensors, height adjustment, fasteners, suspensions and error budget, each against something of its own."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from pathlib import Path

@@ -3,8 +3,6 @@
 Blocks marked `console` and files with a title are run by `test_readme.py`, those of Python there and in the notebooks.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The page of convergence: what is used differs from the finest row by less than the digits that the program prints."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

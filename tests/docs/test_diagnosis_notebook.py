@@ -1,7 +1,5 @@
 """The notebook on one diagnosis: its code runs, and arrives at the verdict of the command."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 from pathlib import Path

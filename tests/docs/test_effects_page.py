@@ -1,7 +1,5 @@
 """The page of effects is what the declarations make of it, and says what a reader needs of each."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

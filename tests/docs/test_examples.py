@@ -1,7 +1,5 @@
 """Every example is run: parameter file, own effect and, where their data lie beside the project, the two real rigs."""
 
-from __future__ import annotations
-
 import ast
 import shutil
 import subprocess

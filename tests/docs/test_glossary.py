@@ -1,7 +1,5 @@
 """The glossary names classes, functions and constants that exist in the files it gives."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The improved stage of the examples: its rules, the margins of its report, its solids and sheets."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

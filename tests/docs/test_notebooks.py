@@ -1,7 +1,5 @@
 """The notebooks of the Python interface: their code runs, and arrives at the answers that are known."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The pages keep their word: links lead somewhere, commands and options exist, and outputs are what is printed now."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import shlex

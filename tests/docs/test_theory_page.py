@@ -1,7 +1,5 @@
 """The theory page lists the constants of a diagnosis with their values in the code."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page of the thesis names every figure and table, and only commands that exist."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

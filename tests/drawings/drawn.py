@@ -1,7 +1,5 @@
 """Sheets of parts for the tests, each drawn once in a run."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

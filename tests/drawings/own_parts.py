@@ -1,7 +1,5 @@
 """Parts of a user's own for the tests, from the files in `tests/drawings/parts`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

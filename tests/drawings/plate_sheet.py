@@ -1,7 +1,5 @@
 """A sheet with one of everything: a plate in two scales, and an annotation of each kind."""
 
-from __future__ import annotations
-
 from drawings.annotations.annotation import (
     AngularDimension,
     Annotation,

@@ -1,7 +1,5 @@
 """Pictures of sheets: our own, and ezdxf's of the DXF document."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ Python announces each file operation by an audit event before it makes it. At th
 without any clean-up, as by SIGKILL, or the operation raises an error of the system. `run_killed` kills at a time, too.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import signal

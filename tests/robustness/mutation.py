@@ -1,7 +1,5 @@
 """Seeded mutation of valid files: bytes and characters changed, lines exchanged, values replaced by hostile ones."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random designs that satisfy the rules: every part of each can be made, or one line names the parameters."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 

@@ -1,7 +1,5 @@
 """Killed, or with a full disk, at every file operation of every function that writes a user's files: old or new."""
 
-from __future__ import annotations
-
 import errno
 import shutil
 from collections.abc import Callable

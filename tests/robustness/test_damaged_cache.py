@@ -1,7 +1,5 @@
 """A cache that the disk has changed: results and compiled kernels are made again, and are never taken as they are."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -1,7 +1,5 @@
 """Odd surroundings: closed streams, limits of the system, no home folder, a plain locale, a read-only folder."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

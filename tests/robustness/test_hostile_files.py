@@ -1,7 +1,5 @@
 """Files that wait for ever, lead elsewhere, or are larger than they look, each refused in one line."""
 
-from __future__ import annotations
-
 import gzip
 import os
 import sys

@@ -4,8 +4,6 @@ lives on, and the next run works.
 The command runs in a fork of this process, which has loaded its modules: a run takes what its work takes.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

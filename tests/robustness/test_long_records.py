@@ -1,7 +1,5 @@
 """Records of two million rows: `diagnose` takes a bounded amount of memory and finds the effect."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

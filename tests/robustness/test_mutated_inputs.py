@@ -1,7 +1,5 @@
 """Mutated parameter files, overrides, experiments and records: read, or refused in one printable line, in time."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

@@ -1,7 +1,5 @@
 """Slow and constant records, long chains of formulas, limits of the system: a result, or one line."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A user's own Python code and names: no end of the code passes as success, no name leads to another folder."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The page: nothing outside the project is read or written, no change is lost, no request breaks it."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """Records that make no sense, but are read: no traceback, and a warning above the verdict."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tables of `from_dataframes` in every form of NumPy and pandas: the values are right, or one line says why not."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

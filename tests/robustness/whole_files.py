@@ -1,7 +1,5 @@
 """Whether a file of some format is whole, as far as its end or its own statement of its size says."""
 
-from __future__ import annotations
-
 import csv
 import json
 import struct

@@ -1,7 +1,5 @@
 """Functions that tests of the pool have computed in other processes, and the state of these processes."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path

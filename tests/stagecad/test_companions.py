@@ -1,7 +1,5 @@
 """Files of a user that have the names of the program's packages do not take their place."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Folders of caches and consents: of this user alone, or not used."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The process pool: order, errors, time limits, ended workers, Ctrl-C, and workers that outlive nothing."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Logic of the identification asks effects and rigs for what they declare, and never for their names."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

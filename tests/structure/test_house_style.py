@@ -1,7 +1,5 @@
 """Limits of size for readable packages, and the number of lines that they may have together."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

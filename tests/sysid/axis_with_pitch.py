@@ -1,7 +1,5 @@
 """A velocity-drive experiment with two records of a long motion, over many pitches of a periodic effect."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

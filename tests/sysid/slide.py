@@ -1,7 +1,5 @@
 """A slide driven back and forth for a few seconds, its friction force made up by the test: the smallest experiment."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A diagnosis names an effect of the user's own that it could not try."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -5,8 +5,6 @@ time (`sim.integration`), that of the others simulated at instants between the r
 balance, or predicts, along the rows. The two share the laws of the effects only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path

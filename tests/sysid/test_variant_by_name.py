@@ -1,7 +1,5 @@
 """A law chosen by its whole name is the one in the file, and a core takes the place of the core before it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

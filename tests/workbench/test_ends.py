@@ -1,7 +1,5 @@
 """Every way a command can fail for reasons outside the program is one line and exit status 2."""
 
-from __future__ import annotations
-
 import errno
 import os
 import sys

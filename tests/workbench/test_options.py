@@ -1,7 +1,5 @@
 """What every command does with its options, whether or not it needs them."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The judge itself: same seed, same records; nothing hidden leaves nothing; it shares no code with what it judges."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The second generator against closed forms, its records against their key, and its independence of the library."""
 
-from __future__ import annotations
-
 import ast
 import itertools
 from dataclasses import replace

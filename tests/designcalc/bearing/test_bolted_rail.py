@@ -1,7 +1,5 @@
 """The bolted rail against every number the thesis's spreadsheet prints."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from dataclasses import replace

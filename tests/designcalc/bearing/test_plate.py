@@ -1,7 +1,5 @@
 """Plate by finite elements against the free square plate, beams, and a separate solution of the stage."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Porous air bearing: against the catalogue, a film solved by finite differences, and its limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import solve_banded

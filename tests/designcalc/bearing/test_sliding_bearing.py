@@ -1,7 +1,5 @@
 """Pads: thin-film contact against its integral, statics, and averaging against random surfaces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad

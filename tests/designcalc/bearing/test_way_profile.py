@@ -1,7 +1,5 @@
 """Profiles of the way: statistics of what is made up, and what pads make of roughness and waves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

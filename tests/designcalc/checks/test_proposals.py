@@ -1,7 +1,5 @@
 """A proposed change is printed with what evaluating it on the whole design shows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Hertz contact against tables, closed forms, a direct Boussinesq integration and the energy of the load."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A tip that presses in pulses: its force against a root finder, its mean against a quadrature, and simple limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad

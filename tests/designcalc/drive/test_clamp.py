@@ -1,7 +1,5 @@
 """The clamp's flexure model against three-dimensional finite elements, statics and a rigid lever."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Friction drive: the thesis's numbers, statics by linear programming."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

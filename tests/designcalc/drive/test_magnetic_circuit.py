@@ -1,7 +1,5 @@
 """The magnet with its irons and bar against five-point differences on a square grid, and against virtual work."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

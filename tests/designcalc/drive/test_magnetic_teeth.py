@@ -1,7 +1,5 @@
 """The tooth field against the flat limit, Carter's conformal map, and finite differences."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from itertools import pairwise

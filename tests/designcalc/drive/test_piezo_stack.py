@@ -1,7 +1,5 @@
 """Stacks: inertia by differentiating the motion, bending by a beam solved numerically, side load and play."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp

@@ -1,7 +1,5 @@
 """Ellipse of the tip by direct geometry of the rigid body; frequencies for the thesis's speed."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

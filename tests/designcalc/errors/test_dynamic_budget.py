@@ -1,7 +1,5 @@
 """Spectra through a loop against the stationary covariance of the same loop in state space, and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov

@@ -1,7 +1,5 @@
 """Optimisation of designs: nearest design, conflicts, relaxations."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

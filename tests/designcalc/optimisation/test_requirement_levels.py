@@ -1,7 +1,5 @@
 """Levels of Table 1 that can be met."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

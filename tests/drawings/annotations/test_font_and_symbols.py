@@ -1,7 +1,5 @@
 """Widths and outlines of the font against ezdxf's measurement; texts with symbols."""
 
-from __future__ import annotations
-
 import re
 from typing import get_args
 

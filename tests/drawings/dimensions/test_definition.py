@@ -1,7 +1,5 @@
 """Completeness of definition: complete on the parts of the thesis, and every dimension that is left out is missed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

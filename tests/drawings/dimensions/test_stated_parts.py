@@ -1,7 +1,5 @@
 """The check of definition holds for parts of a user's own: what a sheet leaves open is a hit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What is printed: decimals as the class has them, or the tolerance spelled out; callouts that tell a whole hole."""
 
-from __future__ import annotations
-
 import pytest
 
 from drawings.dimensions.text import callout, dimension_text, number

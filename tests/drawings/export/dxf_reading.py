@@ -3,8 +3,6 @@
 Model space is seen through the viewports of the paper space; a dimension is seen as its block.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

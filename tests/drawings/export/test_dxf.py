@@ -1,7 +1,5 @@
 """The DXF document of a sheet: sound, measurable, each primitive as its entity, the same bytes twice."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The DXF file shows lines and texts of the sheet where lint judges them; its dimensions measure their numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import zip_longest

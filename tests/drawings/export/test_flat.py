@@ -1,7 +1,5 @@
 """The flat file shows in model space what the sheet shows on its paper."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial import KDTree
 

@@ -1,7 +1,5 @@
 """Ambiguous leaders planted on a sheet that is clean without them are found."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

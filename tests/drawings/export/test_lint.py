@@ -1,7 +1,5 @@
 """The lint finds what is planted on a sheet that is clean without it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """SVG, PDF and PNG of a sheet: each primitive in each format, against ezdxf's rendering of the DXF, the same twice."""
 
-from __future__ import annotations
-
 import math
 import re
 import xml.etree.ElementTree as ET

@@ -1,7 +1,5 @@
 """Hatches of the parts in a section: neighbours differ."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 from drawings.pictures.machine import HATCHES, different_hatches

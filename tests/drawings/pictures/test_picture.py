@@ -1,7 +1,5 @@
 """Pictures of assemblies: pieces hide one another, and the faces left out beforehand are invisible ones."""
 
-from __future__ import annotations
-
 import cadquery as cq
 import numpy as np
 import pytest

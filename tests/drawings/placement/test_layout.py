@@ -1,7 +1,5 @@
 """Placement of annotations and views, on blocks with known good positions."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Leaders find unambiguous places: clear of dimension lines, of each other, on the feature that they name."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -2,8 +2,6 @@
 
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

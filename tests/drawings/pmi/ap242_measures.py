@@ -1,7 +1,5 @@
 """What a dimension that was read back from a STEP file measures on the faces it is attached to."""
 
-from __future__ import annotations
-
 import math
 
 import cadquery as cq

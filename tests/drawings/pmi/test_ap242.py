@@ -1,7 +1,5 @@
 """The STEP AP242 file of every made part, read back: all that its declarations say, of the right faces."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

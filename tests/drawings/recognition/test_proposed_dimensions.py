@@ -3,8 +3,6 @@
 The mutations protect what no other test does: that the check of definition notices each dimension that is missing.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

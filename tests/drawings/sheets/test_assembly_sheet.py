@@ -1,7 +1,5 @@
 """The assembly's sheet: a balloon for each row of the parts list, on what it names, and none over another."""
 
-from __future__ import annotations
-
 import math
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Frame, title block and free area of a sheet; how scales are written."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

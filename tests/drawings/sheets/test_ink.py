@@ -1,7 +1,5 @@
 """Everything that a view contains is ink on the sheet, and each hatch lies in a closed outline."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Manual changes of sheets: applied, kept when parameters change, reported when they no longer apply."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The procedure's sheet: every word of every step on it, within its cell, on paper that holds it."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 

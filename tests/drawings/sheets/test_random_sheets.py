@@ -1,7 +1,5 @@
 """Sheets of random valid designs are complete, true, and free of hits; their solids are valid and fully defined."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 from pathlib import Path

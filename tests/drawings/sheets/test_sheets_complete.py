@@ -1,7 +1,5 @@
 """Each sheet says everything that is declared, once, and says it truly."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

@@ -1,7 +1,5 @@
 """Centre lines and centre marks: on round features and nowhere else."""
 
-from __future__ import annotations
-
 import cadquery as cq
 import pytest
 

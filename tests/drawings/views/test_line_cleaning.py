@@ -1,7 +1,5 @@
 """Coincident curves: pieces joined, no hidden line under a visible one, independent of the order of the input."""
 
-from __future__ import annotations
-
 import math
 import random
 

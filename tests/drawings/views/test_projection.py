@@ -1,7 +1,5 @@
 """Hidden lines against rays: what is drawn as seen is seen, and what is drawn as hidden is not."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """Sections and details: what is cut, how it is hatched, what a circle keeps."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

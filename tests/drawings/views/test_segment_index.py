@@ -1,7 +1,5 @@
 """Counts of lines in a box, crossed, and parallel, against the same geometry in complex numbers, line by line."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from drawings.views.segment_index import Line, SegmentIndex, line_meets_box

@@ -1,7 +1,5 @@
 """Thin lines of threads by ISO 6410-1: three quarters of a circle from the end, two lines in a section."""
 
-from __future__ import annotations
-
 import pytest
 
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths

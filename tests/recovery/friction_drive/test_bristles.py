@@ -1,7 +1,5 @@
 """The pass with bristles: against the one in closed form, the generator's, and itself in finer steps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """An effect between tip and stage whose fit promised nothing goes on to its lowest valley, and is found there."""
 
-from __future__ import annotations
-
 from benchmarks.generators.driven_stage import write_case
 from sim.effects.catalogue import find
 from sysid.estimation.fit import fit_model, root_mean_huber

@@ -1,7 +1,5 @@
 """The loop on a driven stage, on records it did not make: named, added, the error down."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.generators.driven_stage import HIDDEN, write_case

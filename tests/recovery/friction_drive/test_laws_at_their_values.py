@@ -4,8 +4,6 @@ What goes by the speed must be looked up at the speed of the moment, or a slip o
 times the noise.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A stage that moves in the plane: against the pass along one axis, and on records of a rig in code of its own."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Rows far apart against the swing of a stage on its contact: followed in bounded work, and still where it rests."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A fit held to the measured motion finds its way from where a fit of a stage on its own does not."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.generators.driven_stage import write_case

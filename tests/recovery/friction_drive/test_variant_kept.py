@@ -1,7 +1,5 @@
 """A law that an effect was added with stays in the model where every fit begun anew with another law ends worse."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

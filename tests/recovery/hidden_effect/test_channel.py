@@ -1,7 +1,5 @@
 """The channel that a sensor's effect acts on, where another missing effect hid which it is."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A late drive, a late or bent force sensor, on an axis that also rests: what holds it is the force as it arrives."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

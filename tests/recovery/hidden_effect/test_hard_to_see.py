@@ -1,7 +1,5 @@
 """Effects that leave little where one looks first: at rest, after a rest, at one frequency, within the bristles."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

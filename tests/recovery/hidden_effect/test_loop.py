@@ -1,7 +1,5 @@
 """The loop end to end through the command line, on records it did not make: named, added, the error down to noise."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A mass that nobody gave is read off the records, whichever columns they have."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Names, variants, channels: what `find` takes, and what it says when it cannot."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

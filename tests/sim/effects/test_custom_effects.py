@@ -1,7 +1,5 @@
 """A user's own effect: it works in under 20 lines, and each mistake in it has one clear line."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A delay of part of a row: what it must not do to waves and steps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """No friction model returns energy over a closed cycle of position, speed, load and temperature."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The strength that a rest leaves, along a record: closed forms of its rise and of its fading."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

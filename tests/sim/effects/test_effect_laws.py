@@ -1,7 +1,5 @@
 """Physics every effect has to keep: slopes, passivity, no force without cause, symmetry, limits, steady states."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

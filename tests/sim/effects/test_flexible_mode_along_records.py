@@ -1,7 +1,5 @@
 """The resonance of a record against the closed form of its answer to a step and to a ramp."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

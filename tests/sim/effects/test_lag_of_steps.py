@@ -1,7 +1,5 @@
 """The lag of an input that goes in steps, against the sum of the closed-form answers to each step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Limits and steady states of every law of the library, variants included, from the equations on its page."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

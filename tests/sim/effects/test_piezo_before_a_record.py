@@ -1,7 +1,5 @@
 """A piezo that rested elsewhere before the record answers as the later part of a longer record does."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Effects of drive, structure and memory in a simulation, against closed solutions."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Physics that every effect and variant of the library keeps: units, symmetry, passivity, energy, neutral values."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Limit cycles of stick-slip against closed forms: break-away by Kato's law, size by the dwell, critical speed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

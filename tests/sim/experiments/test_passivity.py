@@ -1,7 +1,5 @@
 """The energy audit against closed expressions and reference numbers, and the numbers printed in the documentation."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The thesis's friction experiments against printed reference numbers and against another integrator."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from decimal import Decimal

@@ -1,7 +1,5 @@
 """Exported models give the program's forces on motions not seen before, in each language that runs here."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Compression of a recorded drive: impulse, motion, and the drives that must stay as they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

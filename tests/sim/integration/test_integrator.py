@@ -1,7 +1,5 @@
 """The integrator against closed solutions: order, tolerance, corners, jumps, failures; and the cache of kernels."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import sys

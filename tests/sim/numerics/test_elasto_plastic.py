@@ -1,7 +1,5 @@
 """Parallel elasto-plastic elements: virgin curve, Masing's rule, inverse, mean force, and the smooth law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -5,8 +5,6 @@ are Hertz's; friction of the pads is one elasto-plastic spring each, that of the
 Semi-implicit Euler in steps of 0.1 us. It shares no code with the simulator.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """A stage for the tests, close to the packaged design, every number by hand."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The stage with a bending plate and swaying stacks: statics, modes, an independent planar model, energy, checks."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

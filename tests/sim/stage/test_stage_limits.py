@@ -1,7 +1,5 @@
 """The driven stage against limits that are known without it: closed forms, statics, another integrator."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Stacks, presliding curves, sensors and loops of the driven stage, each by itself."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

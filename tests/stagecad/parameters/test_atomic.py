@@ -1,7 +1,5 @@
 """Atomic writing: links, permissions, failures, and the order in which data and names reach the disk."""
 
-from __future__ import annotations
-
 import errno
 import os
 from pathlib import Path

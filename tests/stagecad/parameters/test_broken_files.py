@@ -1,7 +1,5 @@
 """Parameter files with one mistake each, and the line that tells the user what it is."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

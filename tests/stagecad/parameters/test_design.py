@@ -1,7 +1,5 @@
 """The design: what the packaged file holds, how overrides, partial files and computed values work."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Datums and dimension declarations refuse what no drawing could show."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

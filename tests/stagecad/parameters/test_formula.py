@@ -1,7 +1,5 @@
 """Formulas in a parameter file: values, units, circles, what is refused, and what follows from a changed value."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

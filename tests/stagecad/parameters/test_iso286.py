@@ -1,7 +1,5 @@
 """Limit deviations of ISO 286-2, and their use as tolerance classes in a parameter file."""
 
-from __future__ import annotations
-
 import pytest
 
 from stagecad.parameters.errors import InputError

@@ -1,7 +1,5 @@
 """The table [machine] of a parameter file."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

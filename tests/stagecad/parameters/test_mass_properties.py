@@ -1,7 +1,5 @@
 """Mass properties: textbook bodies, and bodies put together from pieces."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Hardware tables of a project: what their rows give to a design, and what is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

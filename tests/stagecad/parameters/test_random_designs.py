@@ -1,7 +1,5 @@
 """Random overrides: every one is read into a design that can be built, or refused in one line."""
 
-from __future__ import annotations
-
 import math
 
 from hypothesis import given, settings

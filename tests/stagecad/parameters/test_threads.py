@@ -1,7 +1,5 @@
 """Threads of the table: sizes that the standards print, and a tap drill that leaves a thread."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

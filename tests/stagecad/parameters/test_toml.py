@@ -1,7 +1,5 @@
 """TOML of hostile shape, and messages with hostile content, are one line of bounded length."""
 
-from __future__ import annotations
-
 import pytest
 
 from stagecad.parameters.errors import LONGEST, InputError

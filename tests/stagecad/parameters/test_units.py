@@ -1,7 +1,5 @@
 """Quantities: what is read, what is refused, and that writing and reading agree."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

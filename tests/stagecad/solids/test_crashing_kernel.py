@@ -1,7 +1,5 @@
 """A crash of the CAD kernel ends the process that builds the part or the assembly, and the command in one line."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

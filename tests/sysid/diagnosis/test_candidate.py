@@ -1,7 +1,5 @@
 """Candidates: gain over the reference, one variant of each effect, and the count of parameters."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Contradictions in the records are reported in one line each; consistent records give no line."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,9 +1,7 @@
 """Verdict on synthetic candidates: each of its results, and the uncertainty of the noise level."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
-from typing import cast
+from typing import Self, cast
 
 import numpy as np
 import pytest
@@ -56,7 +54,7 @@ class Case:
     curves: list[Candidate] = field(default_factory=list)
 
     @property
-    def reference(self) -> Case:
+    def reference(self) -> Self:
         return self
 
     @property
@@ -69,7 +67,7 @@ class Case:
         gain = self.held_out.gain_of(after)
         return Candidate(cast(Problem, None), effects, _fitted(effects, count), after, gain, 1.0)
 
-    def effect(self, name: str, residual: np.ndarray, count: int = 1) -> Case:
+    def effect(self, name: str, residual: np.ndarray, count: int = 1) -> Self:
         """The case with one more effect."""
         self.ranked.append(self.candidate(residual, find(name), count=count))
         self.ranked.sort(key=lambda c: c.held_out.loss)

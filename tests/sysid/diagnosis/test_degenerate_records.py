@@ -1,7 +1,5 @@
 """Degenerate records: without motion, of a few rows, with gaps in time, of different rates or units."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

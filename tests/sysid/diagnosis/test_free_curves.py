@@ -1,7 +1,5 @@
 """Free curves: the shape of an unknown law is reproduced; knots, priors, and the rigs that have such curves."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

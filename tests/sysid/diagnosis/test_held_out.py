@@ -1,7 +1,5 @@
 """Held-out loss and gain: size on white and on autocorrelated noise, refit of amplitudes, invariance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

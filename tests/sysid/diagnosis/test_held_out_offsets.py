@@ -1,7 +1,5 @@
 """Held-out records of an actuator tip may have another offset than those of the fit; another gain is a misfit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ledger: states by the evidence, several effects found at once, copies of a periodic effect, what is no candidate."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

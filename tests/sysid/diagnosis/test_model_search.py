@@ -1,7 +1,5 @@
 """Search over models: pairs, effects on top of another one, shapes searched again, variants."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

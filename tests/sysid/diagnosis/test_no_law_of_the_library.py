@@ -1,7 +1,5 @@
 """A misfit that one law of the library explains in part only: the law is named, then the rest stays unexplained."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

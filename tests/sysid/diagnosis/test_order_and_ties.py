@@ -1,7 +1,5 @@
 """Order in which effects of a sensor are applied, and equivalent effects."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

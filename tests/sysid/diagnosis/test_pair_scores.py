@@ -1,7 +1,5 @@
 """Joint score of two effects: agreement with least squares on all their columns, and pairs that are no explanation."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from pathlib import Path
 

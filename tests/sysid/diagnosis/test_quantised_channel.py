@@ -1,7 +1,5 @@
 """Quantisation is read off the values where its step exceeds the noise that was stated, and nowhere else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

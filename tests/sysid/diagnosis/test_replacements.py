@@ -1,7 +1,5 @@
 """Effects added earlier that are not needed, or that another effect replaces."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

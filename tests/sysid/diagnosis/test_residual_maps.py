@@ -1,7 +1,5 @@
 """Residual maps: the generating coordinate comes first, and noise depends on no coordinate."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Structural mode above the filter band of the balance: detection, estimation, and no false detection."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

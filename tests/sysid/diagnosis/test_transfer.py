@@ -1,7 +1,5 @@
 """Transfer of an effect: amplitude, significance on white and on correlated noise, effective number of blocks."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter

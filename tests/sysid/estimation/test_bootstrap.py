@@ -1,7 +1,5 @@
 """Wild bootstrap: known covariances, and a value at its bound."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

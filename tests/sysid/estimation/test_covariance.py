@@ -1,7 +1,5 @@
 """Intervals of fitted values: textbook covariances, and coverage of a known true value."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Identifiability report: correlations, inactive values, bounds and combinations."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

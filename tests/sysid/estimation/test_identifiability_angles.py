@@ -1,7 +1,5 @@
 """Principal angles between effects: known geometry, and equivalent, similar and different effects on a record."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

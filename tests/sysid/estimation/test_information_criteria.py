@@ -1,7 +1,5 @@
 """Information criteria against the log-likelihood of a linear regression, written out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

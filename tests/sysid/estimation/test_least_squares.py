@@ -1,7 +1,5 @@
 """Bounded robust least squares: certified regressions, bounds, zero columns, outliers, priors and Jacobian updates."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Misfit: loss, scored samples, weights and blocks of time."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

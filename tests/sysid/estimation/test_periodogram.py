@@ -1,7 +1,5 @@
 """Pitches of a periodic effect, from a few to hundreds within the range of the position."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fit of the stated model: selection of the free Maxwell-slip variant of presliding."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Correlations against definitions written as sums, and against series whose correlation is known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter

@@ -1,7 +1,5 @@
 """Score test and screening of candidate effects: projection algebra, grid points and starts of refits."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Systematic errors of filtering and channel skew: they widen the intervals of the values that depend on them only."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

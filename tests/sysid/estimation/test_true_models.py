@@ -5,8 +5,6 @@ with laws of its own (1 kg; 2 N, 0.6 N more at rest, 3 mm/s, 1e5 N/m, 300 N s/m,
 of 50 nm, forces in 0.1 mN with a noise of 5 mN. The other records are made here.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Replacement of an effect by another variant: search of its shape, selection, bounds and stated starts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """MAT and Parquet files that crash their reader, or take more memory than they should, end in one line."""
 
-from __future__ import annotations
-
 import os
 import resource
 import sys

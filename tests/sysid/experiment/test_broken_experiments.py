@@ -1,7 +1,5 @@
 """Each way a file can be wrong gives one line: file, key or row, what is wrong, what would be right."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Columns of channels: `[channels]` for all records, units of instruments, scales, sums, windows, repeated times."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

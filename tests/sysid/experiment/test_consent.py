@@ -1,7 +1,5 @@
 """Python files of an experiment run after a consent for their content, and only from its folder."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from pathlib import Path

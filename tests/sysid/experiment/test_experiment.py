@@ -1,7 +1,5 @@
 """What an experiment file says, as the program understands it."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The lock between processes: beside what it protects, never through a link, never over another file."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The ladder: rungs and experiment file in step, whatever happens between two writes."""
 
-from __future__ import annotations
-
 import json
 import multiprocessing
 import subprocess

@@ -4,8 +4,6 @@ The data are not part of the project; where they lie beside it they are converte
 its publication (names, units, matrix or columns without a header), and read by the settings of an experiment.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Records as arrays: formats, units, signs, windows, gaps, rates, and what is held out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Times of rows: stamps rounded in printing, missing rows, and stamps that are uneven."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Minimum detectable effect size: closed form, and agreement with a diagnosis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """T-optimal design: discrimination distance of equivalent, linear and different models, and motions within limits."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Level and autocorrelation of noise from differences at several lags, against noise generated here."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The noise floor against noise whose size is known, and against two real rigs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

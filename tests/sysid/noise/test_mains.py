@@ -1,7 +1,5 @@
 """Hum of the mains: found and taken out where it is, and nothing else is taken for it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The regression on the recorded motion: what it explains, and the noise that it removes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 Pads: rigid, they take away what speed they can. Contact: spring and dashpot that yield, or do not. Stacks: Bouc-Wen.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

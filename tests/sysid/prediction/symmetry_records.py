@@ -1,7 +1,5 @@
 """Small records of every rig kind, and their transformations that change nothing in the physics."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The scale of a channel as a parameter of the fit: found where a known mass determines it, as stated otherwise."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

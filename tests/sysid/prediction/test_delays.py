@@ -1,7 +1,5 @@
 """Delays between a logged force and a logged motion: no delay lowers the error of a force unrelated to the motion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

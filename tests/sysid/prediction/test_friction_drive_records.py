@@ -1,7 +1,5 @@
 """Friction-drive experiments: records of a rig in code of its own, with something hidden in it."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

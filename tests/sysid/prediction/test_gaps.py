@@ -1,7 +1,5 @@
 """Rows that are missing: what bridges them must not shake what remembers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A record that begins at rest begins with the stretch that its force shows."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

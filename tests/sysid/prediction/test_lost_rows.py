@@ -1,7 +1,5 @@
 """Rows that a log lost: a few here and there cost nothing but themselves, a long hole costs what leans on it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

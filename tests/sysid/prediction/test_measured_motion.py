@@ -1,7 +1,5 @@
 """Motion from a noisy position: width of the filter, direction, free motions, and contradicting columns."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A mass that bristles bring to rest: the friction that is followed in parts of a step, against a far finer one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

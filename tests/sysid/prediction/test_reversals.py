@@ -1,7 +1,5 @@
 """Turns and stops of a block under Coulomb friction, timed from its noisy position, against an event-exact solution."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rows at the start of a record whose state is unknown are left out for every model; records mostly at rest."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

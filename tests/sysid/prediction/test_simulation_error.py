@@ -1,7 +1,5 @@
 """Errors of simulation: of a true model, of a wrong one, and where nothing can be simulated."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

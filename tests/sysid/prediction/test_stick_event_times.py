@@ -1,7 +1,5 @@
 """Stops and departures of a sliding mass against a motion known in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Displacements of a body that friction holds, against the law run the other way and against slow slip."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Where only the spring's force is logged, the position it tells shows how the body gives way at rest."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -4,8 +4,6 @@ A mirrored axis, another origin of position or time, another unit and a record o
 multiplied, parameters with them) leave the physics unchanged. Every effect that a rig can show is tested on it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache

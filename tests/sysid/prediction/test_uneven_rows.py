@@ -1,7 +1,5 @@
 """Rows at uneven times: beside a reversal, interpolated forces are mixtures of both directions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,5 @@
 """The filter of the force balance: exact on polynomials, and its noise as computed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The trimmed root mean square: the standard deviation of normal noise, whatever a few samples are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -1,7 +1,5 @@
 """The documentation: pages in the contents, links that lead somewhere, reference pages of all names and commands."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Figures of the checks: what they write stands inside the picture, and clear of the other panels."""
 
-from __future__ import annotations
-
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 

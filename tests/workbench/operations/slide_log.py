@@ -1,7 +1,5 @@
 """The log of a slide with a Stribeck curve, written without the library."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Who waits at a terminal while the CAD kernel works is told that Ctrl-C waits too; damaged results are made again."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from types import SimpleNamespace

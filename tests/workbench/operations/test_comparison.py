@@ -1,7 +1,5 @@
 """Two designs compared."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

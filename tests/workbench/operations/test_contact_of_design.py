@@ -1,7 +1,5 @@
 """The contact stiffness of the design as a known quantity of an experiment."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Designs from texts, and what differs between two of them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

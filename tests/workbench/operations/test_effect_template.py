@@ -1,7 +1,5 @@
 """`stagecad effects --write`: the file to start from is an effect as it stands."""
 
-from __future__ import annotations
-
 import json
 from types import SimpleNamespace
 from typing import Any

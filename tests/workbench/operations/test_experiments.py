@@ -1,7 +1,5 @@
 """Experiments from data in memory: the same as from files, and one-line errors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,5 @@
 """`import stagecad`: quick, with every public name, typed by its stub."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

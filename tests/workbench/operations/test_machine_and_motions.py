@@ -1,7 +1,5 @@
 """Drawings, suggested motions and simulations from Python."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Simulations of drawn machines, against what the spread must be, and the same wherever they are worked out."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

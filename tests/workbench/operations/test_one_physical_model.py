@@ -1,7 +1,5 @@
 """Checks, simulation of the stage, experiments and procedure read one physical model of the design."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The nearest design from Python, and what is refused."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

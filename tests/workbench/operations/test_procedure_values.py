@@ -1,7 +1,5 @@
 """The calculated values of the assembly procedure in the store of artefacts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

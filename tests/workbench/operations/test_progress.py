@@ -1,7 +1,5 @@
 """The bar of a search counts every step, runs on without an end afterwards, and its clock never restarts."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A design that the CAD kernel refuses ends with one line that names the parameters."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

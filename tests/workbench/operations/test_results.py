@@ -1,7 +1,5 @@
 """Results of a design go to other processes: they pickle, and give the same document there."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A kind of rig of the user's own as an object: as its declaration file says, in memory, saved, and on the ladder."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

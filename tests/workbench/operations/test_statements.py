@@ -1,7 +1,5 @@
 """Statements of a diagnosis: shares of the rivals, and what to do next."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast

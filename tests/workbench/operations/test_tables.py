@@ -1,7 +1,5 @@
 """Tables of an identification: the same cells in the terminal and in the report."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

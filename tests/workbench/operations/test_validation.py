@@ -1,7 +1,5 @@
 """Correlation, information criteria and k-step prediction as results."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Compare, diagnose, add, ladder and suggest from Python: the same documents as the commands, and tables of them."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import re

@@ -1,7 +1,5 @@
 """Fitted values written back to the parameter file, and what the design says of a value as a prior of its fit."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

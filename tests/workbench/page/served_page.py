@@ -1,7 +1,5 @@
 """A server of the page as its user starts it, and a Chromium that looks at it."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

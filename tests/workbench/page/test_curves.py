@@ -1,7 +1,5 @@
 """Curves for the page: no spike is lost by decimation, gaps stay, a window has its own resolution."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The documents of the page are those of the commands and of the Python interface, for the same input."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

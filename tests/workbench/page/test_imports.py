@@ -1,7 +1,5 @@
 """The page is made of the Python interface: no route, and no job, calls a layer below the operations."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page in a headless Chromium: what a user sees and does. One server and one browser serve all stories."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterator

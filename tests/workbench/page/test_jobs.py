@@ -1,7 +1,5 @@
 """Jobs in processes of their own: result, fault of the input, failure, death of the process, cancel, a new start."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path

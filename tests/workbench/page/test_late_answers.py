@@ -1,7 +1,5 @@
 """Answers that come late do not replace those of newer requests: each is held until the newer one is shown."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Checks while a parameter is dragged are those of a full run, whatever the order of the changes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

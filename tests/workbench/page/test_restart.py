@@ -1,7 +1,5 @@
 """A server that is killed while a job runs, and started again: the page recovers, and nothing saved is lost."""
 
-from __future__ import annotations
-
 import re
 import sys
 import time

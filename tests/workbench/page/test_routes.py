@@ -1,7 +1,5 @@
 """The JSON of the page, over the routes that it uses."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from typing import Any

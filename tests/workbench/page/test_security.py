@@ -1,7 +1,5 @@
 """What reaches the routes: hosts, origins, tokens, sizes; and what the page may touch."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

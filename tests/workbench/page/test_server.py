@@ -1,7 +1,5 @@
 """The server of the page, as it starts."""
 
-from __future__ import annotations
-
 import re
 import socket
 from pathlib import Path

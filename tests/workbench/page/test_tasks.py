@@ -1,7 +1,5 @@
 """Jobs of the page as functions: a prediction with other values, and an optimisation."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Any

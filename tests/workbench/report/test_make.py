@@ -1,7 +1,5 @@
 """`stagecad make` makes again what a change affects, and nothing else; the files are those of an empty cache."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

@@ -1,7 +1,5 @@
 """The report of the loop: figures that lose no spike, sections that belong together, a page that stands by itself."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from html.parser import HTMLParser

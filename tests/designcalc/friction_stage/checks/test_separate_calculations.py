@@ -3,8 +3,6 @@
 Loads of 33.2 N are those with a dead weight of 3 N in place of the magnets.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

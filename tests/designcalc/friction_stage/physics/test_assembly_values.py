@@ -1,7 +1,5 @@
 """The calculated numbers of the assembly procedure, against formulas written out here and against the checks."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

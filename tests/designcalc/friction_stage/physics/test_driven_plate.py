@@ -1,7 +1,5 @@
 """The stage shaken by the tip's pulses, against the whole finite-element plate, and sampled pulses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve

@@ -1,7 +1,5 @@
 """The stage on pads and tip by its modes, against the whole finite-element plate and a rigid body on springs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve

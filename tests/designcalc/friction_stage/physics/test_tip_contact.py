@@ -1,7 +1,5 @@
 """Contact stiffness of tip and stage against Hertz and Mindlin written out for one material, and for two."""
 
-from __future__ import annotations
-
 import pytest
 
 from designcalc.checks.check import DesignInputs

@@ -1,7 +1,5 @@
 """Tip on its piezos with the masses of the packaged solids, against numbers worked out separately."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

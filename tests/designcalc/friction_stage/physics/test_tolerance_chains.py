@@ -1,7 +1,5 @@
 """Tolerance chains: worst case by all corners, statistics by random machines, nominal values by the solids' rules."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The assembly procedure: every part once, in an order that can be built, and no number of its own."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import fields, replace
 from functools import cache

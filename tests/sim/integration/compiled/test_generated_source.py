@@ -1,7 +1,5 @@
 """Generated source of the kernels in the cache: what a file there holds is never run."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

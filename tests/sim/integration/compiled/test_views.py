@@ -1,7 +1,5 @@
 """Arguments in memory: what a compiled function reads and writes is what Python's arrays hold."""
 
-from __future__ import annotations
-
 import multiprocessing
 import time
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Midpoint rule with bristles: against a driven oscillator, and against quasi-static motion."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

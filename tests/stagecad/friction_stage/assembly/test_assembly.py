@@ -1,7 +1,5 @@
 """The machine put together: parts meet where their datums say, and the numbers that leave it are right."""
 
-from __future__ import annotations
-
 import io
 import math
 from dataclasses import replace

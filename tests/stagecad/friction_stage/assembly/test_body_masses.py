@@ -1,7 +1,5 @@
 """Masses computed from the moving parts alone equal those of the whole assembly."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stagecad.solids.assembly.built_machine import body_masses

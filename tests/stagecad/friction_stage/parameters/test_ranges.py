@@ -1,7 +1,5 @@
 """Physical ranges: slips of unit or decimals are refused with the reason, and the packaged design is well inside."""
 
-from __future__ import annotations
-
 import math
 import re
 

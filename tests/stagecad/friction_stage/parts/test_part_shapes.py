@@ -1,7 +1,5 @@
 """Each made part against what can be said of it without a geometry kernel: volume, box, holes, and what it must do."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Purchased parts: true outside, valid, closed, and of the volume that closed forms give."""
 
-from __future__ import annotations
-
 import io
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Each rule: an override that breaks it gets its message; the thesis's design passes all."""
 
-from __future__ import annotations
-
 import pytest
 
 from stagecad.parameters.errors import InputError

@@ -1,7 +1,5 @@
 """What holds for every part that is made: one sound solid, its dimensions true and complete, its datums on it."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from functools import cache

@@ -1,7 +1,5 @@
 """Imports found by a pattern, against the syntax tree."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 

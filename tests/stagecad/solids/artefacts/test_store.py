@@ -1,7 +1,5 @@
 """The cache remembers by what was read, forgets nothing it should know, and survives damage and company."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Objects in the store are kept, and computed again where they are damaged."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

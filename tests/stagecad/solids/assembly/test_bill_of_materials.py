@@ -1,7 +1,5 @@
 """The bill of materials, and the files and document of `stagecad parts`."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Nothing runs into anything that is not meant to meet it, at the ends and the middle of travel and height."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

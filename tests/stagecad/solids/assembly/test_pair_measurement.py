@@ -1,7 +1,5 @@
 """Common volume and least distance of two solids in any position."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

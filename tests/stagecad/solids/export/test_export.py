@@ -1,7 +1,5 @@
 """Exported files: the same bytes every time, and the same body to programs that are not ours."""
 
-from __future__ import annotations
-
 import io
 import json
 import struct

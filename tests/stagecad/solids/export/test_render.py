@@ -1,7 +1,5 @@
 """Pictures are drawn without a display, show the part where it is, and hide what is behind."""
 
-from __future__ import annotations
-
 import io
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The order of the colours in a STEP file does not depend on the run that wrote it."""
 
-from __future__ import annotations
-
 import re
 
 from stagecad.solids.export.step_stl_glb import PRESENTATION, ordered_styles

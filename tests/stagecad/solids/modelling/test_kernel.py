@@ -1,7 +1,5 @@
 """The kernel is loaded without the modules of VTK that nothing here calls, and all of VTK can be loaded afterwards."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """MAT 5 and 7.3, HDF5, NPZ, NPY, JSON, TDMS and Parquet give the record that the arrays were."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

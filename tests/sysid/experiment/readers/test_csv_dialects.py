@@ -3,8 +3,6 @@
 Each dialect is read without an option, or with the one setting that the message of the first attempt names.
 """
 
-from __future__ import annotations
-
 import gzip
 import io
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 The table in docs/records.md is made by `python -m tests.sysid.experiment.readers.test_dialect_combinations`.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections import Counter

@@ -1,7 +1,5 @@
 """Small files of public reports that were once refused or read wrong; they stand beside the project."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

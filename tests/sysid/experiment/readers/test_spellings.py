@@ -1,7 +1,5 @@
 """Numbers, times and rows as loggers write them: each is read with its one meaning, or refused with row and reason."""
 
-from __future__ import annotations
-
 import re
 from datetime import datetime, timedelta
 from pathlib import Path

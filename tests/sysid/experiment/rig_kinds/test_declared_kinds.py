@@ -4,8 +4,6 @@ Each record is written from a motion in closed form and the forces that it takes
 declaration.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
