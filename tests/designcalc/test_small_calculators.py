@@ -1,8 +1,6 @@
 """Thermal, sensors, height adjustment, fasteners, suspensions and error budget, each against something of its own."""
 
 import math
-import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +11,9 @@ from designcalc.bearing import fastener
 from designcalc.drive import height_adjustment, suspension
 from designcalc.errors import error_budget, sensors, thermal
 from stagecad.parameters.errors import InputError
+from tests.reference.tables import reference
 
-SENSORS = tomllib.loads((Path(__file__).parents[1] / "reference" / "sensors.toml").read_text())
+SENSORS = reference("sensors")
 
 
 def test_lvdt_and_probe_have_the_thesis_numbers():

@@ -6,30 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.reference.tables import cases
 from workbench import cli
 from workbench.operations.measurement.demonstration import fresh_copy
 
 
 @pytest.mark.parametrize(
     ("line", "message"),
-    [
-        ("effects viscous --params nope.toml", "nope.toml: no such parameter file"),
-        (
-            "ladder rig --set stage.thikness=12mm",
-            "--set: no parameter 'stage.thikness'; did you mean 'stage.thickness'?",
-        ),
-        ("demo --set stage.thickness=12", "--set stage.thickness: '12' has no unit; write it with one, like '12 mm'"),
-        ("simulate tip --mass heavy", "--mass: 'heavy' is not a quantity; write a number and a unit, like '12 mm'"),
-        ("check --scheduler tcp://127.0.0.1:1", "--scheduler: only --sweep and --tolerance have many independent runs"),
-        (
-            "check --no-solids --sweep stage.thikness=10mm:14mm",
-            "--sweep 'stage.thikness=10mm:14mm': no parameter 'stage.thikness'; did you mean 'stage.thickness'?",
-        ),
-        ("calc hertz --loa 20N", "calc hertz: no option '--loa'; did you mean '--load'?"),
-        ("calc hertz --load inf", "hertz: load: must be above 0 N, and finite"),
-        ("compare .", ".: has no experiment.toml; 'stagecad demo' writes one to start from"),
-        ("compare ./experiment.tom", "experiment.tom: no such folder or file"),
-    ],
+    cases("mistaken_options", "mistakes"),
 )
 def test_a_mistake_is_one_line_and_nothing_is_written(tmp_path, monkeypatch, capsys, line, message):
     monkeypatch.chdir(tmp_path)

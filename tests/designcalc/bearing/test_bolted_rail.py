@@ -1,10 +1,8 @@
 """The bolted rail against every number the thesis's spreadsheet prints."""
 
 import math
-import tomllib
 from dataclasses import replace
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +15,9 @@ from designcalc.bearing.bolted_rail import (
     total_stiffness,
 )
 from stagecad.parameters.errors import InputError
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "bolted_rail.toml").read_text())
+REFERENCE = reference("bolted_rail")
 RAIL = Rail(**REFERENCE["rail"])
 
 

@@ -1,8 +1,5 @@
 """Hertz contact against tables, closed forms, a direct Boussinesq integration and the energy of the load."""
 
-import tomllib
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -12,8 +9,9 @@ from scipy.special import elliprd
 
 from designcalc.contact import hertz, hertz_stress
 from stagecad.parameters.errors import InputError
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "hertz.toml").read_text())
+REFERENCE = reference("hertz")
 
 
 @pytest.mark.parametrize("row", REFERENCE["ellipse"]["rows"])

@@ -1,8 +1,6 @@
 """The clamp's flexure model against three-dimensional finite elements, statics and a rigid lever."""
 
-import tomllib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +10,9 @@ from designcalc.checks.run import run_checks
 from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from tests.reference.tables import reference
 
-CASES = tomllib.loads((Path(__file__).parents[2] / "reference" / "clamp.toml").read_text())["case"]
+CASES = reference("clamp")["case"]
 SHORT = tuple(CASES[0]["overrides"])
 
 

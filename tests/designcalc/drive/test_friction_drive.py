@@ -1,8 +1,5 @@
 """Friction drive: the thesis's numbers, statics by linear programming."""
 
-import tomllib
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,8 +8,9 @@ from scipy.optimize import linprog
 
 from designcalc.drive import friction_drive as drive
 from stagecad.parameters.errors import InputError
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "friction_drive.toml").read_text())
+REFERENCE = reference("friction_drive")
 
 
 @pytest.mark.parametrize("mass, frequency", REFERENCE["resonance"]["rows"])

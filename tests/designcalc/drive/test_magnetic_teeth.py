@@ -1,9 +1,7 @@
 """The tooth field against the flat limit, Carter's conformal map, and finite differences."""
 
 import math
-import tomllib
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,8 +16,9 @@ from designcalc.drive.magnetic_teeth import (
     teeth_field,
 )
 from stagecad.parameters.errors import InputError
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "teeth.toml").read_text())
+REFERENCE = reference("teeth")
 
 
 @pytest.mark.parametrize("width, gap", REFERENCE["carter"]["rows"])

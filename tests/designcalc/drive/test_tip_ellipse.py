@@ -1,14 +1,12 @@
 """Ellipse of the tip by direct geometry of the rigid body; frequencies for the thesis's speed."""
 
-import tomllib
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from designcalc.drive.tip_ellipse import frequency_for, speed_of, tip_ellipse
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "friction_drive.toml").read_text())
+REFERENCE = reference("friction_drive")
 
 
 def test_ellipse_is_that_of_the_rigid_tip():

@@ -1,7 +1,6 @@
 """The energy audit against closed expressions and reference numbers, and the numbers printed in the documentation."""
 
 import math
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +12,10 @@ from sim.experiments.hysteresis import hysteresis
 from sim.experiments.passivity import MOTIONS, SPEED, START_FREQUENCY, TIP_FREQUENCY, audit, passive_below
 from sim.experiments.presliding import presliding
 from sim.experiments.stick_slip import stick_slip
+from tests.reference.tables import reference
 
 ROOT = Path(__file__).parents[3]
-REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "thesis_friction.toml").read_text())["causal"]
+REFERENCE = reference("thesis_friction")["causal"]
 FRICTION = Friction()
 MICRO = {"um": 1e-6, "uJ": 1e-6}
 

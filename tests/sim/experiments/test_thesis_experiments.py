@@ -1,9 +1,7 @@
 """The thesis's friction experiments against printed reference numbers and against another integrator."""
 
 import math
-import tomllib
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +12,9 @@ from sim.experiments.friction_models import MODELS, Friction
 from sim.experiments.hysteresis import CASES, hysteresis
 from sim.experiments.presliding import presliding
 from sim.experiments.stick_slip import stick_slip
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "thesis_friction.toml").read_text())
+REFERENCE = reference("thesis_friction")
 FRICTION = Friction()
 A0, A2, FC, FS, VS = (REFERENCE["parameters"][key] for key in ("a0", "a2", "Fc", "Fs", "vs"))
 
@@ -27,21 +26,21 @@ def agrees(value: float, reference: dict) -> bool:
 
 def test_presliding_agrees_with_the_reference():
     result = presliding(FRICTION, "lugre")
-    for feature, reference in REFERENCE["presliding"]["lugre"].items():
-        assert agrees(getattr(result, feature), reference), (feature, getattr(result, feature))
+    for feature, expected in REFERENCE["presliding"]["lugre"].items():
+        assert agrees(getattr(result, feature), expected), (feature, getattr(result, feature))
 
 
 @pytest.mark.parametrize("case", REFERENCE["hysteresis"]["lugre"])
 def test_hysteresis_agrees_with_the_reference(case):
     result = hysteresis(FRICTION, "lugre", case)
-    for feature, reference in REFERENCE["hysteresis"]["lugre"][case].items():
-        assert agrees(getattr(result, feature), reference), (feature, getattr(result, feature))
+    for feature, expected in REFERENCE["hysteresis"]["lugre"][case].items():
+        assert agrees(getattr(result, feature), expected), (feature, getattr(result, feature))
 
 
 def test_stick_slip_agrees_with_the_reference():
     features = stick_slip(FRICTION, "lugre").features()
-    for feature, reference in REFERENCE["stick-slip"]["lugre"].items():
-        assert agrees(features[feature][0], reference), (feature, features[feature])
+    for feature, expected in REFERENCE["stick-slip"]["lugre"].items():
+        assert agrees(features[feature][0], expected), (feature, features[feature])
 
 
 def test_width_is_absent_where_one_millimetre_a_second_is_not_crossed():

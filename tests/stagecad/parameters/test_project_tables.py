@@ -7,6 +7,7 @@ import pytest
 from stagecad.friction_stage.parameters.ranges import kinds
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
+from tests.reference.tables import cases
 from workbench.operations.templates import table_text
 
 PIEZOS = """name,part_number,description,material,diameter [mm],length [mm],end_radius [mm],stroke [um],\
@@ -85,22 +86,7 @@ def test_materials_and_threads_of_a_table_are_used_without_a_row(tmp_path: Path)
 
 @pytest.mark.parametrize(
     "old, new, message",
-    [
-        (",10,36,20,38,", ",10 kg,36,20,38,", "piezos.csv: row 3, column diameter: '10 kg' has the wrong dimension"),
-        ("stroke [um]", "strok [um]", "piezos.csv: row 1: no column 'strok'; did you mean 'stroke'?"),
-        ("stroke [um]", "stroke [kg]", "row 1: column 'stroke [kg]': '1 kg' has the wrong dimension; wanted 'm'"),
-        ("stroke [um]", "length [um]", "row 1: the column 'length' is there twice"),
-        (",stroke [um]", "", "row 1: the column 'stroke [m]' is missing; add it"),
-        (",950,", ",,", "row 3, column blocking_force: is empty; give 'long stroke' a value"),
-        (",950,", ",=2*3 N,", "formulas are for the parameter file"),
-        (",950,", ",-950,", "row 3, column blocking_force: '-950 N' must be positive"),
-        (",950,", ",0,950,", "row 3: 15 cells, but there are 14 columns"),
-        ("long stroke,P-1", "short stroke,P-1", "row 4: 'short stroke' is in row 3 already"),
-        ("long stroke,P-1", "|,P-1", "row 3, column name: '|': write a line of text without '|'"),
-        ("long,pzt", "long,pzzt", "row 3, column material: no material"),
-        (",", ";", "row 1: no column"),
-        ("long stroke,P-1", "longer stroke,P-1", "no such row in piezos.csv; did you mean 'longer stroke'?"),
-    ],
+    cases("hardware_tables", "rows"),
 )
 def test_a_mistake_in_a_table_is_one_line_with_row_and_column(project: Path, old: str, new: str, message: str) -> None:
     text = PIEZOS.replace('"stack, long"', "long")
@@ -123,14 +109,7 @@ def test_tables_are_read_from_the_project_folder_alone(project: Path, tmp_path_f
 
 @pytest.mark.parametrize(
     "text, message",
-    [
-        ('[hardware]\nscrews_ = "s.csv"\n', "no such kind of table; did you mean 'screws'?"),
-        ('[hardware]\nscrews = "s.csv"\n', "no such file in the folder of the parameter file"),
-        ("[hardware]\nscrews = 3\n", "write the name of a CSV file"),
-        ("hardware = 3\n", "write a table [hardware]"),
-        ('[screws.way]\nrow = "x"\n', "there is no table of screws"),
-        ('[screws.way]\nthread = "M10x1.5"\n', "does not go into its hole in the base, which is tapped 3/8-16 UNC"),
-    ],
+    cases("hardware_tables", "files"),
 )
 def test_a_mistake_in_the_parameter_file_names_what_is_allowed(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "s.toml").write_text(f'extends = "thesis"\n{text}', "utf-8")

@@ -1,16 +1,15 @@
 """Bounded robust least squares: certified regressions, bounds, zero columns, outliers, priors and Jacobian updates."""
 
-import tomllib
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sysid.estimation.least_squares import least_squares, robust_scale
 from sysid.experiment.questions import Prior, Unknown
+from tests.reference.tables import reference
 
-REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "nonlinear_regression.toml").read_text("utf-8"))
+REFERENCE = reference("nonlinear_regression")
 
 
 @pytest.mark.parametrize("start", ["start_1", "start_2"])

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,9 +20,10 @@ from designcalc.friction_stage.subjects import SUBJECTS
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from tests.reference.tables import reference
 from workbench.operations.result import finite
 
-CASES = tomllib.loads((Path(__file__).parents[3] / "reference" / "contradictions.toml").read_text())["check"]
+CASES = reference("contradictions")["check"]
 BODY = MassProperties(8e-4, 2.1, (0.0, 0.0, 0.033), np.eye(3) * 0.01, ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0.0, 0.0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0.0), (0.03, 0.03, 0.02)))
 MASSES = BodyMasses(BODY, TIP)
