@@ -54,7 +54,6 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.parameters.threads import major_diameters
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 EXACT = 1e-6
@@ -355,7 +354,7 @@ class _Builder:
             return CalloutSpec(view.name, *rim, lines, tuple(d.name for d in group))
         holes = [d for d in group if d.kind in ("diameter", "tap_drill")]
         round_ends = holes and holes[0].direction and self._is_circle(view, holes[0])
-        radius = max(major_diameters().get(d.note, d.value) for d in holes) / 2 if round_ends else 0.0
+        radius = max(d.major or d.value for d in holes) / 2 if round_ends else 0.0
         # A hole seen from the side is touched at its wall.
         on = head.points[-1] if holes and not round_ends else head.points[0]
         at = view.projection.to_view(on)

@@ -27,7 +27,6 @@ from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, Point2, View, dot
 from stagecad.parameters.dimension import DatumFeature, Dimension, FaceRequirement, GeometricTolerance, Point
-from stagecad.parameters.threads import major_diameters
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
@@ -65,9 +64,8 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
             x, y, z = (o + step * a for o, a in zip(surface.origin, axis, strict=True))
             into = (sign * axis[0], sign * axis[1], sign * axis[2])
             length = min(depth or math.inf, high - low)
-            major = major_diameters()[drill.note]
-            rim = _rim((x, y, z), into, major, verifier)
-            found.append(ThreadedHole((x, y, z), into, length, drill.value, major, depth is not None, rim))
+            rim = _rim((x, y, z), into, drill.major, verifier)
+            found.append(ThreadedHole((x, y, z), into, length, drill.value, drill.major, depth is not None, rim))
     return tuple(found)
 
 

@@ -19,6 +19,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.machine import Machine
 from stagecad.parameters.schema import nearest_key
+from stagecad.parameters.threads import Thread, thread
 from stagecad.parameters.units import to_si
 
 
@@ -93,6 +94,10 @@ class Design:
     def has(self, key: str) -> bool:
         """Whether there is such a key."""
         return key in self._by_key
+
+    def thread(self, name: str) -> Thread:
+        """A screw thread by its name, of the project's table or the packaged one."""
+        return thread(name, self.machine.threads)
 
     def value(self, key: str) -> Any:
         """Value of a key in the unit of its attribute: mm or degrees for geometry, SI otherwise."""

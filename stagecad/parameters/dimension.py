@@ -93,6 +93,7 @@ class Dimension:
         table: view whose hole table gives it, in place of a dimension of its own; empty for none.
         exact: whether it is theoretically exact (ISO 1101), in a frame and without a tolerance: a tolerance of position
             or of angularity applies at it.
+        major: major diameter of the thread of a tapped hole, mm; else 0.
     """
 
     name: str
@@ -112,6 +113,7 @@ class Dimension:
     reference: bool = False
     table: str = ""
     exact: bool = False
+    major: float = 0.0
 
     def __post_init__(self) -> None:
         if bool(self.parameter) == bool(self.derived_from):

@@ -27,6 +27,7 @@ from stagecad.parameters.project_tables import HARDWARE, NO_ROW, ROW, ProjectTab
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration, nearest_key
+from stagecad.parameters.threads import Thread, threads
 from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
 
@@ -125,7 +126,8 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
             **{key: _with_class(entry, packaged.get(key), machine.computed.get(key)) for key, entry in given.items()},
         }
     given = {**given, **{key: entry for key, entry in _of_machine(machine, file).items() if key not in file.entries}}
-    given.update(_plain_rows(file.tables))
+    machine = replace(machine, threads=_own_threads(machine, file.tables))
+    given.update(_plain_rows(file.tables, machine.schema()))
     materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
     keys = machine.schema(materials)
     _check_rows(machine, file.tables, materials)
@@ -172,14 +174,30 @@ def _of_machine(machine: Machine, file: ParameterFile) -> dict[str, FileEntry]:
     return {key: FileEntry(text, f"{file.name}: machine", origin="assumed: [machine]") for key, text in texts.items()}
 
 
-def _plain_rows(tables: Sequence[ProjectTable]) -> dict[str, FileEntry]:
-    """Entries of the tables whose rows are all used: materials and threads."""
+def _own_threads(machine: Machine, tables: Sequence[ProjectTable]) -> dict[str, Thread]:
+    """Rows of the project's table of threads."""
+    found: dict[str, Thread] = {}
+    for row in (row for table in tables if table.kind == "threads" for row in table.rows):
+        columns = machine.kinds()["threads"].columns
+        values = {
+            column: read_entry(column, FileEntry(cell.text, cell.place), columns[column], ()).value
+            for column, cell in row.cells.items()
+        }
+        known = threads().get(row.name, Thread(row.name, "", 0.0, 0.0, 0.0, ""))
+        found[row.name] = replace(known, **values, source=row.origin)
+    return found
+
+
+def _plain_rows(tables: Sequence[ProjectTable], keys: Mapping[str, Declaration]) -> dict[str, FileEntry]:
+    """Entries of the tables whose rows are all used: materials, and threads that the parameter file has keys for."""
     found: dict[str, FileEntry] = {}
     for table in tables:
         prefix, joint = {"materials": (MATERIALS, "."), "threads": ("threads", "_")}.get(table.kind, ("", ""))
         for row in table.rows if prefix else ():
             for column, cell in row.cells.items():
-                found[f"{prefix}.{row.name}{joint}{column}"] = FileEntry(cell.text, cell.place, None, row.origin)
+                key = f"{prefix}.{row.name}{joint}{column}"
+                if prefix == MATERIALS or key in keys:
+                    found[key] = FileEntry(cell.text, cell.place, None, row.origin)
     return found
 
 

@@ -17,6 +17,7 @@ from typing import Any, get_type_hints
 from stagecad.parameters.entry import FileEntry
 from stagecad.parameters.project_tables import Kind
 from stagecad.parameters.schema import Declaration, declarations
+from stagecad.parameters.threads import Thread
 
 PACKAGED = "friction_stage"
 DECLARED = "declared"
@@ -123,6 +124,7 @@ class Machine:
         declaration: of a machine of the user's own.
         own: declarations of the parameters of its own parts, and their values, by key.
         file: packaged parameter file.
+        threads: of the project's own table, by name.
     """
 
     name: str
@@ -137,6 +139,7 @@ class Machine:
     file: Path
     declaration: MachineDeclaration | None = None
     own: Mapping[str, tuple[Declaration, FileEntry]] = field(default_factory=dict)
+    threads: Mapping[str, Thread] = field(default_factory=dict)
 
     def schema(self, materials: tuple[str, ...] = ("NAME",)) -> dict[str, Declaration]:
         """Every key that a parameter file with these materials may contain, with its declaration."""

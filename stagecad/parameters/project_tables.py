@@ -42,7 +42,7 @@ class Kind:
         columns: by name, with their declarations.
         slots: tables of the parameter file that choose a row by their key `row`.
         optional: columns that may be left out or empty; the parameter file has their values.
-        names: the rows that are allowed; empty for any.
+        names: the rows to which the optional columns do not apply; empty for none.
     """
 
     columns: Mapping[str, Declaration]
@@ -187,6 +187,12 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
         if kind.columns[column].kind == "switch":
             text = text.lower()
         values[column] = Cell(f"{text} {unit}" if unit and _is_number(text) else text, where)
+    missing = [column for column in kind.optional if column not in values]
+    if kind.names and name not in kind.names and missing:
+        raise InputError(
+            f"{place}: '{name}' is not in the packaged table{nearest(name, kind.names)}; for one of your own "
+            f"give its {' and '.join(missing)}"
+        )
     origin = texts.get(SOURCE) or f"{file}, {name}"
     if not origin.isprintable():
         raise InputError(f"{place}, column {SOURCE}: contains characters that cannot be printed")
@@ -196,8 +202,6 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
 
 def _check_name(name: str, place: str, kind: Kind) -> None:
     place = f"{place}, column {NAME}"
-    if kind.names and name not in kind.names:
-        raise InputError(f"{place}: no thread {quoted(name)}{nearest(name, kind.names)}")
     if not kind.slots and not _IDENTIFIER.fullmatch(name):
         raise InputError(f"{place}: {quoted(name)}: write letters, digits and _, beginning with a letter")
     if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == NO_ROW:

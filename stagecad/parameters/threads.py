@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -39,19 +40,13 @@ def threads() -> dict[str, Thread]:
     }
 
 
-def thread(name: str) -> Thread:
-    """A thread by its name.
+def thread(name: str, own: Mapping[str, Thread] | None = None) -> Thread:
+    """A thread by its name, of the table or of one's own.
 
     Raises:
-        InputError: the table has none of this name.
+        InputError: there is none of this name.
     """
-    found = threads().get(name)
-    if found is None:
-        raise InputError(f"no thread '{name}'{nearest(name, list(threads()))}")
-    return found
-
-
-@cache
-def major_diameters() -> dict[str, float]:
-    """Major diameters by designation, mm."""
-    return {one.designation: one.major for one in threads().values()}
+    known = {**threads(), **(own or {})}
+    if name not in known:
+        raise InputError(f"no thread '{name}'{nearest(name, list(known))}")
+    return known[name]

@@ -91,7 +91,9 @@ def table_text(design: Design, kind: str) -> str:
     from stagecad.parameters.project_tables import NAME, SOURCE
 
     declared = design.machine.kinds()[kind]
-    columns = [column for column, one in declared.columns.items() if not one.computed]
+    # Optional columns of a kind with names are for rows that the parameter file has no keys for.
+    free = declared.optional if declared.names else ()
+    columns = [column for column, one in declared.columns.items() if not one.computed and column not in free]
     memory = io.StringIO()
     writer = csv.writer(memory, lineterminator="\n")
     kept = {column: declared.columns[column].unit for column in columns}
@@ -109,7 +111,8 @@ def _rows(design: Design, kind: str, declared: Kind, columns: list[str]) -> Iter
     for slot in declared.slots:
         yield str(design.value(f"{slot}.part_number")), [f"{slot}.{column}" for column in columns]
     for name in declared.names:
-        yield name, [f"{kind}.{name}_{column}" for column in columns]
+        if design.has(f"{kind}.{name}_{columns[0]}"):
+            yield name, [f"{kind}.{name}_{column}" for column in columns]
     if kind == "materials":
         for name in design.materials:
             yield name, [f"{kind}.{name}.{column}" for column in columns]

@@ -13,7 +13,8 @@ from functools import cache
 
 from stagecad.friction_stage.parameters import hardware, physics
 from stagecad.parameters.project_tables import ROW, Kind
-from stagecad.parameters.schema import Declaration, declarations, mm
+from stagecad.parameters.schema import Declaration, declarations, mm, text
+from stagecad.parameters.threads import threads
 
 THREAD = "a tap drill lies between the thread's minor and major diameter"
 PITCH = "no standard pitch of this thread is outside"
@@ -143,6 +144,8 @@ def with_range(key: str, declaration: Declaration) -> Declaration:
 class _Thread:
     tap_drill: float = mm("of the thread")
     pitch: float = mm("of the thread")
+    designation: str = text("of a thread of one's own")
+    major: float = mm("diameter of a thread of one's own")
 
 
 @cache
@@ -154,7 +157,6 @@ def kinds() -> dict[str, Kind]:
         free = (name for name, one in columns.items() if one.computed or one.default is not None)
         return Kind(columns, slots, (*optional, *free))
 
-    threads = tuple(name.removesuffix("_pitch") for name in declarations(hardware.Threads) if name.endswith("_pitch"))
     screws = tuple(f"screws.{name}" for name in ("way", "clamp_long", "clamp_short", "bar"))
     ceramic = ("hysteresis", "strain_limit", "creep", "damping_ratio")
     return {
@@ -162,6 +164,6 @@ def kinds() -> dict[str, Kind]:
         "screws": of(hardware.Screw, screws, ("torque", "nut_factor")),
         "set_screws": of(hardware.SetScrew, ("set_screw",)),
         "springs": of(hardware.Spring, ("spring",)),
-        "threads": Kind(declarations(_Thread), names=threads),
+        "threads": Kind(declarations(_Thread), optional=("designation", "major"), names=tuple(threads())),
         "materials": of(physics.Material, ()),
     }

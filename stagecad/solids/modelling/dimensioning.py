@@ -23,7 +23,6 @@ from stagecad.parameters.dimension import (
     View,
 )
 from stagecad.parameters.iso286 import is_class
-from stagecad.parameters.threads import thread as thread_of
 from stagecad.solids.modelling.verification import moved
 
 X: Point = (1.0, 0.0, 0.0)
@@ -147,8 +146,9 @@ class DimensionDeclarations:
         Threads are cosmetic: the solid has the tap drill's hole, the sheet the designation and thin lines (ISO 6410-1).
         The tap drill is that of the machine's table `threads` if it has the thread.
         """
-        row = thread_of(thread)
-        fields = {"view": "top", **self._common, **fields, "note": row.designation, "feature": feature}
+        row = self._design.thread(thread)
+        named = {"note": row.designation, "major": row.major, "feature": feature}
+        fields = {"view": "top", **self._common, **fields, **named}
         drill, at = f"threads.{thread}_tap_drill", moved(mouth, into, 2.0)
         stated = hasattr(getattr(self._design, "threads", None), f"{thread}_tap_drill")
         size = self._value(drill) if stated else row.tap_drill
@@ -166,7 +166,7 @@ class DimensionDeclarations:
             end = moved(mouth, into, self._value(depths[1]))
             self.depth(f"{feature} drill depth", depths[1], mouth, end, **fields)
         if extra:
-            self.remark(f"{feature} remark", (drill,), mouth, extra, **{**fields, "note": ""})
+            self.remark(f"{feature} remark", (drill,), mouth, extra, **{**fields, "note": "", "major": 0.0})
 
 
 class FaceRequirements:

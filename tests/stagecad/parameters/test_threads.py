@@ -1,11 +1,15 @@
 """Threads of the table: sizes that the standards print, and a tap drill that leaves a thread."""
 
 import math
+import re
+from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.threads import thread, threads
+from stagecad.parameters.load import load_design
+from stagecad.parameters.threads import Thread, thread, threads
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from tests.drawings.drawn import thesis
 
@@ -31,13 +35,87 @@ def test_sizes_are_those_of_the_standards(
     assert math.isclose(found.pitch, pitch, abs_tol=1e-4)
 
 
-def test_each_tap_drill_leaves_a_thread() -> None:
-    """The height of engagement over that of the basic profile (ISO 68-1: 0.5413 pitches; ISO 228-1: 0.6403)."""
+PIPE_TOLERANCE = {28: 0.282, 19: 0.445, 14: 0.541, 11: 0.640}
+"""Tolerance of the minor diameter of an internal pipe thread by its pitches in 25.4 mm, mm: ISO 228-1, table 1."""
+GAUGE = {
+    0.405: 0.1615,
+    0.54: 0.2278,
+    0.675: 0.24,
+    0.84: 0.32,
+    1.05: 0.339,
+    1.315: 0.4,
+    1.66: 0.42,
+    1.9: 0.42,
+    2.375: 0.436,
+}
+"""Length of engagement by hand L1 of a taper pipe thread by its outside diameter, in: ASME B1.20.1, table 2."""
+
+
+def _minor(one: Thread) -> tuple[float, float]:
+    """Least and largest minor diameter of the internal thread, mm."""
+    d, p = one.major, one.pitch
+    inch, pitch = d / 25.4, p / 25.4
+    if one.name.startswith("m"):  # ISO 965-1: grade 6.
+        least = d - 1.0825318 * p
+        return least, least + (433 * p - 190 * p**1.22 if p < 1 else 230 * p**0.7) / 1000
+    if one.name.startswith("un"):  # ASME B1.1: class 2B.
+        small = max(
+            min(0.05 * pitch ** (2 / 3) + 0.03 * pitch / inch - 0.002, 0.394 * pitch), 0.25 * pitch - 0.4 * pitch**2
+        )
+        least = d - 1.0825318 * p
+        return least, least + 25.4 * (small if inch < 0.25 else 0.25 * pitch - 0.4 * pitch**2)
+    if one.name.startswith("g"):  # ISO 228-1: height of the profile 0.640327 P.
+        least = d - 2 * 0.640327 * p
+        return least, least + PIPE_TOLERANCE[round(25.4 / p)]
+    # ASME B1.20.1: at the depth L1 and at the mouth of the taper thread.
+    least = 25.4 * (inch - (0.05 * inch + 1.1) * pitch - 0.8 * pitch)
+    return least, least + 25.4 * GAUGE[round(inch, 3)] / 16
+
+
+def test_each_tap_drill_is_within_the_minor_diameter_of_its_thread() -> None:
     for one in threads().values():
-        if "NPT" not in one.designation:
-            height = (0.6403 if one.designation.startswith("G") else 0.5413) * one.pitch
-            engagement = (one.major - one.tap_drill) / 2 / height
-            assert 0.6 < engagement < 1.06, one
+        least, largest = _minor(one)
+        assert least <= one.tap_drill <= largest, (one, least, largest)
+
+
+def test_sizes_follow_from_designations() -> None:
+    """Major diameter and pitch as the designation and the standards' series say."""
+    pipe = {"1/8": (9.728, 28), "1/4": (13.157, 19), "3/8": (16.662, 19), "1/2": (20.955, 14), "3/4": (26.441, 14)}
+    pipe |= {"1": (33.249, 11), "1 1/4": (41.910, 11), "1 1/2": (47.803, 11), "2": (59.614, 11)}
+    for one in threads().values():
+        if one.name.startswith("m"):
+            major, pitch = map(float, one.designation[1:].split("x"))
+        elif one.name.startswith("g"):
+            major, count = pipe[one.designation.removeprefix("G ")]
+            pitch = 25.4 / count
+        else:
+            size, _, count = one.designation.split(" U")[0].removesuffix(" NPT").rpartition("-")
+            number = re.fullmatch(r"No\. (\d+)", size)
+            inch = 0.06 + 0.013 * int(number[1]) if number else float(sum(map(Fraction, size.split())))
+            # Outside diameters of pipes, ASME B36.10.
+            pipes = dict(zip(pipe, GAUGE, strict=True))
+            major, pitch = 25.4 * (pipes[size] if one.name.startswith("npt") else inch), 25.4 / float(count)
+        assert one.major == pytest.approx(major, abs=1e-3), one
+        assert one.pitch == pytest.approx(pitch, abs=5e-4), one  # printed to 0.001
+
+
+def test_coarse_pitches_are_those_of_the_series() -> None:
+    """ISO 261, also as transcribed in github.com/shaise/FreeCAD_FastenersWB (FsData/iso262def.csv)."""
+    series = {
+        0.35: (1.6,),
+        0.4: (2,),
+        0.45: (2.5,),
+        0.5: (3,),
+        0.6: (3.5,),
+        0.7: (4,),
+        0.8: (5,),
+        1: (6, 7),
+        1.25: (8,),
+    }
+    series |= {1.5: (10,), 1.75: (12,), 2: (14, 16), 2.5: (18, 20, 22), 3: (24, 27), 3.5: (30, 33), 4: (36, 39)}
+    series |= {4.5: (42, 45), 5: (48, 52), 5.5: (56, 60), 6: (64,)}
+    coarse = [one for one in threads().values() if "coarse" in one.source]
+    assert {(one.major, one.pitch) for one in coarse} == {(d, p) for p, sizes in series.items() for d in sizes}
 
 
 def test_a_thread_that_the_machine_does_not_use_is_declared_by_its_name() -> None:
@@ -47,3 +125,24 @@ def test_a_thread_that_the_machine_does_not_use_is_declared_by_its_name() -> Non
     assert (drill.value, drill.note) == (6.8, "M8x1.25")
     with pytest.raises(InputError, match="no thread 'm80'"):
         declarations.tapped("hole", "m80", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+
+
+ROWS = """name,designation,major [mm],pitch [mm],tap_drill [mm],source
+tr8,Tr8x1.5,8,1.5,6.6,ISO 2904
+"""
+
+
+def test_a_row_of_ones_own_table_is_a_thread(tmp_path: Path) -> None:
+    (tmp_path / "threads.csv").write_text(ROWS)
+    file = tmp_path / "stage.toml"
+    file.write_text('extends = "thesis"\n[hardware]\nthreads = "threads.csv"\n')
+    declarations = DimensionDeclarations(load_design(file), "stage")
+    declarations.tapped("hole", "tr8", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    (drill,) = declarations
+    assert (drill.value, drill.note, drill.major) == (6.6, "Tr8x1.5", 8.0)
+    (tmp_path / "threads.csv").write_text("name,pitch [mm],tap_drill [mm]\nm8,1.25,6.9\n")
+    found = load_design(file).thread("m8")
+    assert (found.tap_drill, found.major, found.designation) == (6.9, 8.0, "M8x1.25")
+    (tmp_path / "threads.csv").write_text("name,pitch [mm],tap_drill [mm]\ntr8,1.5,6.6\n")
+    with pytest.raises(InputError, match=r"row 2: 'tr8' .* give its designation and major"):
+        load_design(file)
