@@ -27,28 +27,17 @@ Array = NDArray[np.float64]
 class Rail:
     """The rail and what it is bolted to, SI units. Each number may be an array; shapes broadcast."""
 
-    length: float
-    """length of rail L, m"""
-    overhang_a: float
-    """from the bolt line to the edge the rail pivots on, m"""
-    overhang_b: float
-    """from the bolt line to the loaded edge, m"""
-    height: float
-    """rail height h, m"""
-    bolt_diameter: float
-    """Db, m"""
-    rail_modulus: float
-    """Young's modulus of rail and flange, Pa"""
-    bed_modulus: float
-    """Young's modulus of thread and bed, Pa"""
-    bolt_modulus: float
-    """Young's modulus of the bolt, Pa"""
-    poisson: float = 0.3
-    """Poisson's ratio of rail and flange"""
-    bed_poisson: float | None = None
-    """Poisson's ratio of thread and bed; that of the rail if left out"""
-    joint_ratio: float = 10.0
-    """stiffness of the bedded joint over that of the bolt joint"""
+    length: float  # length of rail L, m
+    overhang_a: float  # from the bolt line to the edge the rail pivots on, m
+    overhang_b: float  # from the bolt line to the loaded edge, m
+    height: float  # rail height h, m
+    bolt_diameter: float  # Db, m
+    rail_modulus: float  # Young's modulus of rail and flange, Pa
+    bed_modulus: float  # Young's modulus of thread and bed, Pa
+    bolt_modulus: float  # Young's modulus of the bolt, Pa
+    poisson: float = 0.3  # Poisson's ratio of rail and flange
+    bed_poisson: float | None = None  # Poisson's ratio of thread and bed; that of the rail if left out
+    joint_ratio: float = 10.0  # stiffness of the bedded joint over that of the bolt joint
 
     def __post_init__(self) -> None:
         for name in ("length", "overhang_a", "overhang_b", "height", "bolt_diameter"):

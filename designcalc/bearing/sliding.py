@@ -17,12 +17,9 @@ Array = NDArray[np.float64]
 class PadStiffness:
     """Stiffness of the stage on its pads, about the pads' stiffness centre."""
 
-    normal: float
-    """N/m"""
-    pitch: float
-    """about the axis across the travel, N m/rad"""
-    roll: float
-    """about the axis along the travel, N m/rad"""
+    normal: float  # N/m
+    pitch: float  # about the axis across the travel, N m/rad
+    roll: float  # about the axis along the travel, N m/rad
 
 
 def crown_wear_distance(depth: ArrayLike, crown_radius: ArrayLike, wear_rate: ArrayLike, load: ArrayLike) -> Array:

@@ -19,14 +19,10 @@ Array = NDArray[np.float64]
 class Surface:
     """Surface of a lapped way: random roughness, and waves. SI."""
 
-    roughness: float
-    """Ra, m"""
-    correlation_length: float
-    """l of the roughness, correlation exp(-r^2/l^2), m"""
-    waviness: float
-    """amplitude of the waves, m"""
-    wavelength: float
-    """of the waves, m"""
+    roughness: float  # Ra, m
+    correlation_length: float  # l of the roughness, correlation exp(-r^2/l^2), m
+    waviness: float  # amplitude of the waves, m
+    wavelength: float  # of the waves, m
 
     def __post_init__(self) -> None:
         for name in ("correlation_length", "wavelength"):

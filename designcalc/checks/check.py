@@ -23,11 +23,9 @@ _SI = {"mm": "m", "deg": "rad"}
 class Input:
     """A number that a check or calculation reads."""
 
-    value: float
-    """SI"""
+    value: float  # SI
     unit: str
-    origin: str
-    """origin in the parameter file, or where else the number comes from"""
+    origin: str  # origin in the parameter file, or where else the number comes from
 
     def text(self) -> str:
         """The value with a suitable prefix."""
@@ -132,10 +130,8 @@ class Change:
     """A proposed change of one parameter, and the result of its evaluation."""
 
     key: str
-    text: str
-    """value with its unit, as it is written in the parameter file"""
-    result: str = ""
-    """empty before the evaluation, and if the check then passes and no other one fails"""
+    text: str  # value with its unit, as it is written in the parameter file
+    result: str = ""  # empty before the evaluation, and if the check then passes and no other one fails
 
     @property
     def override(self) -> str:
@@ -160,8 +156,7 @@ class Comparison:
     value: float | None
     limit: float | None
     unit: str
-    upper: bool
-    """True: the value must not exceed the limit; False: it must reach it"""
+    upper: bool  # True: the value must not exceed the limit; False: it must reach it
 
     @property
     def margin(self) -> float | None:
@@ -197,19 +192,14 @@ class Check:
     comparison: Comparison
     source: str = field(kw_only=True)
     formula: str = field(kw_only=True)
-    substituted: str = ""
-    """the formula with its numbers"""
-    proposal: str = ""
-    """the change that would pass, in words; empty when the check passes"""
-    changes: tuple[Change, ...] = ()
-    """proposed changes of one parameter each"""
-    thesis: str = ""
-    """statement of the thesis, if it is wrong or differs"""
-    requirement: str = ""
-    """entry of the thesis's Tables 1 and 2 that this check applies to"""
+    substituted: str = ""  # the formula with its numbers
+    proposal: str = ""  # the change that would pass, in words; empty when the check passes
+    changes: tuple[Change, ...] = ()  # proposed changes of one parameter each
+    thesis: str = ""  # statement of the thesis, if it is wrong or differs
+    requirement: str = ""  # entry of the thesis's Tables 1 and 2 that this check applies to
     note: str = ""
+    # why there is no verdict: outside the formula's range, or a number is missing
     trouble: Literal["", "out_of_range", "undecidable"] = ""
-    """why there is no verdict: outside the formula's range, or a number is missing"""
     subject: str = ""
     inputs: dict[str, Input] = field(default_factory=dict)
 

@@ -16,14 +16,10 @@ Array = NDArray[np.float64]
 class FilmContact:
     """A crowned pad with a thin soft film pressed on a flat; arrays in SI units."""
 
-    radius: Array
-    """of the contact, m"""
-    indentation: Array
-    """of the film alone, in the middle, m"""
-    peak_pressure: Array
-    """Pa"""
-    stiffness: Array
-    """dF/ddelta, N/m"""
+    radius: Array  # of the contact, m
+    indentation: Array  # of the film alone, in the middle, m
+    peak_pressure: Array  # Pa
+    stiffness: Array  # dF/ddelta, N/m
 
 
 def confined_modulus(modulus: float, poisson: float) -> float:

@@ -27,20 +27,13 @@ Array = NDArray[np.float64]
 class PointContact:
     """Result of `point_contact`; every field is an array of the common shape of the arguments, in SI units."""
 
-    load: Array
-    """normal force F, N"""
-    semi_axis_major: Array
-    """a, m"""
-    semi_axis_minor: Array
-    """b, m"""
-    peak_pressure: Array
-    """p0, Pa"""
-    approach: Array
-    """delta, approach of distant points of the two bodies, m"""
-    stiffness: Array
-    """tangent stiffness dF/ddelta = 1.5 F/delta, N/m"""
-    secant_stiffness: Array
-    """F/delta, N/m"""
+    load: Array  # normal force F, N
+    semi_axis_major: Array  # a, m
+    semi_axis_minor: Array  # b, m
+    peak_pressure: Array  # p0, Pa
+    approach: Array  # delta, approach of distant points of the two bodies, m
+    stiffness: Array  # tangent stiffness dF/ddelta = 1.5 F/delta, N/m
+    secant_stiffness: Array  # F/delta, N/m
 
 
 @dataclass(frozen=True)
@@ -50,10 +43,8 @@ class LineContact:
     There is no approach: in two dimensions it grows without bound with the distance of the point it is measured to.
     """
 
-    half_width: Array
-    """b, m"""
-    peak_pressure: Array
-    """p0, Pa"""
+    half_width: Array  # b, m
+    peak_pressure: Array  # p0, Pa
 
 
 def contact_modulus(modulus_1: ArrayLike, poisson_1: ArrayLike, modulus_2: ArrayLike, poisson_2: ArrayLike) -> Array:

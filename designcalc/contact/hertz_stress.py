@@ -19,10 +19,8 @@ Array = NDArray[np.float64]
 class ShearPeak:
     """Largest principal shear stress below the middle of a contact, and where it is."""
 
-    shear: Array
-    """Pa"""
-    depth: Array
-    """m"""
+    shear: Array  # Pa
+    depth: Array  # m
 
 
 def axis_stresses(depth: ArrayLike, ratio: ArrayLike, poisson: ArrayLike) -> tuple[Array, Array, Array]:

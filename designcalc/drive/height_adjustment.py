@@ -16,14 +16,10 @@ Array = NDArray[np.float64]
 class WedgeDrive:
     """Lift and forces of set screw and wedge per turn; SI units."""
 
-    lift_per_turn: Array
-    """m"""
-    lift_per_degree: Array
-    """m per degree of the key"""
-    range: Array
-    """m"""
-    locking_friction: Array
-    """coefficient of friction above which the wedge does not slide back by itself"""
+    lift_per_turn: Array  # m
+    lift_per_degree: Array  # m per degree of the key
+    range: Array  # m
+    locking_friction: Array  # coefficient of friction above which the wedge does not slide back by itself
 
 
 def wedge_drive(thread_pitch: ArrayLike, slope: ArrayLike, stroke: ArrayLike, faces: int = 2) -> WedgeDrive:
@@ -49,12 +45,9 @@ def wedge_drive(thread_pitch: ArrayLike, slope: ArrayLike, stroke: ArrayLike, fa
 class ClampShift:
     """Effects of closing the clamp on the tip; SI units."""
 
-    squeeze: Array
-    """growth of the holder's height as the clamp squeezes it, m"""
-    drop: Array
-    """of the apex as the holder tilts within its pocket's play, m"""
-    sideways: Array
-    """of the apex by the same tilt and by the play itself, m"""
+    squeeze: Array  # growth of the holder's height as the clamp squeezes it, m
+    drop: Array  # of the apex as the holder tilts within its pocket's play, m
+    sideways: Array  # of the apex by the same tilt and by the play itself, m
 
 
 def clamp_shift(

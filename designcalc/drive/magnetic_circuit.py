@@ -58,20 +58,14 @@ class MagnetSection:
 class MagnetForces:
     """Working point of one magnetic circuit, SI units."""
 
-    potential: float
-    """difference of the magnetic potential between an iron and the bar, A"""
-    gap_flux_density: float
-    """flux from one iron into the bar over the iron's area, T"""
-    tooth_flux_density: float
-    """this flux gathered in the teeth, T"""
-    leakage: float
-    """share of the magnet's flux that does not reach the bar"""
-    attraction: float
-    """N"""
-    lateral_stiffness: float
-    """N/m, restoring"""
+    potential: float  # difference of the magnetic potential between an iron and the bar, A
+    gap_flux_density: float  # flux from one iron into the bar over the iron's area, T
+    tooth_flux_density: float  # this flux gathered in the teeth, T
+    leakage: float  # share of the magnet's flux that does not reach the bar
+    attraction: float  # N
+    lateral_stiffness: float  # N/m, restoring
+    # N/m, of the attraction that falls as the gap opens; works as a negative stiffness on the pads
     normal_stiffness: float
-    """N/m, of the attraction that falls as the gap opens; works as a negative stiffness on the pads"""
 
 
 def magnet_forces(
@@ -126,10 +120,8 @@ class _Network:
     """Permeances per length of bar (0) and irons (1, 2), H/m, shape (3, 3): flux out of each body per potential."""
 
     permeance: Array
-    by_gap: tuple[Array, Array]
-    """first and second derivative with respect to the gap"""
-    by_shift: tuple[Array, Array]
-    """the same for a motion of the irons across the travel"""
+    by_gap: tuple[Array, Array]  # first and second derivative with respect to the gap
+    by_shift: tuple[Array, Array]  # the same for a motion of the irons across the travel
 
 
 @lru_cache(maxsize=64)

@@ -41,18 +41,13 @@ class TeethField:
     Forces follow at fixed potential from F = +dW. Multiply by potential squared (A^2) and area (m^2).
     """
 
-    coenergy: Number
-    """W, J/(m^2 A^2)"""
-    lateral_force: Number
-    """dW/dx, N/(m^2 A^2): 0 at alignment"""
-    attraction: Number
-    """-dW/de, pulling the irons together, N/(m^2 A^2)"""
-    lateral_stiffness: Number
-    """K_x = -d2W/dx2, N/(m m^2 A^2): restoring at alignment"""
+    coenergy: Number  # W, J/(m^2 A^2)
+    lateral_force: Number  # dW/dx, N/(m^2 A^2): 0 at alignment
+    attraction: Number  # -dW/de, pulling the irons together, N/(m^2 A^2)
+    lateral_stiffness: Number  # K_x = -d2W/dx2, N/(m m^2 A^2): restoring at alignment
+    # K_z = d2W/de2, N/(m m^2 A^2). The force falls as the gap opens: it works against the pads as a stiffness -K_z
     normal_stiffness: Number
-    """K_z = d2W/de2, N/(m m^2 A^2). The force falls as the gap opens: it works against the pads as a stiffness -K_z"""
-    error: Number
-    """relative change of the worst of these when a quarter of the functions is taken away"""
+    error: Number  # relative change of the worst of these when a quarter of the functions is taken away
 
     @property
     def lateral_over_normal(self) -> Number:

@@ -16,14 +16,11 @@ Array = NDArray[np.float64]
 class SideLoad:
     """A stack bent by a force across its end."""
 
+    # largest bending stress while the force rises to its value, at the foot or at the mouth of the bore, Pa
     stress: Array
-    """largest bending stress while the force rises to its value, at the foot or at the mouth of the bore, Pa"""
-    deflection: Array
-    """of the free end, m"""
-    touch_force: Array
-    """at which the stack touches the mouth of its bore, N"""
-    touches: NDArray[np.bool_]
-    """whether it touches, so that the mouth props it"""
+    deflection: Array  # of the free end, m
+    touch_force: Array  # at which the stack touches the mouth of its bore, N
+    touches: NDArray[np.bool_]  # whether it touches, so that the mouth props it
 
 
 def stack_tension(

@@ -62,19 +62,12 @@ class Suspension:
     """A suspension with the numbers of its rank. SI; smaller is better except for the stiffness."""
 
     name: str
-    stiffness: float
-    """normal stiffness of the whole suspension, N/m"""
-    smoothness: float
-    """error normal to the motion, m"""
-    friction: float
-    """break-away force, N; it limits the resolution"""
-    repeatability: float
-    """normal to the motion, m"""
-    cost: int
-    """place by cost"""
+    stiffness: float  # normal stiffness of the whole suspension, N/m
+    smoothness: float  # error normal to the motion, m
+    friction: float  # break-away force, N; it limits the resolution
+    repeatability: float  # normal to the motion, m
+    cost: int  # place by cost
     stable: bool
-    fits_drive: bool
-    """is compatible with a friction drive and its magnets in the available space"""
+    fits_drive: bool  # is compatible with a friction drive and its magnets in the available space
     why: str
-    places: float = 0.0
-    """sum of places over the criteria"""
+    places: float = 0.0  # sum of places over the criteria

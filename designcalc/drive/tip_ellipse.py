@@ -16,10 +16,8 @@ Array = NDArray[np.float64]
 class TipEllipse:
     """Path of the tip on two piezos, peak to peak."""
 
-    along: Array
-    """travel along the stage X, m"""
-    normal: Array
-    """travel towards the stage Y, m"""
+    along: Array  # travel along the stage X, m
+    normal: Array  # travel towards the stage Y, m
 
 
 def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike, tip_height: ArrayLike) -> TipEllipse:

@@ -17,14 +17,10 @@ class Contribution:
 
     name: str
     source: str
-    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """m, x along, y across, z normal"""
-    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """rad"""
-    about: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """point the rotation turns about, m"""
-    random: bool = True
-    """adds by squares with the other random ones; else its size adds directly"""
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, x along, y across, z normal
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad
+    about: tuple[float, float, float] = (0.0, 0.0, 0.0)  # point the rotation turns about, m
+    random: bool = True  # adds by squares with the other random ones; else its size adds directly
 
 
 def transform(translation: ArrayLike, rotation: ArrayLike, about: ArrayLike) -> Array:
@@ -76,15 +72,12 @@ class Budget:
 
     name: str
     direction: str
-    key: str
-    """of its limit"""
+    key: str  # of its limit
     requirement: str
+    # contributions with the displacement of the payload by each, m, the largest in the direction first
     rows: tuple[tuple[Contribution, Array], ...]
-    """contributions with the displacement of the payload by each, m, the largest in the direction first"""
-    total: Array
-    """per direction, m"""
-    point: tuple[float, float, float]
-    """of the payload with the largest error, from the middle of the stage, m"""
+    total: Array  # per direction, m
+    point: tuple[float, float, float]  # of the payload with the largest error, from the middle of the stage, m
 
     @property
     def axis(self) -> int:

@@ -88,12 +88,10 @@ class Evaluator:
     masses: Masses | None = None
     safety: float = 0.0
     count: int = 0
+    # Every evaluated design that violates no rule, or of which all checks were run
     archive: list[Evaluation] = field(default_factory=list)
-    """Every evaluated design that violates no rule, or of which all checks were run."""
-    most: int | None = None
-    """Number of evaluations beyond which `OutOfBudgetError` is raised."""
-    deadline: float | None = None
-    """Time on the clock `time.monotonic` beyond which it is raised."""
+    most: int | None = None  # Number of evaluations beyond which `OutOfBudgetError` is raised
+    deadline: float | None = None  # Time on the clock `time.monotonic` beyond which it is raised
 
     def __post_init__(self) -> None:
         self.base: Design = self.variations.design

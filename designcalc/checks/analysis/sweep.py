@@ -40,11 +40,9 @@ class Range:
 class Point:
     """One value of a sweep."""
 
-    value: float
-    """SI"""
+    value: float  # SI
     checks: tuple[Check, ...]
-    refused: str = ""
-    """why the design is refused with this value; then there are no checks"""
+    refused: str = ""  # why the design is refused with this value; then there are no checks
 
 
 def read_range(text: str, design: Design) -> Range:
@@ -147,11 +145,9 @@ MOST_POINTS = 10_000
 class GridPoint:
     """One combination of values."""
 
-    values: tuple[float, ...]
-    """SI, one of each range"""
+    values: tuple[float, ...]  # SI, one of each range
     checks: tuple[Check, ...]
-    refused: str = ""
-    """why the design is refused with these values; then there are no checks"""
+    refused: str = ""  # why the design is refused with these values; then there are no checks
 
     @property
     def failing(self) -> list[str]:

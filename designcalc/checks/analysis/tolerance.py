@@ -27,14 +27,10 @@ class Spread:
 
     name: str
     nominal: float
-    low: float
-    """margin that 95 % of the machines exceed"""
-    high: float
-    """margin that 5 % of the machines exceed"""
-    failing: float
-    """share of the machines that fail"""
-    leading: str
-    """the dimension with the largest effect"""
+    low: float  # margin that 95 % of the machines exceed
+    high: float  # margin that 5 % of the machines exceed
+    failing: float  # share of the machines that fail
+    leading: str  # the dimension with the largest effect
 
 
 @dataclass(frozen=True)
@@ -43,12 +39,9 @@ class Influence:
 
     key: str
     tolerance: str
-    plus_minus: float
-    """m"""
-    share: float
-    """largest part of a margin that this tolerance alone uses up, over all checks"""
-    check: str
-    """the check where it does"""
+    plus_minus: float  # m
+    share: float  # largest part of a margin that this tolerance alone uses up, over all checks
+    check: str  # the check where it does
 
 
 @dataclass(frozen=True)
@@ -58,8 +51,8 @@ class ToleranceStudy:
     samples: int
     spreads: tuple[Spread, ...]
     influences: tuple[Influence, ...]
+    # Three dimensions, of the tightest class first, whose next class fails no check and violates no rule
     could_be_loosened: tuple[Influence, ...] = ()
-    """Three dimensions, of the tightest class first, whose next class fails no check and violates no rule."""
 
     @property
     def matter_most(self) -> tuple[Influence, ...]:
