@@ -13,7 +13,7 @@ from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
-    from designcalc.checks.analysis.sweep import GridPoint, Point, Range
+    from designcalc.checks.analysis.sweep import Point, Range
     from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import Masses
@@ -341,7 +341,7 @@ def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str]) ->
     """Margins of some checks over a swept parameter; below the zero line a check fails."""
     kept = [point for point in points if point.checks]
     scale = 1 / to_si(1.0, swept.unit)
-    x = [point.value * scale for point in kept]
+    x = [point.values[0] * scale for point in kept]
     figure, axes = _figure(7.2, 4.4)
     for name in names:
         margins = [next((c.margin for c in p.checks if c.name == name), None) for p in kept]
@@ -354,7 +354,7 @@ def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str]) ->
     return figure
 
 
-def grid_figure(ranges: Sequence[Range], points: Sequence[GridPoint]) -> Figure:
+def grid_figure(ranges: Sequence[Range], points: Sequence[Point]) -> Figure:
     """The number of failed checks over two parameters; refused combinations are left empty."""
     rows, columns = (len(swept.values) for swept in ranges)
     counts = [np.nan if point.refused else len(point.failing) for point in points]

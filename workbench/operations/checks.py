@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Any
 from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
 from designcalc.checks.analysis.sweep import (
-    GridPoint,
     Point,
     Range,
     changing_checks,
     combinations,
     grid_table,
     read_range,
-    run_grid_point,
     run_point,
     table,
 )
@@ -195,10 +193,6 @@ def ranges_of(design: Design, texts: Sequence[str]) -> list[Range]:
     return ranges
 
 
-def _si_unit(swept: Range) -> str:
-    return {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit)
-
-
 class Sweep(Result):
     """The checks over the values of one parameter.
 
@@ -229,7 +223,7 @@ class Sweep(Result):
         import pandas as pd
 
         rows = [{check.name: check.margin for check in point.checks} for point in self.points]
-        return pd.DataFrame(rows, index=pd.Index([point.value for point in self.points], name=self.swept.key))
+        return pd.DataFrame(rows, index=pd.Index([point.values[0] for point in self.points], name=self.swept.key))
 
     def to_json(self) -> dict[str, Any]:
         """Under `sweep` in the document of `stagecad check --sweep --json`."""
@@ -237,14 +231,14 @@ class Sweep(Result):
 
     def lines(self) -> list[Line]:
         """Margins of the checks that change most, and the values that are refused."""
-        names, unit = self.changing, _si_unit(self.swept)
+        names, unit = self.changing, self.swept.si_unit
         rows = []
         for point in self.points:
             margins = {check.name: shown_margin(check) for check in point.checks}
-            rows.append([shown(point.value, unit), *(margins.get(name, "-") for name in names[:MOST_COLUMNS])])
+            rows.append([shown(point.values[0], unit), *(margins.get(name, "-") for name in names[:MOST_COLUMNS])])
         columns = "|".join([self.swept.key, *names[:MOST_COLUMNS]])
         lines: list[Line] = [plain_table(self.title, columns, rows, "-")]
-        lines += [f"- {shown(point.value, unit)}: {point.refused}" for point in self.points if point.refused]
+        lines += [f"- {shown(point.values[0], unit)}: {point.refused}" for point in self.points if point.refused]
         return lines if names else [*lines, f"no margin changes with {self.swept.key}"]
 
     def plot(self) -> Figure | None:
@@ -266,7 +260,7 @@ class Grid(Result):
         points: the checks at each combination.
     """
 
-    def __init__(self, ranges: Sequence[Range], points: Sequence[GridPoint]) -> None:
+    def __init__(self, ranges: Sequence[Range], points: Sequence[Point]) -> None:
         self.ranges, self.points = tuple(ranges), tuple(points)
 
     @property
@@ -299,7 +293,7 @@ class Grid(Result):
 
     def lines(self) -> list[Line]:
         """The number of failed checks at every point of two ranges; the points with fewest for more ranges."""
-        ranges, points, units = self.ranges, self.points, [_si_unit(swept) for swept in self.ranges]
+        ranges, points, units = self.ranges, self.points, [swept.si_unit for swept in self.ranges]
         if len(ranges) == 2:
             count = len(ranges[1].values)
             columns = ["", *(shown(point.values[1], units[1]) for point in points[:count])]
@@ -346,12 +340,8 @@ def sweep(
         scheduler: address of a dask cluster; the local cores when left out.
         progress: called with the points done.
     """
-    job: Any
-    values: Any
-    if len(ranges) == 1:
-        values, job = ranges[0].values, partial(_swept_point, design, ranges[0], solids)
-    else:
-        values, job = combinations(ranges), partial(_grid_point, design, tuple(ranges), solids)
+    values = combinations(ranges)
+    job: Any = partial(_point, design, tuple(ranges), solids)
     # Without solids a point takes a tenth of a second: for few, other processes would cost more than they save.
     workers = 1 if len(values) <= FEW_POINTS and not solids else None
     advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
@@ -363,12 +353,8 @@ def _no_solids(values: Values) -> None:
     return None
 
 
-def _swept_point(design: Design, swept: Range, solids: bool, value: float) -> Point:
-    return run_point(swept, value, design.values_with, design.values, body_masses if solids else _no_solids)
-
-
-def _grid_point(design: Design, ranges: Sequence[Range], solids: bool, values: tuple[float, ...]) -> GridPoint:
-    return run_grid_point(ranges, values, design.values_with, design.values, body_masses if solids else _no_solids)
+def _point(design: Design, ranges: Sequence[Range], solids: bool, values: tuple[float, ...]) -> Point:
+    return run_point(ranges, values, design.values_with, design.values, body_masses if solids else _no_solids)
 
 
 class Tolerances(Result):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stagecad.parameters.design import Design
 
 
-DEFAULT_POINTS = 11
+DEFAULT_POINTS, MOST_POINTS = 11, 10_000
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,10 @@ class Range:
     unit: str
     values: tuple[float, ...]
 
+    @property
+    def si_unit(self) -> str:
+        return {"mm": "m", "deg": "rad"}.get(self.unit, self.unit)
+
     def override(self, value: float) -> str:
         """`KEY=VALUE` as `--set` takes it."""
         return f"{self.key}={value!r} {self.unit}".rstrip()
@@ -38,11 +42,16 @@ class Range:
 
 @dataclass(frozen=True)
 class Point:
-    """One value of a sweep."""
+    """One value of a sweep, or one combination of values."""
 
-    value: float  # SI
+    values: tuple[float, ...]  # SI, one of each range
     checks: tuple[Check, ...]
-    refused: str = ""  # why the design is refused with this value; then there are no checks
+    refused: str = ""  # why the design is refused with these values; then there are no checks
+
+    @property
+    def failing(self) -> list[str]:
+        """Names of the checks that do not pass."""
+        return [check.name for check in self.checks if check.verdict == "fails"]
 
 
 def read_range(text: str, design: Design) -> Range:
@@ -74,25 +83,39 @@ def read_range(text: str, design: Design) -> Range:
     return Range(key, entry.unit, tuple(values))
 
 
+def combinations(ranges: Sequence[Range]) -> list[tuple[float, ...]]:
+    """Every combination of the values, in the units of the attributes; the last range varies fastest."""
+    keys = [one.key for one in ranges]
+    twice = next((key for key in keys if keys.count(key) > 1), None)
+    if twice is not None:
+        raise InputError(f"--sweep {twice}: is given twice; each key has one range")
+    number = math.prod(len(one.values) for one in ranges)
+    if number > MOST_POINTS:
+        raise InputError(f"--sweep: the ranges have {number} combinations; at most {MOST_POINTS} are allowed")
+    return list(product(*(one.values for one in ranges)))
+
+
 def run_point(
-    swept: Range,
-    value: float,
-    load: Callable[[str], Design],
+    ranges: Sequence[Range],
+    values: Sequence[float],
+    load: Callable[..., Design],
     base: Design,
     masses_of: Callable[[Design], Masses | None],
 ) -> Point:
-    """The checks at one value of a sweep.
+    """The checks at one combination of values.
 
     Args:
-        swept: the range.
-        value: one of its values.
-        load: design with one more override, `KEY=VALUE`.
+        ranges: one or more.
+        values: one of each range.
+        load: design with more overrides, `KEY=VALUE`.
         base: the unchanged design.
         masses_of: masses of a design's own solids; None estimates them from plain volumes.
     """
-    si = to_si(value, swept.unit)
+    pairs = list(zip(ranges, values, strict=True))
+    si = tuple(to_si(value, one.unit) for one, value in pairs)
+    words = [one.override(int(value) if isinstance(base.value(one.key), int) else value) for one, value in pairs]
     try:
-        design = load(swept.override(int(value) if isinstance(base.value(swept.key), int) else value))
+        design = load(*words)
     except InputError as error:
         return Point(si, (), str(error))
     return Point(si, tuple(run_checks(design, masses_of(design))))
@@ -100,24 +123,40 @@ def run_point(
 
 def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
     """The sweep as a JSON document: values, and for each check its value, margin and verdict (null where refused)."""
-    names = list(dict.fromkeys(check.name for point in points for check in point.checks))
-    rows: dict[str, Any] = {}
-    for name in names:
-        found = [next((c for c in point.checks if c.name == name), None) for point in points]
-        unit = next(c.unit for c in found if c is not None)
-        rows[name] = {
-            "unit": unit,
-            "value": [None if c is None else c.value for c in found],
-            "margin": [None if c is None else c.margin for c in found],
-            "verdict": [None if c is None else c.verdict for c in found],
-        }
-    si_unit = {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit)
     return {
         "key": swept.key,
-        "values": [{"value": point.value, "unit": si_unit} for point in points],
+        "values": [as_json(point.values[0], swept.si_unit) for point in points],
         "refused": [point.refused or None for point in points],
-        "checks": rows,
+        "checks": _rows(points),
     }
+
+
+def grid_table(ranges: Sequence[Range], points: Sequence[Point]) -> dict[str, Any]:
+    """The grid as a JSON document: values of each point, and for each check its value, margin and verdict by point."""
+    return {
+        "keys": [one.key for one in ranges],
+        "points": [
+            {
+                "values": [as_json(value, one.si_unit) for value, one in zip(point.values, ranges, strict=True)],
+                "failing": point.failing if point.checks else None,
+                "refused": point.refused or None,
+            }
+            for point in points
+        ],
+        "checks": _rows(points),
+    }
+
+
+def _rows(points: Sequence[Point]) -> dict[str, Any]:
+    """Unit, values, margins and verdicts of each check at all points; None where the design is refused."""
+    by_name = [{check.name: check for check in point.checks} for point in points]
+    rows: dict[str, Any] = {}
+    for name in dict.fromkeys(name for checks in by_name for name in checks):
+        found = [checks.get(name) for checks in by_name]
+        rows[name] = {"unit": next(check.unit for check in found if check is not None)}
+        for what in ("value", "margin", "verdict"):
+            rows[name][what] = [None if check is None else getattr(check, what) for check in found]
+    return rows
 
 
 def changing_checks(points: Sequence[Point], least: float = 1e-3) -> list[str]:
@@ -136,86 +175,3 @@ def changing_checks(points: Sequence[Point], least: float = 1e-3) -> list[str]:
     size = {name: width[name] / (1 + max(abs(v) for v in m)) for name, m in margins.items()}
     kept = [name for name in margins if width[name] > least]
     return sorted(kept, key=lambda name: (-len(verdicts[name]), -size[name]))
-
-
-MOST_POINTS = 10_000
-
-
-@dataclass(frozen=True)
-class GridPoint:
-    """One combination of values."""
-
-    values: tuple[float, ...]  # SI, one of each range
-    checks: tuple[Check, ...]
-    refused: str = ""  # why the design is refused with these values; then there are no checks
-
-    @property
-    def failing(self) -> list[str]:
-        """Names of the checks that do not pass."""
-        return [check.name for check in self.checks if check.verdict == "fails"]
-
-
-def combinations(ranges: Sequence[Range]) -> list[tuple[float, ...]]:
-    """Every combination of the values, in the units of the attributes; the last range varies fastest."""
-    keys = [one.key for one in ranges]
-    twice = next((key for key in keys if keys.count(key) > 1), None)
-    if twice is not None:
-        raise InputError(f"--sweep {twice}: is given twice; each key has one range")
-    number = math.prod(len(one.values) for one in ranges)
-    if number > MOST_POINTS:
-        raise InputError(f"--sweep: the ranges have {number} combinations; at most {MOST_POINTS} are allowed")
-    return list(product(*(one.values for one in ranges)))
-
-
-def run_grid_point(
-    ranges: Sequence[Range],
-    values: Sequence[float],
-    load: Callable[..., Design],
-    base: Design,
-    masses_of: Callable[[Design], Masses | None],
-) -> GridPoint:
-    """The checks at one combination of values.
-
-    Args:
-        ranges: of the grid.
-        values: one of each range.
-        load: design with more overrides, `KEY=VALUE`.
-        base: the unchanged design.
-        masses_of: masses of a design's own solids; None estimates them from plain volumes.
-    """
-    si = tuple(to_si(value, one.unit) for one, value in zip(ranges, values, strict=True))
-    pairs = zip(ranges, values, strict=True)
-    words = [r.override(int(v) if isinstance(base.value(r.key), int) else v) for r, v in pairs]
-    try:
-        design = load(*words)
-    except InputError as error:
-        return GridPoint(si, (), str(error))
-    return GridPoint(si, tuple(run_checks(design, masses_of(design))))
-
-
-def grid_table(ranges: Sequence[Range], points: Sequence[GridPoint]) -> dict[str, Any]:
-    """The grid as a JSON document: values of each point, and for each check its value, margin and verdict by point."""
-    names = list(dict.fromkeys(check.name for point in points for check in point.checks))
-    rows: dict[str, Any] = {}
-    by_name = [{check.name: check for check in point.checks} for point in points]
-    for name in names:
-        found = [checks.get(name) for checks in by_name]
-        rows[name] = {
-            "unit": next(c.unit for c in found if c is not None),
-            "value": [None if c is None else c.value for c in found],
-            "margin": [None if c is None else c.margin for c in found],
-            "verdict": [None if c is None else c.verdict for c in found],
-        }
-    units = [{"mm": "m", "deg": "rad"}.get(one.unit, one.unit) for one in ranges]
-    return {
-        "keys": [one.key for one in ranges],
-        "points": [
-            {
-                "values": [as_json(value, unit) for value, unit in zip(point.values, units, strict=True)],
-                "failing": point.failing if point.checks else None,
-                "refused": point.refused or None,
-            }
-            for point in points
-        ],
-        "checks": rows,
-    }

@@ -226,7 +226,7 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
             raise InputError("too far apart")
         return load(override)
 
-    points = [run_point(swept, value, some, design, lambda changed: None) for value in swept.values]
+    points = [run_point([swept], [value], some, design, lambda changed: None) for value in swept.values]
     assert points[2].refused == "too far apart" and not points[2].checks
     assert changing_checks(points)[0] == "bolt spacing against its optimum"  # its verdict changes
     document = table(swept, points)
