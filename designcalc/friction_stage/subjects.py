@@ -43,13 +43,7 @@ MASS_KEYS = ("stage.", "tip.", "teeth.", "tooth_iron.", "magnet.", "actuator.", 
 
 
 def changed_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMasses:
-    """Masses of a design from those of the solids of another one.
-
-    Args:
-        design: the changed design.
-        base: the design of the solids.
-        masses: of its solids.
-    """
+    """Masses of a design from those of the solids of another one, `base`."""
     moving, tip = masses.moving, masses.tip
     mass = moving.mass + _moving(design) - _moving(base)
     scale = mass / moving.mass

@@ -118,16 +118,8 @@ def requirement_levels(
     seed: int = 1,
     tell: Callable[[str], None] = lambda words: None,
 ) -> Levels:
-    """Study how far the requirements of Table 1 can be met.
-
-    Args:
-        vary: the design with overrides `KEY=VALUE`.
-        machine: free parameters.
-        masses: of the present solids.
-        budget: evaluations of each search of a design.
-        seed: of its random numbers.
-        tell: called with what is being done.
-    """
+    """Study how far the requirements of Table 1 can be met; `vary`: the design with overrides `KEY=VALUE`; `budget`:
+    evaluations of each search of a design; `tell` is called with what is being done."""
     return _Study(vary, machine, masses, budget, seed, tell).levels()
 
 

@@ -81,12 +81,8 @@ class Free:
 
 
 def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
-    """Parameters that are free: those marked in the file (`free = "8 mm..20 mm"`), and those of `--free`.
-
-    Args:
-        design: the design.
-        given: texts `KEY=LOW:HIGH`, or `KEY=A|B|C` for choices; they replace the marks of the same keys.
-    """
+    """Parameters that are free: those marked in the file (`free = "8 mm..20 mm"`), and those of `--free`, texts
+    `KEY=LOW:HIGH` or `KEY=A|B|C` for choices, which replace the marks of the same keys."""
     found = {
         entry.key: read_range(entry.key, entry.free, "..", design, "free") for entry in design.entries if entry.free
     }

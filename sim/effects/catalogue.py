@@ -122,12 +122,8 @@ def rounding_effects(names: Sequence[str], custom: Sequence[Effect] = ()) -> lis
 
 
 def laws_of(name: str, custom: Sequence[Effect] = ()) -> tuple[Effect, ...]:
-    """The other laws of the effect called `name`, in the same contact and on the same channel.
-
-    Args:
-        name: an effect without a variant: `stribeck`, `contact.stribeck`, `sensor_drift@position`.
-        custom: the user's own effects.
-    """
+    """The other laws of the effect called `name` (without a variant: `stribeck`, `contact.stribeck`,
+    `sensor_drift@position`), in the same contact and on the same channel."""
     plain, at, channel = name.partition("@")
     _, copied, copy = plain.partition("#")
     where = "contact." if plain.startswith("contact.") else ""

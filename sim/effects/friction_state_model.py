@@ -72,13 +72,8 @@ class FrictionStateModel:
 def parallel_elements(
     name: str, elements: Callable[[Any], Elements], damping: Callable[[Any], float] | None = None
 ) -> FrictionStateModel:
-    """A model of parallel elasto-plastic elements: ideal along a record, yielding smoothly in a simulation.
-
-    Args:
-        name: of the model.
-        elements: a function of `p`.
-        damping: dashpots in place of springs, N s/m all together; a function of `p`.
-    """
+    """A model of parallel elasto-plastic elements, a function of `p`: ideal along a record, yielding smoothly in a
+    simulation; `damping`: dashpots in place of springs, N s/m all together."""
 
     def table(p: Any) -> np.ndarray:
         stretches, weights, force = elements(p)

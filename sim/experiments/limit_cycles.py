@@ -99,14 +99,7 @@ def cycle(friction: Friction, core: str, speed: float, stiffness: float, mass: f
 
 
 def limit_cycles(friction: Friction, core: str, stiffness: float, mass: float = 1.0) -> LimitCycles:
-    """Limit cycles at each of `SPEEDS`, and the critical speed by bisection.
-
-    Args:
-        friction: its parameters, SI.
-        core: name of the friction model.
-        stiffness: of the spring, N/m.
-        mass: kg.
-    """
+    """Limit cycles at each of `SPEEDS`, and the critical speed by bisection; stiffness in N/m, mass in kg."""
     cycles = tuple(cycle(friction, core, speed, stiffness, mass) for speed in SPEEDS)
     still = 2.0 * STICKS * (friction.breakaway - friction.coulomb)
     slides = [k for k, one in enumerate(cycles) if one.size < still]

@@ -32,14 +32,7 @@ class Presliding:
 
 
 def presliding(friction: Friction, core: str, mass: float = 1.0, tolerance: float = 1e-10) -> Presliding:
-    """Force 0 -> 0.95 Fs at 1 s -> -0.95 Fs at 3 s -> 0 at 4 s, from rest.
-
-    Args:
-        friction: its parameters, SI.
-        core: name of the friction model.
-        mass: kg.
-        tolerance: of the integration.
-    """
+    """Force 0 -> 0.95 Fs at 1 s -> -0.95 Fs at 3 s -> 0 at 4 s, from rest; mass in kg."""
     peak = SHARE * friction.breakaway
     time = np.linspace(0.0, 4.0, 8001)
     push = drive.force([0.0, 1.0, 3.0, 4.0], [0.0, peak, -peak, 0.0])

@@ -49,14 +49,7 @@ class StickSlip:
 
 
 def stick_slip(friction: Friction, core: str, mass: float = 1.0, tolerance: float = 1e-10) -> StickSlip:
-    """A mass pulled through a spring of 2 N/m at 0.1 m/s, from rest, for 20 s (40 s where a period is read).
-
-    Args:
-        friction: its parameters, SI.
-        core: name of the friction model.
-        mass: kg.
-        tolerance: of the integration.
-    """
+    """A mass (kg) pulled through a spring of 2 N/m at 0.1 m/s, from rest, for 20 s (40 s where a period is read)."""
     time = np.linspace(0.0, HORIZON, 160001)
     pull = drive.pulled_spring([0.0, HORIZON], [0.0, PULL * HORIZON], STIFFNESS)
     model = friction.model(core)

@@ -158,16 +158,10 @@ def force_at(drive: Drive, time: np.ndarray) -> np.ndarray:
 
 
 def compressed(drive: Drive, begin: float, end: float, mass: float, accuracy: float) -> Drive:
-    """The drive from `begin` to `end` with as few segments as the tolerance allows.
+    """The drive from `begin` to `end`, s, with as few segments as the tolerance allows; the wave is unchanged.
 
-    Args:
-        drive: segments and a wave; the wave is unchanged.
-        begin, end: of the simulation, s.
-        mass: moved by the drive, kg.
-        accuracy: error of velocity and position that is tolerated in a step, m/s and m.
-
-    Returns:
-        A drive that differs by at most `SHARE` of that anywhere; the same one when nothing can be joined.
+    It differs by at most `SHARE` of `accuracy` (of velocity and position in a step, m/s and m) anywhere, for a mass in
+    kg; the same drive when nothing can be joined.
     """
     if drive.knots.size < FEWEST or not math.isfinite(end):
         return drive

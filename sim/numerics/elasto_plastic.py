@@ -52,15 +52,8 @@ class Springs(NamedTuple):
 
 
 def elements_along(stretches: np.ndarray, curve: np.ndarray, force: float = 1.0) -> Elements:
-    """Elements whose virgin curve meets a concave `curve` (b,), force over limit, at the stretches (b,), m.
-
-    w_k = (m_k - m_(k+1)) s_k,    m_k: slope of the curve up to s_k
-
-    Args:
-        stretches: ascending, m, (b,).
-        curve: force over the friction limit, (b,).
-        force: the friction limit at which it holds, N.
-    """
+    """Elements whose virgin curve meets a concave `curve` (b,), force over the limit `force` (N), at the stretches
+    (b,), m, ascending: w_k = (m_k - m_(k+1)) s_k, m_k the slope of the curve up to s_k."""
     slope = np.diff(curve, prepend=0.0) / np.diff(stretches, prepend=0.0)
     return Elements(stretches, np.maximum((slope - np.append(slope[1:], 0.0)) * stretches, 0.0), force)
 
@@ -89,14 +82,8 @@ def displace(springs: Springs, displacement: float, level: float) -> float:
 
 @inlined
 def mean_force(springs: Springs, loss: float, displacement: float, level: float) -> tuple[float, float]:
-    """Sum of the forces at half of a displacement, N, with a dashpot to each spring, and its tangent, N/m.
-
-    Args:
-        springs: state before the displacement.
-        loss: dashpot over the duration of the displacement, N/m, of each spring; the limit includes its force.
-        displacement: m.
-        level: friction limit, N.
-    """
+    """Sum of the forces at half of a displacement (m), N, with a dashpot `loss` to each spring (over the duration of
+    the displacement, N/m), and its tangent, N/m; the limit `level`, N, includes the dashpot's force."""
     total, tangent = 0.0, 0.0
     for k in range(springs.force.size):
         rate, most = 0.5 * springs.stiffness[k] + loss, level * springs.limit[k]
@@ -205,16 +192,11 @@ def _behind_gap(displacements: np.ndarray, level: np.ndarray, springs: Springs, 
 
 
 def position_behind_gap(position: np.ndarray, level: np.ndarray, elements: Elements, gap: float) -> np.ndarray:
-    """Position (n,) of elements that are moved through a gap, m: they rest, without force, while the gap is crossed.
+    """Position (n,) of elements that are moved through a gap of full width `gap`, m: they rest, without force, while it
+    is crossed.
 
     After a reversal the elements unload first; where the sum of their forces is zero, the contact opens. Rigid elements
     unload at once: then it is the play operator.
-
-    Args:
-        position: of the drive, (n,), m.
-        level: friction limit, N, (n,).
-        elements: on the other side of the gap.
-        gap: full width, m.
     """
     position = np.ascontiguousarray(position, dtype=float)
     moved = _behind_gap(np.diff(position), np.ascontiguousarray(level, dtype=float), springs_of(elements), gap)

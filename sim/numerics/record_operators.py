@@ -131,15 +131,8 @@ def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) ->
 def ageing_strength(
     time: np.ndarray, gone: np.ndarray, rested: np.ndarray, cut_off: float, memory_length: float
 ) -> np.ndarray:
-    """Strength ln(1 + time at rest/cut_off) of a contact (n,), which decays with the distance slid.
-
-    Args:
-        time: s, (n,).
-        gone: distance slid, m, (n,).
-        rested: above zero where the body rests, (n,).
-        cut_off: s.
-        memory_length: distance over which the strength falls to 1/e, m.
-    """
+    """Strength ln(1 + time at rest/cut_off) of a contact (n,), which decays to 1/e over the distance slid
+    `memory_length`; `gone`: distance slid, m; `rested`: above zero where the body rests."""
     out = np.empty(time.size)
     age = 0.0
     out[0] = 0.0

@@ -41,14 +41,8 @@ def _slopes(t: float) -> tuple[float, float, float, float]:
 def shapes_at(
     grid: np.ndarray, origin: np.ndarray, spacing: np.ndarray, place: tuple[float, float], out: np.ndarray
 ) -> None:
-    """Deflection and slopes of every mode at a place on the stage.
-
-    Args:
-        grid: deflection of each mode at the nodes, (modes, across, along).
-        origin, spacing: place of the first node and distance between nodes, m, (2,).
-        place: (x, y) from the middle of the stage, m; beyond the grid its edge holds.
-        out: deflection, slope along x, slope along y, (3, modes), written in place.
-    """
+    """Write deflection and slopes along x and y of every mode (modes, across, along) at a place (x, y) on the stage, m,
+    to `out` (3, modes); beyond the grid its edge holds."""
     rows, columns = grid.shape[1], grid.shape[2]
     u = min(max((place[0] - origin[0]) / spacing[0], 0.0), columns - 1.0)
     v = min(max((place[1] - origin[1]) / spacing[1], 0.0), rows - 1.0)

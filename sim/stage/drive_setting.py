@@ -44,14 +44,7 @@ class Setting:
 def run_setting(
     machine: StageMachine, setting: Setting, duration: float, step: float = STEP, stride: int = STRIDE
 ) -> StageRun:
-    """Drive the stage at a setting, its ellipse grown over the first periods.
-
-    Args:
-        machine, setting: the driven machine and its drive.
-        duration: s.
-        step: of the integration, s.
-        stride: steps to a row.
-    """
+    """Drive the stage at a setting for `duration`, s, its ellipse grown over the first periods."""
     time = step_times(round(duration / step / stride) * stride, step)
     rest = over_drive_surface(machine, setting.position, setting.height)
     return drive_stage(machine, rest, _wave(machine, setting, time), step, stride, setting.velocity)
@@ -81,15 +74,11 @@ class Steady:
 def steady(
     machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5, guess: float = GUESS
 ) -> Steady:
-    """Steady speed at a setting, about mid-travel, begun near it.
+    """Steady speed at a setting, whose position and velocity are chosen here, about mid-travel.
 
     The run continues until its last two fifths are equally fast: pads may take a second to bring a stage to rest
-    that its tip drives too weakly, and a speed on the way down is not steady.
-
-    Args:
-        machine, setting: the driven machine and its drive; its position and velocity are chosen here.
-        shortest, longest: of the shortest run, s; between them it is five periods.
-        guess: speed over X f with which the run begins: from another one it may end in another limit cycle.
+    that its tip drives too weakly, and a speed on the way down is not steady. The shortest run has five periods, within
+    `shortest` and `longest`, s; with another `guess` of the speed over X f it may end in another limit cycle.
     """
     duration = min(max(shortest, 5.0 / setting.frequency), longest) / PIECES
     steps = round(duration / STEP / STEADY_STRIDE) * STEADY_STRIDE

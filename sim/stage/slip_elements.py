@@ -49,13 +49,8 @@ def slip(
     An element that sticks also damps: its force is k (z + tau z'). Slip begins when that exceeds the cap, and the force
     stays at the cap while z relaxes with tau: at speed nothing is left of the damping.
 
-    Args:
-        force: of the elements, N, (elements, 2), written in place.
-        stiffness: tangential, before and after the step, N/m.
-        cap: friction limit, N.
-        shares: of the stiffness and of the cap, of each element.
-        way: motion (x, y) in the step, m.
-        lag: tau over the step.
+    `force` of the elements, N, (elements, 2), is written in place; `stiffness` before and after the step, N/m; `cap`,
+    N; `shares` of both of each element; `way` in the step, m; `lag`: tau over the step.
     """
     tangent_before, tangent = stiffness
     stiffness_shares, cap_shares = shares

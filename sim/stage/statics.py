@@ -55,15 +55,8 @@ def _tip_load(machine: StageMachine, depth: float) -> tuple[float, float]:
 def rest_at(
     machine: StageMachine, position: float, apex_heights: np.ndarray, pad_height: float = 2e-3, lifted: float = 0.0
 ) -> Rest:
-    """Rest with the tips at given heights over the unloaded drive surface.
-
-    Args:
-        machine: the machine.
-        position: of the stage's middle, m.
-        apex_heights: m, (actuators,).
-        pad_height: of the pads below the drive surface, m.
-        lifted: dead load upwards in the place of each tip, N.
-    """
+    """Rest with the apexes at given heights over the unloaded drive surface, m, (actuators,), the stage's middle at
+    `position`, m; `lifted`: dead load upwards in the place of each tip, N."""
     stage, bending = machine.stage, machine.stage.bending
     centre = np.asarray(stage.centre, dtype=float)
     heights = np.asarray(apex_heights, dtype=float)

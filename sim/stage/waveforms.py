@@ -87,16 +87,10 @@ def ellipse_wave(
     lift: np.ndarray | float = 0.0,
     phases: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Voltages (n, actuators, 3) for ellipses run through at `frequency`.
+    """Voltages (n, actuators, 3) at times (n,), s, for ellipses (one for all actuators, or one each) run through at
+    `frequency`, Hz.
 
-    Args:
-        machine: for the piezos' places and gain.
-        ellipses: one for all actuators, or one each.
-        frequency: Hz.
-        time: s, shape (n,).
-        envelope: scales the ellipse, shape (n,).
-        lift: raises the middle of the ellipse, m, shape (n,).
-        phases: of each actuator's turn, rad.
+    The `envelope` (n,) scales the ellipse; `lift` (n,) raises its middle, m; `phases`: of each actuator's turn, rad.
     """
     actuators = len(machine.actuators)
     paths = [ellipses] * actuators if isinstance(ellipses, Ellipse) else ellipses
@@ -110,14 +104,8 @@ def ellipse_wave(
 
 
 def knots_wave(machine: StageMachine, time: np.ndarray, knots: np.ndarray, apex: np.ndarray) -> np.ndarray:
-    """Voltages (n, actuators, 3) for an unloaded apex led along straight lines.
-
-    Args:
-        machine: for places and gain.
-        time: s, shape (n,).
-        knots: s, shape (m,).
-        apex: (x, y, z) at the knots, m, shape (m, 3); the same for every actuator.
-    """
+    """Voltages (n, actuators, 3) at times (n,), s, for unloaded apexes led along straight lines through `apex` (m, 3),
+    m, at `knots` (m,), s."""
     x, y, z = (np.interp(time, knots, apex[:, i]) for i in range(3))
     wave = volts_for(machine, x, y, z)
     return np.repeat(wave[:, None, :], len(machine.actuators), axis=1)

@@ -20,16 +20,11 @@ _NAMED = 2
 def evaluate_proposals(
     checks: Sequence[Check], design: Design, masses: Masses | None, load: Callable[[str], Design]
 ) -> list[Check]:
-    """The checks with their proposed changes evaluated, and what that shows in their proposals.
+    """The checks of a design with their proposed changes evaluated, and what that shows in their proposals.
 
-    A change is made on the design; then its rules are checked, and every check that reads a value which differs.
-    Changes that pass without side effect come first, those of values that `--set` gives last.
-
-    Args:
-        checks: of the design, all of them.
-        design: the design.
-        masses: with which they were run.
-        load: design with one more override, `KEY=VALUE`, without regard to rules.
+    A change is made on the design by `load`, without regard to rules; then its rules are checked, and every check that
+    reads a value which differs. Changes that pass without side effect come first, those of values that `--set` gives
+    last.
     """
     found = []
     for check in checks:

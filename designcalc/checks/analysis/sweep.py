@@ -102,15 +102,8 @@ def run_point(
     base: Design,
     masses_of: Callable[[Design], Masses | None],
 ) -> Point:
-    """The checks at one combination of values.
-
-    Args:
-        ranges: one or more.
-        values: one of each range.
-        load: design with more overrides, `KEY=VALUE`.
-        base: the unchanged design.
-        masses_of: masses of a design's own solids; None estimates them from plain volumes.
-    """
+    """The checks at one combination of values, one of each range; `load`: design with more overrides, `KEY=VALUE`;
+    `masses_of` a design's own solids, or None for estimates from plain volumes."""
     pairs = list(zip(ranges, values, strict=True))
     si = tuple(to_si(value, one.unit) for one, value in pairs)
     words = [one.override(int(value) if isinstance(base.value(one.key), int) else value) for one, value in pairs]

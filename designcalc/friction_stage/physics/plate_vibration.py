@@ -65,13 +65,9 @@ class HeldPlate:
         return floor, self.push * (self.compliance + (resonances - 1.0) @ shares.T)
 
     def ring_down(self, force: float, limit: float) -> float:
-        """Time after which the vibration of every place by a force that leaves the tip at once stays below a limit, s.
+        """Time (s) after which the vibration by a force (N) that leaves the tip is below a limit (m) everywhere.
 
         The envelope ``sum_m |phi_m(tip) phi_m(payload)| F/omega_m^2 exp(-zeta_m omega_m t)``: all modes add up.
-
-        Args:
-            force: F, N.
-            limit: m, > 0.
         """
         rates = 2 * np.pi * self.frequency
         sizes, decays = force * np.abs(self.tip * self.payload) / rates**2, self.damping * rates

@@ -99,12 +99,8 @@ def stage_modes(r: DesignInputs, count: int, places: ArrayLike = (TIP,)) -> Mode
 
 
 def modal_damping(r: DesignInputs, frequency: Array, at_pads: Array) -> Array:
-    """Damping ratio of modes of mass 1 kg, shape (modes,): of pads and plate in proportion to the energy they store.
-
-    Args:
-        frequency: Hz, shape (modes,).
-        at_pads: deflection of the modes there, kg^-1/2, shape (pads, modes).
-    """
+    """Damping ratio of modes of mass 1 kg and frequency (modes,), Hz: of pads, where they deflect by `at_pads` (pads,
+    modes), kg^-1/2, and plate in proportion to the energy they store."""
     stored = (pad_spring_stiffness(r)[:, None] * at_pads**2).sum(axis=0) / (2 * np.pi * frequency) ** 2
     return stored * r("bearing.damping_ratio") + (1 - stored) * r("stage.damping_ratio")
 

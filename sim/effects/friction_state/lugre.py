@@ -127,15 +127,9 @@ def spring_force(
 ) -> np.ndarray:
     """Spring force a0 z of the bristles along a measured motion, N, shape (n,).
 
-    Solves z' = (v - a0 |v| z/g) / (1 + a1 |v|/g) exactly over each interval, of constant velocity and level: a0 z tends
-    to g sign(v) over the length (g + a1 |v|)/a0. So no interval is too long.
-
-    Args:
-        position: m, shape (n,).
-        time: s, shape (n,), increasing.
-        level: friction level g, N, shape (n,); no friction where it is not positive.
-        stiffness: a0, N/m.
-        damping: a1 in the rate (causal law only), N*s/m.
+    Solves z' = (v - a0 |v| z/g) / (1 + a1 |v|/g) exactly over each interval, of constant velocity and level g (N): a0 z
+    tends to g sign(v) over the length (g + a1 |v|)/a0. So no interval is too long. `damping`: a1 in the rate (causal
+    law only), N*s/m; no friction where the level is not positive.
 
     Source: Canudas de Wit et al. 1995, IEEE Trans. Automatic Control 40(3), eq. 1-2, solved for constant velocity.
     """

@@ -71,14 +71,8 @@ def _log_sum(a: float, b: float) -> float:
 def _after(force: float, g: float, way: float, rest: float, width: float) -> tuple[float, float]:
     """Force, never negative, after a displacement with constant velocity, and the displacement left once it is zero.
 
-    With E = exp((g - force)/A) the law is linear, E' = (k/A) (v_0 - v E), for forces in one direction.
-
-    Args:
-        force: at the start, N.
-        g: level, N.
-        way: k times the displacement, N; below zero where it unloads.
-        rest: k v_0 times the time, N.
-        width: A = a g, N.
+    With E = exp((g - force)/A) the law is linear, E' = (k/A) (v_0 - v E), for forces in one direction. In N: `way` is
+    k times the displacement, below zero where it unloads; `rest` is k v_0 times the time; `width` is A = a g.
     """
     q = way / width
     start, gain = (g - force) / width, rest / width

@@ -119,18 +119,12 @@ class Zeros:
 
 
 class _Packed:
-    """Arguments as eight-byte words.
-
-    Args:
-        codes: of the words, for module `struct`.
-        words: numbers, addresses and lengths.
-        zeros: index of the address among the words, and offset, of each array of zeros.
-        length: of all these arrays together.
-    """
+    """Arguments as eight-byte words."""
 
     def __init__(self, arguments: Any) -> None:
-        self.codes: list[str] = []
-        self.words: list[Any] = []
+        self.codes: list[str] = []  # of the words, for module `struct`
+        self.words: list[Any] = []  # numbers, addresses and lengths
+        # index of the address among the words, and offset, of each array of zeros; their length together
         self.zeros: list[tuple[int, int]] = []
         self.length = 0
         self._add(arguments)

@@ -226,13 +226,8 @@ def _switched(constants: Constants, now: Inputs, state: State, event: Event) -> 
 def _advanced(
     constants: Constants, row: Inputs, state: State, now: float, until: float, regular: Transition, evenly: bool
 ) -> State:
-    """State at `until`, s after the row, from that at `now`: from event to event.
-
-    Args:
-        row: inputs at the row.
-        regular: propagator over one regular interval between event checks.
-        evenly: whether the first interval is such a one.
-    """
+    """State at `until`, s after the row, from that at `now`, from event to event; `regular`: propagator over one
+    regular interval between event checks, which the first interval is where it is `evenly` spaced."""
     for number in range(MOST_EVENTS):
         left = until - now
         if left <= 0.0:

@@ -69,15 +69,12 @@ class Nudging(NamedTuple):
 
 
 def resolved_stage(stage: DrivenStage, guide: float = 0.0) -> DrivenStage:
-    """The stage with mass and damping for which its oscillation on the contact is resolved by the rows.
+    """The stage with mass and damping for which its oscillation on the contact is resolved by the rows; `guide`:
+    further stiffness, N/m.
 
     A slow record would be simulated through oscillations that have decayed long before the next row. A heavier stage,
     with the same damping ratio, oscillates five times a row in their place; its lag is 1 % at the highest frequency
     that rows can show, and falls with the square of the frequency.
-
-    Args:
-        stage: with its own mass and damping.
-        guide: further stiffness, N/m.
     """
     frequency = np.sqrt((stage.stiffness + guide) / stage.mass)
     heavier = max(frequency * stage.step / MOST_PHASE, 1.0) ** 2

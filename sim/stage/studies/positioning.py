@@ -32,15 +32,7 @@ LINES = 24
 
 
 class Disturbances:
-    """Samples of all disturbances, one a period of the controller.
-
-    Args:
-        surroundings: of the machine; None is a quiet place.
-        piezo: whose amplifiers are noisy.
-        period: of the controller, s.
-        step: of the integration, s.
-        seed: of the random numbers.
-    """
+    """Samples of all disturbances, one a `period` of the controller, s; no surroundings are a quiet place."""
 
     def __init__(
         self, surroundings: Surroundings | None, piezo: Piezo, period: float, step: float, seed: int = 2
@@ -142,12 +134,7 @@ class Positioning:
         return self.run.position[:, 0] + self.by_floor - self.target
 
     def within(self, limit: float, mean_time: float = 0.0) -> float | None:
-        """Time from which the true error stays within a limit (m), s; None if it does not.
-
-        Args:
-            limit: m.
-            mean_time: over which the error is averaged first, s; 0 takes every period by itself.
-        """
+        """Time from which the true error, averaged over `mean_time` (s), stays within a limit (m), s; None if never."""
         step = float(np.diff(self.run.time[:2])[0])
         count = max(1, round(mean_time / step))
         mean = np.convolve(self.error, np.full(count, 1.0 / count), mode="same")[: self.error.size - count // 2]
@@ -196,12 +183,7 @@ def _sensor(name: str, machine: StageMachine, period: float) -> Any:
 
 
 class Actuation:
-    """Voltages of one period of the drive: an ellipse with a part of its travel, a lift and a lean on top.
-
-    Args:
-        drive: of a machine with one actuator.
-        step: of the integration, s.
-    """
+    """Voltages of one period of a drive with one actuator: an ellipse with a part of its travel, a lift and a lean."""
 
     def __init__(self, drive: TipDrive, step: float) -> None:
         self.machine, self.path = drive.machine, drive.path
