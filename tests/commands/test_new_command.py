@@ -85,9 +85,7 @@ def test_nothing_is_overwritten(capsys: pytest.CaptureFixture[str]) -> None:
     assert "is there already" in capsys.readouterr().err
 
 
-def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(capsys: pytest.CaptureFixture[str]) -> None:
     assert stagecad(["new", "hardware", "piezos"]) == 0
     assert 'piezos = "piezos.csv"' in capsys.readouterr().out
     table = Path("piezos.csv").read_text("utf-8").replace("20,17", "20,38")

@@ -10,9 +10,7 @@ ROWS = 4000
 
 
 def write(
-    folder: Path,
-    force: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    effects: str = '"coulomb", "viscous"',
+    folder: Path, force: Callable[[np.ndarray, np.ndarray], np.ndarray], effects: str = '"coulomb", "viscous"'
 ) -> Path:
     """Write an experiment whose friction force is `force(position, velocity)`, SI units, plus white noise.
 

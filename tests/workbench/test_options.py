@@ -11,10 +11,7 @@ from workbench import cli
 from workbench.operations.measurement.demonstration import fresh_copy
 
 
-@pytest.mark.parametrize(
-    ("line", "message"),
-    cases("mistaken_options", "mistakes"),
-)
+@pytest.mark.parametrize(("line", "message"), cases("mistaken_options", "mistakes"))
 def test_a_mistake_is_one_line_and_nothing_is_written(tmp_path, monkeypatch, capsys, line, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "notes.toml").write_text("")

@@ -268,10 +268,7 @@ def test_the_operator_along_a_record_agrees_with_the_integrated_core(name):
 
 @pytest.mark.parametrize("name", CORES)
 @settings(max_examples=15, deadline=None)
-@given(
-    amplitudes=st.lists(st.floats(0.2, 2.0), min_size=3, max_size=5),
-    seed=st.integers(0, 100),
-)
+@given(amplitudes=st.lists(st.floats(0.2, 2.0), min_size=3, max_size=5), seed=st.integers(0, 100))
 def test_the_energy_of_a_simulation_balances(name, amplitudes, seed):
     random = np.random.default_rng(seed)
     knots = np.arange(len(amplitudes) + 1) * 0.1

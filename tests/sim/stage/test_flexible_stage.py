@@ -53,11 +53,7 @@ def machine() -> StageMachine:
     ]
     base = ideal_piezos(example())
     stage = replace(
-        base.stage,
-        mass=own + 1.0,
-        centre=np.array([0.0, 0.0, 0.006]),
-        inertia=np.diag([*turns, 0.03]),
-        bending=bending,
+        base.stage, mass=own + 1.0, centre=np.array([0.0, 0.0, 0.006]), inertia=np.diag([*turns, 0.03]), bending=bending
     )
     tip = replace(
         base.tip, moment=0.03 * 0.01, sway_stiffness=5e5, sway_damping=2 * 0.05 * math.sqrt(5e5 * base.tip.mass)

@@ -35,19 +35,13 @@ def test_values_with_units(text: str, unit: str, expected: float) -> None:
     assert _value(text, unit, x=0.1, y=0.2) == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "text, unit, words",
-    cases("formulas", "units"),
-)
+@pytest.mark.parametrize("text, unit, words", cases("formulas", "units"))
 def test_units_that_do_not_match(text: str, unit: str, words: str) -> None:
     with pytest.raises(InputError, match=words.replace("^", r"\^")):
         _value(text, unit, x=0.1)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [*cases("formulas", "refused"), "=" + "(" * 400],
-)
+@pytest.mark.parametrize("text", [*cases("formulas", "refused"), "=" + "(" * 400])
 def test_what_is_no_formula_is_refused(text: str) -> None:
     """Nothing but arithmetic is accepted."""
     with pytest.raises(FormulaError):
@@ -78,10 +72,7 @@ def test_formula_in_a_file() -> None:
     assert design.si("pads.width") == pytest.approx(0.013)
 
 
-@pytest.mark.parametrize(
-    "content, words",
-    cases("formulas", "faults"),
-)
+@pytest.mark.parametrize("content, words", cases("formulas", "faults"))
 def test_faults_name_file_and_key(content: str, words: str) -> None:
     with pytest.raises(InputError) as error:
         design_from_text(START + content, "s.toml")

@@ -112,14 +112,7 @@ def test_interferences_follow_from_their_formulas(letter: str, grade: int, facto
 def test_only_classes_of_the_table_are_accepted() -> None:
     assert [
         text for text in ("H7", "js6", "JS9", "H4", "h12", "Hg7", "k6", "zc8", "I7", "7H", "") if is_class(text)
-    ] == [
-        "H7",
-        "js6",
-        "JS9",
-        "h12",
-        "k6",
-        "zc8",
-    ]
+    ] == ["H7", "js6", "JS9", "h12", "k6", "zc8"]
     with pytest.raises(ValueError, match="no tolerance class H7 for 260 mm"):
         deviations(260.0, "H7")
 

@@ -84,10 +84,7 @@ def test_materials_and_threads_of_a_table_are_used_without_a_row(tmp_path: Path)
     assert design.threads.m6_tap_drill == 5.1 and design.threads.m5_tap_drill == load_design().threads.m5_tap_drill
 
 
-@pytest.mark.parametrize(
-    "old, new, message",
-    cases("hardware_tables", "rows"),
-)
+@pytest.mark.parametrize("old, new, message", cases("hardware_tables", "rows"))
 def test_a_mistake_in_a_table_is_one_line_with_row_and_column(project: Path, old: str, new: str, message: str) -> None:
     text = PIEZOS.replace('"stack, long"', "long")
     assert old in text
@@ -107,10 +104,7 @@ def test_tables_are_read_from_the_project_folder_alone(project: Path, tmp_path_f
         load_design(project)
 
 
-@pytest.mark.parametrize(
-    "text, message",
-    cases("hardware_tables", "files"),
-)
+@pytest.mark.parametrize("text, message", cases("hardware_tables", "files"))
 def test_a_mistake_in_the_parameter_file_names_what_is_allowed(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "s.toml").write_text(f'extends = "thesis"\n{text}', "utf-8")
     with pytest.raises(InputError) as error:

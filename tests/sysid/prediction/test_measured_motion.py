@@ -116,8 +116,7 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    "factor,late,warned",
-    [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True), (30.0 / np.pi, 0, True)],
+    "factor,late,warned", [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True), (30.0 / np.pi, 0, True)]
 )
 def test_a_velocity_that_contradicts_the_position_is_reported(
     tmp_path: Path, factor: float, late: int, warned: bool

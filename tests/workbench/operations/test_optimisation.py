@@ -18,12 +18,7 @@ def test_the_design_found_passes_what_was_required() -> None:
     assert stagecad.checks(thin, solids=False, proposals=False)[SAG].verdict == "fails"
     steps: list[tuple[str, int, int]] = []
     found = optimize(
-        thin,
-        {"stage.thickness": "6 mm:30 mm"},
-        [SAG],
-        only=True,
-        budget=30,
-        progress=lambda *step: steps.append(step),
+        thin, {"stage.thickness": "6 mm:30 mm"}, [SAG], only=True, budget=30, progress=lambda *step: steps.append(step)
     )
     assert found.feasible and list(found.changes) == ["stage.thickness"] and found.unverified == []
     better = thin.with_values(found.changes)

@@ -121,13 +121,7 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
     assert all("unit" in one["question"] for one in proposed["columns"])
     channels: dict[str, Any] = {one["channel"]: {"column": one["column"]} for one in proposed["columns"]}
     record = {"file": "run.csv", "role": "fit"}
-    body = {
-        "name": "rig",
-        "kind": "velocity-drive",
-        "effects": ["coulomb"],
-        "channels": channels,
-        "records": [record],
-    }
+    body = {"name": "rig", "kind": "velocity-drive", "effects": ["coulomb"], "channels": channels, "records": [record]}
     refused = client.post("/api/experiments", json=body)
     assert refused.status_code == 422 and "unit" in refused.json()["error"]
     assert not (folder / "rig" / "experiment.toml").exists()

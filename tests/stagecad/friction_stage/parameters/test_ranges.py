@@ -15,19 +15,13 @@ EMPTY_UNITS = {"deg", "rad", "degC", "1/K"}
 """Units whose keys have bounds of their own, or none."""
 
 
-@pytest.mark.parametrize(
-    ("override", "said"),
-    cases("ranges", "beyond"),
-)
+@pytest.mark.parametrize(("override", "said"), cases("ranges", "beyond"))
 def test_a_value_beyond_its_range_is_refused_with_the_reason(override: str, said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         load_design(None, [override])
 
 
-@pytest.mark.parametrize(
-    "override",
-    cases("ranges", "edges"),
-)
+@pytest.mark.parametrize("override", cases("ranges", "edges"))
 def test_edges_that_consume_their_faces_violate_a_rule(override: str) -> None:
     with pytest.raises(InputError, match=override.partition("=")[0]):
         load_design(None, [override])

@@ -26,10 +26,7 @@ def test_every_rule_can_be_broken_and_the_thesis_breaks_none() -> None:
     assert violations(load_design(rules=False)) == []
 
 
-@pytest.mark.parametrize(
-    "overrides",
-    cases("broken_rules", "alone"),
-)
+@pytest.mark.parametrize("overrides", cases("broken_rules", "alone"))
 def test_the_keys_that_scripts_change_can_be_changed_alone(overrides: list[str]) -> None:
     design = load_design(None, overrides)
     assert design.derived.tip_apex == pytest.approx(design.derived.drive_surface_height, abs=1e-9)

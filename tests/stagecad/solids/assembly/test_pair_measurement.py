@@ -91,12 +91,7 @@ def test_common_volumes_of_overlapping_others_are_those_of_each_alone(drilled) -
 
 @pytest.mark.parametrize(
     ("shift", "expected"),
-    [
-        ((0.0, 0.0, -5.0), 1.0),
-        ((0.25, 0.0, -5.0), 0.75),
-        ((13.0, 0.0, 10.0), 0.0),
-        ((13.0, 0.0, 10.4), 0.4),
-    ],
+    [((0.0, 0.0, -5.0), 1.0), ((0.25, 0.0, -5.0), 0.75), ((13.0, 0.0, 10.0), 0.0), ((13.0, 0.0, 10.4), 0.4)],
 )
 def test_distance_up_to_the_gap_is_exact(solids, shift: tuple[float, float, float], expected: float) -> None:
     plate, pin = solids
