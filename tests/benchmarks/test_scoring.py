@@ -1,7 +1,10 @@
-"""What counts as every hidden effect found, and as a false one."""
+"""What counts as every hidden effect found; a record of ten million rows within two gigabytes."""
+
+from pathlib import Path
 
 import pytest
 
+from benchmarks.large_record import ROWS, measure, write_record
 from benchmarks.scoring import all_found, established, not_hidden
 
 
@@ -33,3 +36,12 @@ def test_false_effects_of_a_ledger() -> None:
     entry = {"effect": "constant_bias+stribeck", "accept": ["stribeck", "constant_bias"]}
     assert not_hidden(told, entry) == ("viscous",)
     assert not_hidden(told, {"effect": "none", "accept": ["adequate"]}) == ("viscous", "cable_spring")
+
+
+@pytest.mark.slow
+def test_ten_million_rows_take_less_than_two_gigabytes(tmp_path: Path) -> None:
+    write_record(tmp_path, ROWS)
+    memory, _, printed = measure(tmp_path)
+    (tmp_path / "long.csv").unlink()
+    assert 0.2e9 < memory < 2e9
+    assert "× the noise: the residual is at the noise level" in printed

@@ -1,6 +1,7 @@
-"""Folders of caches and consents: of this user alone, or not used."""
+"""Folders of this user alone, and a user's files that have the names of the program's packages."""
 
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -107,3 +108,29 @@ def test_without_a_home_folder_a_temporary_cache_is_used(tmp_path: Path, monkeyp
     assert user_folder("XDG_CACHE_HOME", ".cache") is None
     assert cache_root() == tmp_path
     assert os.environ["STAGECAD_CACHE"] == str(tmp_path)
+
+
+def _run(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("sim", "drawings", "workbench", "sysid", "designcalc"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('a file of the user')\n", encoding="utf-8")
+    return tmp_path
+
+
+def test_the_packages_of_the_program_are_found_beside_files_of_their_names(folder: Path) -> None:
+    done = _run(folder, "import stagecad; print(stagecad.Effect.__module__); import sysid; print(sysid.__file__)")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("sim.")
+    assert str(folder) not in done.stdout
+
+
+def test_a_module_imported_before_is_named(tmp_path: Path) -> None:
+    (tmp_path / "sim.py").write_text("", encoding="utf-8")
+    done = _run(tmp_path, "import sim, stagecad")
+    assert done.returncode == 1
+    last = done.stderr.strip().splitlines()[-1]
+    assert str(tmp_path / "sim.py") in last and "sim/__init__.py" in last.replace("\\", "/")

@@ -1,10 +1,14 @@
-"""Pads: thin-film contact against its integral, statics, and averaging against random surfaces."""
+"""Pads and their ways: thin films, statics, roughness, profiles; porous air bearings."""
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.linalg import solve_banded
 
+from designcalc.bearing import porous_air as air
 from designcalc.bearing import sliding as bearing
+from designcalc.bearing.sliding import averaged_roughness
+from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
 from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import point_contact
 from stagecad.parameters.errors import InputError
@@ -115,3 +119,117 @@ def test_averaged_profile_keeps_slow_and_stops_fast():
 
 def test_heat_is_force_times_speed():
     assert float(bearing.friction_heat(0.1, 20.0, 0.2)) == pytest.approx(0.4)
+
+
+ROUGH = Surface(roughness=20e-9, correlation_length=20e-6, waviness=0.0, wavelength=10e-3)
+SIDE = 0.8e-3
+
+
+def test_the_made_up_profile_has_its_roughness_and_its_correlation():
+    profiles, step = synthetic_profiles(ROUGH, 0.5, SIDE, 3)
+    across = np.sqrt(np.sqrt(np.pi) * ROUGH.correlation_length / (4 * np.pi / 15 * SIDE))
+    assert np.std(profiles) == pytest.approx(ROUGH.roughness * np.sqrt(np.pi / 2) * across, rel=0.02)
+    lag = round(ROUGH.correlation_length / step)
+    assert np.mean(profiles[:, lag:] * profiles[:, :-lag]) / np.var(profiles) == pytest.approx(np.exp(-1), abs=0.02)
+    again, _ = synthetic_profiles(ROUGH, 0.5, SIDE, 3)
+    np.testing.assert_array_equal(profiles, again)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_the_profile_is_periodic_white_noise_behind_a_filter_of_its_whole_length(count):
+    profiles, _ = synthetic_profiles(ROUGH, 0.05, SIDE, count)
+    n = profiles.shape[1]
+    white = np.random.default_rng(1).standard_normal(1 << (count * n - 1).bit_length())[: count * n].reshape(count, n)
+    wave_number = 2 * np.pi * np.fft.fftfreq(n, 0.25)
+    gain = np.exp(-(wave_number**2) / 8)
+    filtered = np.fft.ifft(np.fft.fft(white) * gain).real / np.sqrt(np.mean(gain**2))
+    scale = np.std(profiles) / np.std(filtered)
+    np.testing.assert_allclose(profiles / scale, filtered, atol=1e-8)
+
+
+def test_pads_leave_of_roughness_what_the_closed_form_says():
+    profiles, step = synthetic_profiles(ROUGH, 1.0, SIDE, 3)
+    left = np.std(carried_height(profiles, step, SIDE))
+    circle = float(averaged_roughness(ROUGH.roughness, ROUGH.correlation_length, SIDE / 2, 3))
+    assert left == pytest.approx(circle, rel=0.05)
+
+
+def test_waves_longer_than_the_contact_pass_and_opposed_ones_cancel():
+    waves = Surface(roughness=0.0, correlation_length=20e-6, waviness=5e-9, wavelength=10e-3)
+    in_step, step = synthetic_profiles(waves, 0.3, SIDE, 2)
+    half = np.pi * SIDE / waves.wavelength
+    transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
+    # the contact is rounded down to whole steps of the profile, and its weights to points
+    assert np.std(carried_height(in_step, step, SIDE)) == pytest.approx(5e-9 / np.sqrt(2) * transfer, rel=2e-3)
+    opposed, _ = synthetic_profiles(waves, 0.3, SIDE, 2, phase=np.pi)
+    assert np.std(carried_height(opposed, step, SIDE)) < 1e-12
+
+
+def test_waves_in_closed_form_are_those_of_the_profiles():
+    waves = Surface(roughness=0.0, correlation_length=20e-6, waviness=5e-9, wavelength=7e-3)
+    profiles, step = synthetic_profiles(waves, 0.3, SIDE, 2, phase=0.7)
+    starts, size = np.array([0, 811, 405]), 50_000
+    rows = [profiles[track, start : start + size] for track, start in zip((0, 1, 1), starts)]
+    phases = np.array([0.0, 0.7, 0.7])
+    found = carried_waves(waves, starts, phases, step, size, SIDE)
+    assert found == pytest.approx(np.std(carried_height(rows, step, SIDE)), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: Surface(1e-8, 0.0, 0.0, 1e-2), "correlation length must be above 0"),
+        (lambda: Surface(1e-8, 1e-5, -1e-9, 1e-2), "waviness must be 0 or more"),
+        (lambda: synthetic_profiles(ROUGH, 0.3, 30e-6, 1), "a third of the contact"),
+        (lambda: synthetic_profiles(ROUGH, 1e-4, SIDE, 1), "twenty correlation lengths"),
+    ],
+)
+def test_outside_the_range_is_said(call, words):
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+D, SUPPLY, LOAD, GAP = 25.4e-3, 413e3, 90.0, 5e-6
+
+
+def solved_load(feed, nodes=2000):
+    """Load with the film's equation in p^2 solved on rings of equal width, by the flow through each ring's edges."""
+    x = (np.arange(nodes) + 0.5) / nodes
+    inner, outer = x - 0.5 / nodes, x + 0.5 / nodes
+    source, outside = (air.ATMOSPHERE + SUPPLY) ** 2, air.ATMOSPHERE**2
+    bands, right = np.zeros((3, nodes)), np.zeros(nodes)
+    bands[1] = -(inner + outer) * nodes - feed**2 * x / nodes
+    bands[0, 1:] = outer[:-1] * nodes
+    bands[2, :-1] = inner[1:] * nodes
+    bands[1, -1] -= outer[-1] * nodes  # the rim stands half a ring away
+    right[:] = -(feed**2) * x / nodes * source
+    right[-1] -= 2 * outer[-1] * nodes * outside
+    squares = solve_banded((1, 1), bands, right)
+    return float(np.sum((np.sqrt(squares) - air.ATMOSPHERE) * 2 * np.pi * x / nodes) * (D / 2) ** 2)
+
+
+def test_the_catalogues_stiffness_follows_from_its_load():
+    """90 N at 5 um and 413 kPa; stated stiffness 24.5 N/um. The load alone fixes the one unknown."""
+    assert float(air.stiffness_of_gap(GAP, GAP, LOAD, D, SUPPLY)) == pytest.approx(24.5e6, rel=0.1)
+    assert 0.2 < LOAD / (SUPPLY * np.pi / 4 * D**2) < 0.5
+
+
+@pytest.mark.parametrize("feed", [0.3, 1.92, 8.0])
+def test_load_agrees_with_finite_differences(feed):
+    assert float(air.load_of_feed(feed, D, SUPPLY)) == pytest.approx(solved_load(feed), rel=2e-3)
+
+
+def test_a_rich_feed_carries_supply_times_area_and_a_poor_one_nothing():
+    area = np.pi / 4 * D**2
+    assert float(air.load_of_feed(800.0, D, SUPPLY)) == pytest.approx(SUPPLY * area, rel=5e-3)
+    # little feed: P - Pa = (Ps - Pa)(lambda^2/4)(1 - x^2), so the load is lambda^2 (Ps - Pa)/(16 pa) of the area
+    poor = 1e-4**2 * ((air.ATMOSPHERE + SUPPLY) ** 2 - air.ATMOSPHERE**2) / (16 * air.ATMOSPHERE) * area
+    assert float(air.load_of_feed(1e-4, D, SUPPLY)) == pytest.approx(poor, rel=1e-4)
+
+
+def test_stiffness_is_the_slope_of_the_load():
+    gaps = np.array([3e-6, 5e-6, 9e-6])
+    up, down = (air.load_of_gap(gaps * s, GAP, LOAD, D, SUPPLY) for s in (1 + 1e-5, 1 - 1e-5))
+    slope = -(up - down) / (2e-5 * gaps)
+    np.testing.assert_allclose(air.stiffness_of_gap(gaps, GAP, LOAD, D, SUPPLY), slope, rtol=1e-5)
+    assert float(air.load_of_gap(GAP, GAP, LOAD, D, SUPPLY)) == pytest.approx(LOAD)

@@ -1,4 +1,4 @@
-"""Friction drive: the thesis's numbers, statics by linear programming."""
+"""Friction drive and ellipse of the tip: the thesis's numbers, linear programming, rigid-body geometry."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from designcalc.drive import friction_drive as drive
+from designcalc.drive.tip_ellipse import frequency_for, speed_of, tip_ellipse
 from stagecad.parameters.errors import InputError
 from tests.reference.tables import reference
 
@@ -53,3 +54,26 @@ def test_tip_over_is_span_over_span_and_travel():
     assert drive.tip_force_limit(pads, (0.1, 0.0), (0.0, 0.0)) == 0.0
     with pytest.raises(InputError, match="one line"):
         drive.tip_force_limit([(0, 0), (1, 1), (2, 2)], (0, 0), (0, 1))
+
+
+def test_ellipse_is_that_of_the_rigid_tip():
+    given_ = REFERENCE["ellipse"]
+    ellipse = tip_ellipse(given_["amplitude"], given_["phase"], given_["piezo_spacing"], given_["tip_height"])
+    assert float(ellipse.along) == pytest.approx(given_["along"], rel=1e-3)
+    # the rigid body itself, not linearised: tip = (D/2, mean stroke) + h times the normal of the piezo line
+    t = np.linspace(0, 2 * np.pi, 20001)
+    d1 = given_["amplitude"] * np.sin(t)
+    d2 = given_["amplitude"] * np.sin(t - given_["phase"])
+    D, h = given_["piezo_spacing"], given_["tip_height"]
+    length = np.hypot(D, d2 - d1)
+    x, y = D / 2 - h * (d2 - d1) / length, (d1 + d2) / 2 + h * D / length
+    assert float(ellipse.along) == pytest.approx(np.ptp(x), rel=1e-6)
+    assert float(ellipse.normal) == pytest.approx(np.ptp(y), rel=1e-3)
+
+
+def test_frequencies_for_the_speed_of_table_1():
+    wanted = REFERENCE["speed"]
+    needed = frequency_for(wanted["speed"], REFERENCE["ellipse"]["along"])
+    for law in ("stopping", "coasting", "apex"):
+        assert float(needed[law]) == pytest.approx(wanted[law], rel=5e-3)
+        assert float(speed_of(REFERENCE["ellipse"]["along"], needed[law])[law]) == pytest.approx(wanted["speed"])

@@ -1,4 +1,4 @@
-"""The DXF file shows lines and texts of the sheet where lint judges them; its dimensions measure their numbers."""
+"""The DXF file and its flat copy show lines and texts of the sheet where lint judges them."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -11,14 +11,15 @@ from scipy.spatial import KDTree
 
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
 from drawings.annotations.primitives import Primitive, Text, printed
+from drawings.export.dxf import flattened
 from drawings.placement.occupancy import primitive_lines, view_lines
 from drawings.sheets.frame import frame
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import title_primitives
-from drawings.views.segment_index import Line
+from drawings.views.segment_index import Line, polyline_lines
 from stagecad.friction_stage.construction import MADE
 from tests.drawings.drawn import document_of, sheets
-from tests.drawings.export.dxf_reading import PaperContent, visible_entities
+from tests.drawings.export.dxf_reading import PaperContent, entity_points, visible_entities
 from tests.drawings.export.test_lint import CLEAN
 
 SAME = 1e-3
@@ -102,3 +103,24 @@ def test_a_line_or_number_that_differs_is_found() -> None:
     assert wrong_numbers(document) == []
     dimension.dxf.defpoint3 = (dimension.dxf.defpoint3.x + 1.0, dimension.dxf.defpoint3.y)
     assert len(wrong_numbers(document)) == 1
+
+
+def test_all_lines_and_texts_are_at_their_places_on_the_paper() -> None:
+    (sheet,) = sheets("stop_bar")
+    before = PaperContent(document_of(sheet))
+    flat = flattened(document_of(sheet))
+    assert not flat.modelspace().query("DIMENSION") and len(flat.paperspace().query("VIEWPORT")) <= 1
+    lines = [
+        line
+        for entity in flat.modelspace()
+        if entity.dxftype() != "TEXT"
+        for line in polyline_lines(entity_points(entity))
+    ]
+    ends = [np.array([end for line in found for end in (line[:2], line[2:])]) for found in (before.lines, lines)]
+    for some, others in (ends, ends[::-1]):
+        # Chords of arcs are as dense as the scale of the view asks for.
+        distance, _ = KDTree(others).query(some)
+        assert np.quantile(distance, 0.9) < 1e-6 and distance.max() < 3.0
+    texts = sorted(entity.plain_text() for entity in flat.modelspace().query("TEXT"))
+    assert texts == sorted(text.text for text in before.texts)
+    assert not flat.audit().errors

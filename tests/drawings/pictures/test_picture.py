@@ -1,15 +1,18 @@
-"""Pictures of assemblies: pieces hide one another, and the faces left out beforehand are invisible ones."""
+"""Pictures of assemblies: pieces hide one another; neighbours in a section have other hatches."""
+
+from itertools import combinations
 
 import cadquery as cq
 import numpy as np
 import pytest
 
+from drawings.pictures.machine import HATCHES, different_hatches
 from drawings.pictures.picture import Picture, Piece, picture
 from drawings.pictures.scene import FINE, MANY_FACES, faces_of_view, faces_of_views, meshed, moved, visible_faces
 from drawings.views.projection import hidden_lines, project
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.mesh import triangulated
-from stagecad.solids.modelling.frame import UNMOVED, Frame
+from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
 
 ISO = PROJECTIONS["iso"]
 BOLT = cq.Workplane().circle(4).extrude(6).faces(">Z").workplane().polygon(6, 4.2).cutBlind(-3).val()
@@ -120,3 +123,20 @@ def test_a_part_of_few_faces_is_drawn_as_it_is(block: cq.Shape) -> None:
     seen = faces_of_views(plate.wrapped, None)(PROJECTIONS["top"])
     assert len(cq.Shape.cast(seen).Faces()) == 1
     assert len(project(seen, PROJECTIONS["top"], hidden=False)["VISIBLE"]) == 100 + 4
+
+
+def test_neighbours_have_different_hatches() -> None:
+    base: Box = ((0.0, 0.0, 0.0), (100.0, 10.0, 20.0))
+    on_base: list[Box] = [((x, 0.0, 20.0), (x + 10.0, 10.0, 30.0)) for x in (0.0, 10.0, 50.0)]
+    boxes = [base, *on_base, ((0.0, 0.0, 30.0), (60.0, 10.0, 35.0))]
+    hatches = different_hatches(boxes)
+    for (one, first), (two, second) in combinations(zip(boxes, hatches, strict=True), 2):
+        assert first != second or not near(one, two, 0.0)
+    # What stands alone has the ordinary hatch of a part on the base.
+    assert hatches[0] == HATCHES[0] and hatches[3] == HATCHES[1]
+
+
+def test_there_is_a_hatch_for_each_of_more_neighbours_than_hatches() -> None:
+    box: Box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    hatches = different_hatches([box] * (len(HATCHES) + 2))
+    assert len(hatches) == len(HATCHES) + 2 and set(hatches) == set(HATCHES)

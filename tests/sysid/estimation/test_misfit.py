@@ -1,4 +1,4 @@
-"""Misfit: loss, scored samples, weights and blocks of time."""
+"""Misfit: loss, scored samples, weights, blocks of time; systematic errors of filtering and channel skew."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sysid.estimation.covariance import CHANNEL_SKEW, intervals, systematic_errors
 from sysid.estimation.misfit import (
     LOSS_CORNER,
     blocks,
@@ -15,9 +16,10 @@ from sysid.estimation.misfit import (
     residual_weights,
     weighted_residual,
 )
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict
-from sysid.prediction.problem import Problem
+from sysid.prediction.problem import Problem, load_problem
 from sysid.signals.trimmed_rms import TRIM_FACTOR, trimmed_rms
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
@@ -104,3 +106,79 @@ def test_blocks_are_contiguous_in_time_and_within_one_record(problem: Problem) -
     assert np.all(np.diff(numbers) >= 0)
     edges = TIME[: record.size][weights.samples[0]["friction_force"]][np.flatnonzero(np.diff(numbers[:half]))]
     assert np.diff(edges) == pytest.approx(0.1 * record.size * record.step, abs=2 * record.step)
+
+
+STEP = 1e-3
+TIMES = np.arange(4000) * STEP
+PITCH, MASS = 2e-3, 1.2
+POSITION = 8e-3 * np.sin(2 * np.pi * 0.9 * TIMES) + 3e-3 * np.sin(2 * np.pi * 2.3 * TIMES)
+SPEED = 2 * np.pi * (7.2e-3 * np.cos(2 * np.pi * 0.9 * TIMES) + 6.9e-3 * np.cos(2 * np.pi * 2.3 * TIMES))
+ACCELERATION = -((2 * np.pi) ** 2) * (
+    6.48e-3 * np.sin(2 * np.pi * 0.9 * TIMES) + 15.87e-3 * np.sin(2 * np.pi * 2.3 * TIMES)
+)
+
+
+def driven(folder: Path, amplitude: float, effects: str, noise: float = 1e-6) -> Problem:
+    """A mass without friction in a field of teeth, driven smoothly; the drive is logged as a line from row to row."""
+    rng = np.random.default_rng(2)
+    force = MASS * ACCELERATION + 20.0 * SPEED + amplitude * np.sin(2 * np.pi * POSITION / PITCH)
+    position = POSITION + rng.normal(0, noise, TIMES.size)
+    rows = "\n".join(f"{a:.3f},{b:.10g},{c:.10g}" for a, b, c in zip(TIMES, position, force, strict=True))
+    (folder / "log.csv").write_text(f"time [s],position [m],drive_force [N]\n{rows}\n")
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{MASS} kg"\n'
+        f'[model]\neffects = [{effects}]\n[[record]]\nfile = "log.csv"\nrole = "fit"\n'
+        f'[noise]\nposition = "{noise} m"\ndrive_force = "0.01 N"\n'
+    )
+    return load_problem(folder)
+
+
+def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_path: Path) -> None:
+    record = driven(tmp_path, 0.5, '"viscous"').fit_records[0]
+    assert isinstance(record, ForceBalanceRecord)
+    assert record.half_width_variant is not None
+    finer, rest = record.half_width_variant()
+    inside = slice(200, -200)
+    residues = [axis.position[inside] - POSITION[: record.size][inside] for axis in (record.axis, finer)]
+    jumps = [float(np.std(np.diff(r))) for r in residues]
+    assert jumps[1] > 1.2 * jumps[0]
+    # What one filter does less, the other does more: the whole is the same.
+    assert record.full_filter is not None
+    assert rest.width > record.complementary_filter.width
+    twice = rest.width**2 - record.complementary_filter.width**2
+    assert twice == pytest.approx(0.75 * (0.4 * record.full_filter.width) ** 2, rel=1e-6)
+
+
+def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path: Path) -> None:
+    # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
+    problem = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
+    found = fit_stated_model(problem).fitted
+    told = intervals(found, problem.fit_records).by_key
+    amplitude = told["magnetic_cogging.amplitude"]
+    assert amplitude.value < 0.5  # blunted
+    assert amplitude.low < 0.5 < amplitude.high
+    blunted = systematic_errors(found, problem.fit_records)[-1]
+    assert np.linalg.norm(blunted) > 0.0
+    assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
+
+
+def test_interval_of_a_lag_includes_the_channel_skew(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    friction = 1.5 * np.sign(SPEED) + 20.0 * SPEED
+    lagged = np.empty(TIMES.size)
+    lagged[0] = friction[0]
+    for k in range(1, TIMES.size):
+        lagged[k] = lagged[k - 1] + (1.0 - np.exp(-STEP / 4e-3)) * (friction[k] - lagged[k - 1])
+    lagged += rng.normal(0, 1e-3, TIMES.size)
+    rows = zip(TIMES, POSITION, SPEED, lagged, strict=True)
+    text = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.8g}" for a, b, c, d in rows)
+    (tmp_path / "log.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{text}\n")
+    (tmp_path / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous", "sensor_lag"]\n'
+        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "1 mN"\n'
+    )
+    problem = load_problem(tmp_path)
+    told = intervals(fit_stated_model(problem).fitted, problem.fit_records).by_key
+    lag = told["sensor_lag.time_constant"]
+    assert lag.std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)
+    assert told["viscous.coefficient"].std < 1e-3 * told["viscous.coefficient"].value

@@ -13,7 +13,7 @@ from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import part_mass
-from workbench.cli import run as stagecad
+from workbench.cli import run as run_line
 from workbench.operations.diff import margin_changes, mark_changes, volume_changes
 
 THICKER = 'extends = "thesis"\n[stage]\nthickness = {value = "14 mm", origin = "assumed: stiffer"}\n'
@@ -62,16 +62,16 @@ def test_command_without_solids(tmp_path: Path, capsys: pytest.CaptureFixture[st
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text('extends = "thesis"\n', encoding="utf-8")
     Path("b.toml").write_text(THICKER, encoding="utf-8")
-    assert stagecad(["diff", "a.toml", "b.toml", "--no-solids", "--json"]) == 0
+    assert run_line(["diff", "a.toml", "b.toml", "--no-solids", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert {item["key"] for item in document["parameters"]} >= {"stage.thickness", "stage.payload_drill_depth"}
     sag = next(item for item in document["margins"] if item["name"] == "sag of the drive surface over the travel")
     assert (sag["before"]["verdict"], sag["after"]["verdict"]) == ("fails", "passes")
-    assert stagecad(["diff", "a.toml", "a.toml", "--no-solids"]) == 0
+    assert run_line(["diff", "a.toml", "a.toml", "--no-solids"]) == 0
     assert capsys.readouterr().out.strip() == "a.toml and a.toml do not differ"
-    assert stagecad(["diff", "thesis", "a.toml", "--no-solids"]) == 0
+    assert run_line(["diff", "thesis", "a.toml", "--no-solids"]) == 0
     assert capsys.readouterr().out.strip() == "thesis and a.toml do not differ"
-    assert stagecad(["diff", "a.toml", "c.toml"]) == 2
+    assert run_line(["diff", "a.toml", "c.toml"]) == 2
     assert "c.toml: no such parameter file" in capsys.readouterr().err
 
 
@@ -80,7 +80,7 @@ def test_command_with_solids_and_sheets(tmp_path: Path, capsys: pytest.CaptureFi
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text('extends = "thesis"\n', encoding="utf-8")
     Path("b.toml").write_text(THICKER, encoding="utf-8")
-    assert stagecad(["diff", "a.toml", "b.toml", "--json"]) == 0
+    assert run_line(["diff", "a.toml", "b.toml", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     masses = {item["name"] for item in document["masses"]}
     # The mirror at the end of the stage is as high as the stage.

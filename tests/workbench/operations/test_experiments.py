@@ -1,12 +1,21 @@
-"""Experiments from data in memory: the same as from files, and one-line errors."""
+"""Experiments, rig kinds and effect files from Python: the same as from files, and one-line errors."""
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import stagecad
-from stagecad import Experiment, InputError, Model, Record, Rig
+from sim.effects.custom import load_custom
+from stagecad import Experiment, InputError, Model, Record, Rig, RigKind
 from tests.workbench.operations.slide_log import slide_log
+from workbench.cli import run
 
 
 def test_data_in_memory_and_in_files_give_the_same_records(slide: Experiment, tmp_path) -> None:
@@ -107,3 +116,97 @@ def test_a_record_with_settings_is_held_out_by_its_name() -> None:
     records = {"a": slide_log(1), "b": Record(slide_log(2))}
     found = Experiment.from_dataframes(records, "velocity-drive", ["coulomb"], validate=["b"])
     assert [one.role for one in found.problem.records] == ["fit", "validate"]
+
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"
+COIL = RigKind(
+    "force-drive",
+    channels={"coil_current": "A"},
+    known={"force_constant": "N/A", "flexure_stiffness": {"unit": "N/m", "default": "0 N/m"}},
+    balance={"drive_force": "known.force_constant * channel.coil_current - known.flexure_stiffness * channel.position"},
+)
+KNOWN = {"force_constant": "8 N/A", "flexure_stiffness": "300 N/m", "mass": "0.5 kg"}
+
+
+def _experiment(kind: RigKind = COIL) -> Experiment:
+    """A slide of 0.5 kg on a flexure of 300 N/m with 0.4 N of friction: the current by Newton's law."""
+    t = np.arange(1500) * 2e-3
+    x, v, a = 0.02 * np.sin(5.0 * t), 0.1 * np.cos(5.0 * t), -0.5 * np.sin(5.0 * t)
+    current = (0.5 * a + 300.0 * x + 0.4 * np.tanh(v / 1e-5)) / 8.0
+    log = {"time [s]": t, "position [m]": x, "coil_current [A]": current}
+    return Experiment.from_dataframes({"one": log}, Rig(kind, KNOWN), ["coulomb"], noise={"position": "1e-7 m"})
+
+
+def test_an_own_kind_in_memory_is_fitted_saved_and_grown(tmp_path: Path) -> None:
+    experiment = _experiment()
+    found = stagecad.compare(experiment)
+    assert found.parameters.loc["coulomb.force", "value"] == pytest.approx(0.4, rel=0.02)
+    assert experiment.rig == Rig(COIL, KNOWN)
+    grown = stagecad.add(experiment, "viscous").experiment
+    assert grown.rig == experiment.rig and grown.stated.effects == ("coulomb", "viscous")
+    saved = experiment.save(tmp_path / "rig")
+    assert saved.rig == experiment.rig
+    np.testing.assert_array_equal(saved.to_dataframe(), experiment.to_dataframe())
+
+
+def test_the_object_says_what_the_declaration_file_says() -> None:
+    from_file = Experiment.load(EXAMPLE).stated.records[0].balance
+    own = _experiment().stated.records[0].balance
+    assert from_file is not None and own is not None
+    assert {key: str(one) for key, one in from_file.kind.balance.items()} == {
+        key: str(one) for key, one in own.kind.balance.items()
+    }
+    assert list(from_file.kind.own) == list(own.kind.own) and from_file.kind.inputs == own.kind.inputs
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        (RigKind("force-drive"), r"rig\.kind\.balance: is missing"),
+        (RigKind("force-driv", COIL.channels, COIL.balance), r"rig\.kind\.base: .*did you mean 'force-drive'"),
+        (RigKind("force-drive", {"coil_current": "Amp"}, COIL.balance, COIL.known), r"rig\.kind\.channels.*Amp"),
+        (RigKind("force-drive", COIL.channels, COIL.balance), r"there is no 'known\.force_constant'"),
+    ],
+)
+def test_a_fault_of_the_declaration_is_one_line(kind: RigKind, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        _experiment(kind)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_rung_keeps_the_hash_of_the_declaration_file(tmp_path: Path) -> None:
+    rig = Path(shutil.copytree(EXAMPLE, tmp_path / "rig"))
+    stagecad.add(rig, "stribeck")
+    digest = hashlib.sha256((rig / "voice_coil.toml").read_bytes()).hexdigest()
+    for number in ("000", "001"):
+        assert json.loads((rig / "ladder" / f"{number}.json").read_text())["rig"] == {"voice_coil.toml": digest}
+
+
+def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, capsys):
+    file = tmp_path / "leaf_spring.py"
+    assert run(["effects", "--write", str(file), "--json"]) == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["name"] == "leaf_spring"
+    assert 'custom = ["leaf_spring.py"]' in printed.err
+    (effect,) = load_custom(file)
+    assert effect.force is not None
+    axis: Any = SimpleNamespace(position=np.array([-0.01, 0.0, 0.02]))
+    values: Any = SimpleNamespace(strength=2e4)
+    np.testing.assert_allclose(effect.force(axis, values), [-0.02, 0.0, 0.16])
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("there.py", "is there already; name a new file"),
+        ("there.txt", "must end in .py"),
+        ("Leaf-Spring.py", "lower-case words joined by underscores"),
+        ("viscous.py", "a built-in effect is named 'viscous'"),
+    ],
+)
+def test_a_file_that_would_be_no_effect_is_refused(tmp_path, capsys, name, wrong):
+    (tmp_path / "there.py").write_text("kept")
+    assert run(["effects", "--write", str(tmp_path / name)]) == 2
+    assert wrong in capsys.readouterr().err
+    assert (tmp_path / "there.py").read_text() == "kept"
+    assert [file.name for file in tmp_path.iterdir()] == ["there.py"]

@@ -1,6 +1,9 @@
-"""`import stagecad`: quick, with every public name, typed by its stub."""
+"""`import stagecad`: quick, with every public name, typed by its stub; examples of its docstrings."""
 
 import ast
+import doctest
+import importlib
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import stagecad
+import workbench.operations
 
 HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "cadquery", "numba", "pyarrow", "click")
 
@@ -37,3 +41,16 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'diagnosis'"):
         _ = stagecad.diagnosis  # pyright: ignore[reportAttributeAccessIssue]
     assert "diagnose" in dir(stagecad)
+
+
+MODULES = [info.name for info in pkgutil.walk_packages(workbench.operations.__path__, "workbench.operations.")]
+
+
+@pytest.mark.parametrize("name", ["stagecad", *MODULES])
+def test_examples_of_a_docstring(name: str) -> None:
+    assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+def test_there_are_examples() -> None:
+    tried = [doctest.testmod(importlib.import_module(name)).attempted for name in MODULES]
+    assert sum(tried) >= 6

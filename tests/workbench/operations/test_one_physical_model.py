@@ -1,4 +1,4 @@
-"""Checks, simulation of the stage, experiments and procedure read one physical model of the design."""
+"""Checks, simulation, experiments and procedure read one physical model of the design."""
 
 from pathlib import Path
 
@@ -6,13 +6,20 @@ import numpy as np
 import pytest
 
 import stagecad.solids.assembly.built_machine
+import workbench.operations.measurement.design_values
 from designcalc.checks.analysis.report import markdown, shown
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.friction_stage.physics.assembly_values import assembly_values
+from designcalc.friction_stage.physics.loads import load
+from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
+from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from stagecad.solids.artefacts.store import ArtefactStore
+from sysid.experiment.known import DesignValue
 from workbench.cli.options import Run
+from workbench.operations.drawings import stored_values
 from workbench.operations.measurement.design_values import as_design_values
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
@@ -104,3 +111,39 @@ def test_the_tip_of_the_checks_is_the_simulated_one():
     up = np.sqrt(3 * tip.stiffness / tip.mass) / (2 * np.pi)
     rocking = np.sqrt(tip.stiffness * 0.046**2 / 2 / tip.inertia) / (2 * np.pi)
     assert f"f_up = {up / 1e3:.4g} kHz, f_rock = {rocking / 1e3:.4g} kHz" in stated
+
+
+def test_an_experiment_takes_the_stiffness_with_a_note(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    run = Run(None, (), Path("build"), None)
+    monkeypatch.setattr(
+        workbench.operations.measurement.design_values, "_inputs", lambda design: DesignInputs(design.values)
+    )
+    r = DesignInputs(run.design.values)
+    expected = contact_stiffness(r, load(r))
+    value = as_design_values(run.design)("contact_stiffness")
+    assert value == DesignValue(pytest.approx(expected.tangential), pytest.approx(0.2 * expected.tangential))
+    printed = caplog.text
+    assert "note: contact_stiffness = " in printed
+    assert "(Mindlin)" in printed
+    assert "(Hertz)" in printed
+
+
+def test_stored_values_are_reused_until_an_input_changes(tmp_path: Path) -> None:
+    store, masses = ArtefactStore(tmp_path), estimate()
+    first = stored_values(store, load_design(), masses)
+    assert first == assembly_values(DesignInputs(load_design(), masses))
+    entries = sorted((tmp_path / "entries").iterdir())
+    assert stored_values(store, load_design(overrides=["holder.well_diameter=19 mm"]), masses) == first
+    assert sorted((tmp_path / "entries").iterdir()) == entries
+    other = stored_values(store, load_design(overrides=["screws.way.torque=16 N*m"]), masses)
+    assert other["way_preload"] == pytest.approx(16 / 15 * first["way_preload"])
+
+
+def estimate() -> BodyMasses:
+    cube = ((-0.1, -0.1, 0.0), (0.1, 0.1, 0.1))
+    still = ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.01))
+    return BodyMasses(
+        MassProperties(8e-4, 2.0, (0, 0, 0.03), still, cube), MassProperties(1e-5, 0.03, (0, 0, 0), still, cube)
+    )

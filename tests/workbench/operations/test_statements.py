@@ -1,18 +1,28 @@
-"""Statements of a diagnosis: shares of the rivals, and what to do next."""
+"""Statements and tables of an identification: the same in the terminal and in the report."""
 
+import io
+import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
+from rich.console import Console
+
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.decision import Decision, FreeCurve
 from sysid.diagnosis.ledger import Ledger
+from workbench import cli
+from workbench.cli.console import rich_table, show
+from workbench.cli.options import Run
+from workbench.operations.measurement.demonstration import fresh_copy
 from workbench.operations.measurement.statements import (
     diagnosis_statement,
     in_command,
     next_step_statement,
     rivals_text,
 )
+from workbench.operations.measurement.tables import parameter_table, ranking_table, revision_text
 
 
 def _diagnosis(
@@ -72,3 +82,88 @@ def test_the_named_effect_is_added_first_where_more_is_missing() -> None:
 def test_a_folder_with_blanks_is_in_quotes_in_a_printed_command() -> None:
     assert f"stagecad add {in_command(Path('my rig'))} viscous" == 'stagecad add "my rig" viscous'
     assert in_command(Path("rig")) == "rig"
+
+
+SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
+
+
+@pytest.mark.parametrize(
+    ("quantity", "interval", "remark"),
+    [
+        (SETTLED, "1.1 N .. 1.3 N", ""),
+        ({**SETTLED, "low": -0.1}, "-100 mN .. 1.3 N", "not distinguishable from zero"),
+        ({**SETTLED, "low": None, "high": None}, "", "not identifiable from these records"),
+        ({**SETTLED, "high": None}, "", "not identifiable from these records"),
+        ({**SETTLED, "low": None, "high": None, "at_bound": True}, "", "at its bound"),
+        ({**SETTLED, "at_bound": True}, "1.1 N .. 1.3 N", "at its bound"),
+    ],
+)
+def test_a_value_has_its_interval_and_a_remark(quantity, interval, remark):
+    table = parameter_table({"coulomb.force": quantity})
+    assert table.rows == (("coulomb.force", "1.2 N", interval, *([remark] if remark else [])),)
+    columns = [str(column.header) for column in rich_table(table).columns]
+    assert columns == ["parameter", "value", "95 % interval", *(["remark"] if remark else [])]
+
+
+def test_an_effect_that_changes_nothing_is_not_below_zero():
+    row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
+    (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
+    assert str(reached) == "0.0 %"
+
+
+@pytest.mark.parametrize(
+    ("number", "added", "removed", "text"),
+    [
+        (0, [], [], "the beginning"),
+        (1, ["stribeck"], [], "stribeck"),
+        (2, ["presliding", "stribeck"], ["coulomb"], "presliding, stribeck, without coulomb"),
+        (3, [], ["viscous", "backlash"], "without viscous and backlash"),
+        (4, [], [], "[model] edited by hand"),
+    ],
+)
+def test_revision_text(number: int, added: list[str], removed: list[str], text: str) -> None:
+    assert revision_text({"rung": number, "added": added, "removed": removed}, "the beginning") == text
+
+
+def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = fresh_copy(tmp_path / "rig")
+    assert cli.run(["add", str(folder), "--drop", "viscous", "--json"]) == 0
+    said = capsys.readouterr()
+    assert "Rung 001: - viscous" in said.err
+    document = json.loads(said.out)
+    assert (document["added"], document["removed"]) == ([], ["viscous"])
+    assert cli.run(["ladder", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
+    said = capsys.readouterr()
+    assert "without viscous" in said.err
+    assert "by hand" not in said.err
+    assert [rung["removed"] for rung in json.loads(said.out)] == [[], ["viscous"]]
+    report = tmp_path / "out" / "rig" / "report.html"
+    assert "without viscous" in report.read_text(encoding="utf-8")
+    # The report follows each change of the model.
+    assert cli.run(["add", str(folder), "stribeck", "--out", str(tmp_path / "out")]) == 0
+    assert "in 2 steps" in report.read_text(encoding="utf-8")
+    for left in ("in one step", "model and measurement"):
+        assert cli.run(["add", str(folder), "--undo", "--out", str(tmp_path / "out")]) == 0
+        assert left in report.read_text(encoding="utf-8")
+    assert "The ladder" not in report.read_text(encoding="utf-8")
+    assert cli.run(["add", str(folder), "--drop", "viscous", "--out", str(tmp_path / "other")]) == 0
+    assert not (tmp_path / "other").exists()
+
+
+def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
+    names = ("position_dependent_friction", "magnetic_cogging", "sensor_quantisation")
+    row = {"expected_reduction": 0.9, "p_value": {"below": 0.001}, "over_noise": 1.2, "reduction": 0.5}
+    row |= {"angle": {"value": 1.0}, "validate_error": {"value": 0.475, "unit": "N"}}
+    values = {"a.phase": {"value": -2.929, "unit": "rad"}, "a.pitch": {"value": 927.3e-6, "unit": "m"}}
+    ranking = ranking_table([row | {"effect": name, "parameters": values} for name in names], 3)
+    stream = io.StringIO()
+    shown = SimpleNamespace(console=Console(file=stream, width=80), echo=lambda text: stream.write(f"{text}\n"))
+    show(cast(Run, shown), [ranking])
+    lines = stream.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80 and "…" not in stream.getvalue()
+    for name in names:
+        (first,) = (line for line in lines if line.startswith(f"{name} "))
+        assert "475 mN" in first and "< 0.001" in first
+        assert f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
+    wide = rich_table(ranking, 140)
+    assert str(wide.columns[-1].header) == "values"

@@ -1,17 +1,24 @@
-"""What reaches the routes: hosts, origins, tokens, sizes; and what the page may touch."""
+"""What reaches the routes, what the page may touch, and what its code may import."""
 
+import ast
+import re
+import socket
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse
 from starlette.routing import Route
 from starlette.testclient import TestClient
 
+import workbench.page
 from stagecad.parameters.errors import InputError
 from workbench.page.project import Project
 from workbench.page.security import COOKIE, Guard, allowed_hosts
+from workbench.page.server import serve
 
 HOSTS = allowed_hosts("127.0.0.1", 8321)
 TOKEN = "a-secret-of-enough-length"
@@ -105,3 +112,50 @@ def test_code_of_an_experiment_is_refused_without_trust(tmp_path: Path, monkeypa
     (tmp_path / "rig" / "own.py").write_text("")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     assert Project(tmp_path, Path("build"), trust=True).experiment("rig").name == "rig"
+
+
+def test_a_connection_waits_as_soon_as_the_address_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(uvicorn.Server, "run", lambda server, sockets: None)
+    printed = []
+
+    def note(text: str) -> None:
+        found = re.search(r"http://127\.0\.0\.1:(\d+)/", text)
+        assert found
+        socket.create_connection(("127.0.0.1", int(found[1])), 5.0).close()
+        printed.append(text)
+
+    serve(Project(tmp_path, tmp_path / "build", None, False), "127.0.0.1", 0, None, note, browser=False)
+    assert len(printed) == 1
+
+
+PAGE = Path(workbench.page.__file__).parent
+PROJECT = ("stagecad", "designcalc", "drawings", "sim", "sysid", "workbench")
+ALLOWED = ("workbench.operations", "workbench.figures", "workbench.page", "stagecad.parameters")
+"""The parameter file is the input of the interface, and its errors are those of all layers."""
+EXCEPTIONS = {"stagecad.__version__": "shown on the page", "stagecad.processes": "jobs run in processes of their own"}
+FILES = sorted(PAGE.rglob("*.py"))
+
+
+def _imports(file: Path) -> Iterator[str]:
+    """Full names of what a file imports from the project, inside functions too."""
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "relative imports are not looked at"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def _under(name: str, prefix: str) -> bool:
+    return name == prefix or name.startswith(f"{prefix}.")
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.relative_to(PAGE).as_posix())
+def test_the_page_imports_the_python_interface_alone(file: Path) -> None:
+    own = [name for name in _imports(file) if name.split(".")[0] in PROJECT]
+    assert [name for name in own if not any(_under(name, one) for one in (*ALLOWED, *EXCEPTIONS))] == []
+
+
+def test_every_exception_is_used() -> None:
+    found = [name for file in FILES for name in _imports(file)]
+    assert [one for one in EXCEPTIONS if not any(_under(name, one) for name in found)] == []

@@ -1,13 +1,15 @@
-"""Jobs of the page as functions: a prediction with other values, and an optimisation."""
+"""Jobs of the page as functions, and curves whose decimation loses no spike."""
 
 import shutil
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from workbench.page.curves import read_curves
+from stagecad.parameters.errors import InputError
+from workbench.page.curves import BLOCK, extremes, read_blocks, read_curves, sampled, write_curves
 from workbench.page.tasks import measurement
 from workbench.page.tasks.optimisation import optimize
 
@@ -77,3 +79,55 @@ def test_an_optimisation_gives_changes_that_the_page_can_make(tmp_path: Path) ->
     assert list(found["changes"]) == ["stage.thickness"]
     assert 10.0 < float(found["changes"]["stage.thickness"].removesuffix("mm")) < 30.0
     assert any("designs" in step for step in steps)
+
+
+def test_extremes_keep_a_spike_of_one_sample_among_a_million(tmp_path: Path) -> None:
+    time = np.linspace(0.0, 100.0, 1_000_000)
+    values = np.sin(time)
+    values[123_456], values[765_432] = 50.0, -40.0
+    described = write_curves(tmp_path, 0, {"time": time, "force": values})
+    assert described["rows"] == 1_000_000 and described["series"] == ["time", "force"]
+    curves = read_curves(tmp_path, 0)
+    found = extremes(curves, [1], None, None, 1200, read_blocks(tmp_path, 0))
+    assert found.shape == (2, 2400)
+    assert found[1].max() == 50.0 and found[1].min() == -40.0
+    assert np.all(np.diff(found[0]) > 0.0)
+
+
+def test_extremes_by_blocks_are_those_of_the_rows(tmp_path: Path) -> None:
+    random = np.random.default_rng(4)
+    time, values = np.arange(400_001.0), random.normal(size=400_001)
+    values[1000:9000] = np.nan
+    write_curves(tmp_path, 0, {"time": time, "force": values})
+    curves, blocks = read_curves(tmp_path, 0), read_blocks(tmp_path, 0)
+    found = extremes(curves, [1], 100_000.5, 399_000.0, 300, blocks)
+    ends = np.append(found[0, 0::2], 399_040.0).astype(int)
+    assert ends[0] % BLOCK == 0 and 100_000 - BLOCK < ends[0] <= 100_000
+    for k, (a, b) in enumerate(pairwise(ends)):
+        assert (found[1, 2 * k], found[1, 2 * k + 1]) == (values[a:b].min(), values[a:b].max())
+    whole = extremes(curves, [1], None, None, 400, blocks)
+    assert np.nanmin(whole[1]) == np.nanmin(values) and np.nanmax(whole[1]) == np.nanmax(values)
+    assert np.isnan(whole[1]).any()
+
+
+def test_a_window_shows_the_samples_themselves_and_gaps() -> None:
+    time = np.arange(100_000.0)
+    values = time.copy()
+    values[50_010:50_020] = np.nan
+    found = extremes(np.vstack([time, values]), [1], 50_000.0, 50_100.0, 800)
+    assert found[0][0] == 49_999.0 and found[0][-1] == 50_101.0
+    assert np.isnan(found[1]).sum() == 10
+    coarse = extremes(np.vstack([time, np.full(time.size, np.nan)]), [1], None, None, 100)
+    assert np.isnan(coarse[1]).all()
+
+
+def test_pairs_are_rows_of_the_record() -> None:
+    time = np.linspace(0.0, 1.0, 5001)
+    found = sampled(np.vstack([time, time**2, time**3]), [1, 2], 0.2, 0.8, 400)
+    assert found.shape[1] <= 400 and found[0][0] >= 0.2 and found[0][-1] <= 0.8
+    assert found[1] == pytest.approx(found[0] ** 2) and found[2] == pytest.approx(found[0] ** 3)
+
+
+def test_no_curves_are_a_fault_of_the_request(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="curves 3"):
+        read_curves(tmp_path, 3)

@@ -16,7 +16,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine, find_machine
+from stagecad.solids.assembly.built_machine import BuiltMachine, body_masses, build_machine, find_machine
 from stagecad.solids.modelling.frame import Frame, add, mate, scaled
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.registry import Instance, count, part_names
@@ -230,3 +230,11 @@ def test_three_actuators_stand_at_their_pockets(design: Design, machine: BuiltMa
     for number, (x, y) in enumerate(full.derived.actuator_places, start=1):
         apex = world(machine, standing[f"tip_{number}"], "apex").origin
         assert apex == pytest.approx((x, y, full.derived.tip_apex), abs=1e-9)
+
+
+def test_masses_of_single_parts_equal_those_of_the_machine(design, store, machine, monkeypatch):
+    monkeypatch.setenv("STAGECAD_CACHE", str(store.folder))
+    found = body_masses(design)
+    for one, other in ((found.moving, machine.moving_body), (found.tip, machine.masses["tip"])):
+        for name in ("volume", "mass", "centre_of_mass", "inertia", "bounding_box"):
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-12, atol=1e-15)

@@ -1,9 +1,11 @@
-"""The cache remembers by what was read, forgets nothing it should know, and survives damage and company."""
+"""The cache remembers by what was read, forgets nothing it should know, and survives damage."""
 
+import ast
 import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,7 +16,9 @@ import pytest
 from stagecad.parameters.tracking import TrackedDesign, path_text
 from stagecad.solids.artefacts import source_digest
 from stagecad.solids.artefacts import store as store_module
+from stagecad.solids.artefacts.source_digest import ROOT, _file, _names
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, cache_folder
+from stagecad.solids.artefacts.stored_object import FILE, stored_object
 
 MODULES = ("stagecad.solids.modelling.frame",)
 
@@ -314,3 +318,66 @@ def test_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert cache_folder() == tmp_path / "stagecad"
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "own"))
     assert cache_folder() == tmp_path / "own"
+
+
+@dataclass(frozen=True)
+class Plate:
+    length: float = 3.0
+    width: float = 4.0
+
+
+def lengths(store: ArtefactStore, plate: Plate, computed: list[float]) -> tuple[float, ...]:
+    def compute(tracked: Any) -> tuple[float, ...]:
+        computed.append(tracked.length)
+        return tracked.length, 2 * tracked.length
+
+    return stored_object(store, "lengths", plate, MODULES, compute)
+
+
+def test_computed_once_for_the_values_read(tmp_path: Path) -> None:
+    store, computed = ArtefactStore(tmp_path), []
+    assert lengths(store, Plate(), computed) == (3.0, 6.0)
+    assert lengths(store, Plate(width=5.0), computed) == (3.0, 6.0)
+    assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0)
+    assert computed == [3.0, 4.0]
+
+
+def test_damaged_is_computed_again(tmp_path: Path) -> None:
+    store, computed = ArtefactStore(tmp_path), []
+    lengths(store, Plate(), computed)
+    (file,) = tmp_path.glob(f"entries/*/{FILE}")
+    file.write_bytes(b"cos\nsystem\n(S'exit 1'\ntR.")
+    assert lengths(store, Plate(), computed) == (3.0, 6.0)
+    assert computed == [3.0, 3.0]
+    assert lengths(store, Plate(), computed) == (3.0, 6.0)
+    assert computed == [3.0, 3.0]
+
+
+def test_a_store_that_does_not_keep_what_is_written_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stagecad.solids.artefacts.stored_object.sha256", lambda data: "another")
+    with pytest.raises(OSError, match="does not keep"):
+        lengths(ArtefactStore(tmp_path), Plate(), [])
+
+
+def _of_tree(source: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def test_no_import_of_the_project_is_missed() -> None:
+    files = [path for folder in ("stagecad", "drawings") for path in sorted((ROOT / folder).rglob("*.py"))]
+    assert len(files) > 100
+    for path in files:
+        source = path.read_text("utf-8")
+        missed = set(_of_tree(source)) - set(_names(source))
+        assert not [name for name in missed if _file(name) is not None], path
+
+
+def test_forms_of_an_import() -> None:
+    source = "import a.b as c, d\n\n    from e.f import (\n        g,  # why, so\n        h as i,\n    )\n"
+    source += "from j import k, l as m\n"
+    assert set(_names(source)) == {"a.b", "d", "e.f", "e.f.g", "e.f.h", "j", "j.k", "j.l"}

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import struct
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import trimesh
 
 from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
-from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.export.step_stl_glb import PRESENTATION, glb_bytes, ordered_styles, step_bytes, stl_bytes
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.mass import exact_box, geometry_of
 
@@ -149,3 +150,31 @@ def test_a_bent_wire_loses_a_twelfth_of_the_squared_angle() -> None:
     for angular in (0.2, 0.17):
         mesh = triangulated(ring, LINEAR, angular)
         assert 1.0 - mesh.volume / ring.Volume() == pytest.approx(angular**2 / 12.0, rel=0.1)
+
+
+HEAD = "ISO-10303-21;\nDATA;\n#1 = SHAPE('one');\n#2 = SHAPE('two');\n#3 = CONTEXT();\n#4 = CONTEXT();\n"
+TAIL = "ENDSEC;\nEND-ISO-10303-21;\n"
+ONE_FIRST = f"""#5 = {PRESENTATION}('',(
+    #6),#3);
+#6 = STYLED_ITEM('color',(#7),#1);
+#7 = COLOUR_RGB('',0.1,0.2,0.3);
+#8 = {PRESENTATION}('',(#9),#4);
+#9 = STYLED_ITEM('color',(#7),#2);
+"""
+TWO_FIRST = f"""#5 = {PRESENTATION}('',(#6),#4);
+#6 = STYLED_ITEM('color',(#7),#2);
+#7 = COLOUR_RGB('',0.1,0.2,0.3);
+#8 = {PRESENTATION}('',(
+    #9),#3);
+#9 = STYLED_ITEM('color',(#7),#1);
+"""
+
+
+def test_two_orders_of_the_same_colours_give_the_same_text() -> None:
+    one, two = (ordered_styles(HEAD + styles + TAIL) for styles in (ONE_FIRST, TWO_FIRST))
+    assert one == two
+    assert one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
+
+
+def test_a_file_without_colours_is_left_alone() -> None:
+    assert ordered_styles(HEAD + TAIL) == HEAD + TAIL

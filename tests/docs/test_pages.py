@@ -1,0 +1,119 @@
+"""Pages that are made of the program, or name its parts: effects, theory, convergence, thesis, glossary."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+
+from designcalc.bearing.plate import SupportedPlate
+from designcalc.checks.check import DesignInputs
+from designcalc.friction_stage.physics.stage_plate import stage_plate
+from sim.effects.catalogue import library
+from sim.effects.effect import Effect
+from stagecad.parameters.load import load_design
+from workbench.cli.dispatch import COMMANDS
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+def test_page_is_up_to_date() -> None:
+    spec = importlib.util.spec_from_file_location("make_effects", DOCS / "make_effects.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    written = (DOCS / "effects.md").read_text(encoding="utf-8")
+    assert written == module.page(), "declarations have changed: run 'python docs/make_effects.py'"
+
+
+@pytest.mark.parametrize("effect", library().values(), ids=lambda effect: effect.name)
+def test_each_effect_says_what_it_is_how_it_shows_and_who_says_so(effect: Effect) -> None:
+    assert effect.meaning and effect.shows and effect.source
+    # A constant force is the same against every coordinate.
+    assert effect.coordinates or effect.name == "constant_bias"
+    for parameter in effect.parameters:
+        assert parameter.meaning and parameter.source
+
+
+def test_constants_are_those_of_the_code() -> None:
+    spec = importlib.util.spec_from_file_location("make_thresholds", DOCS / "make_thresholds.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    text = (DOCS / "theory.md").read_text(encoding="utf-8")
+    assert text.count("| `CERTAIN_Z` |") == 1
+    assert module.with_thresholds(text) == text, "constants have changed: run 'python docs/make_thresholds.py'"
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "convergence.md"
+LIMITS = {"elements": 1e-3, "modes": 3e-2, "step (us)": 1e-3, "tolerance": 1e-6}
+"""Largest difference of the rows in use: speeds are printed with three digits, peaks of impacts with two."""
+
+
+@pytest.mark.parametrize("heading", LIMITS)
+def test_the_rows_in_use_have_converged(heading: str) -> None:
+    rows = PAGE.read_text(encoding="utf-8").split(f"| {heading} |")[1].split("\n\n")[0]
+    used = re.findall(r"^\| \*\*.*\| ([\d.e+-]+) \|$", rows, re.MULTILINE)
+    assert len(used) == 1 and float(used[0]) < LIMITS[heading]
+
+
+def test_the_page_has_the_modes_of_the_plate() -> None:
+    """Of an estimated mass of the stage, three percent below that of the solids: within one percent of the page."""
+    text = PAGE.read_text(encoding="utf-8")
+    printed = re.search(r"\*\*20\*\* \| ([\d.]+) \| ([\d.]+)", text)
+    assert printed is not None
+    supported = stage_plate(DesignInputs(load_design()))
+    fine = SupportedPlate(supported.plate, supported._springs, (), supported.bodies, 30).modes(3).frequency
+    assert fine[0] == pytest.approx(float(printed[1]), rel=0.02)
+    assert supported.modes(3).frequency == pytest.approx(fine, rel=1e-3)
+
+
+THESIS_PAGE = (Path(__file__).parents[2] / "docs" / "thesis.md").read_text(encoding="utf-8")
+
+
+def _numbers(heading: str) -> set[int]:
+    """First column of the table of a section; `35 to 37` is three numbers."""
+    rows = THESIS_PAGE.split(f"## {heading}\n")[1].split("\n## ")[0].splitlines()[3:]
+    found: set[int] = set()
+    for row in rows:
+        first = row.split("|")[1] if row.startswith("|") else ""
+        for low, high in re.findall(r"(\d+)(?: to (\d+))?", first):
+            found |= set(range(int(low), int(high or low) + 1))
+    return found
+
+
+def test_every_figure_and_table_is_listed() -> None:
+    assert _numbers("Figures") == set(range(1, 43))
+    assert _numbers("Tables") == {1, 2, 3}
+
+
+def test_the_commands_exist() -> None:
+    commands = set(re.findall(r"`stagecad ([a-z]+)", THESIS_PAGE))
+    assert commands and commands <= set(COMMANDS)
+
+
+ROOT = Path(__file__).parents[2]
+LINES = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8").splitlines()
+ENTRIES = [line for line in LINES if line.startswith("| ") and not line.startswith(("| term", "| ---"))]
+
+
+def _missing(entry: str) -> list[str]:
+    """Symbols of an entry that do not stand in the file that follows them."""
+    names: list[str] = []
+    missing: list[str] = []
+    for token in re.findall(r"`([^`]+)`", entry.strip("| ").rsplit(" | ", 1)[1]):
+        if not token.endswith(".py"):
+            names.append(token)
+            continue
+        path = ROOT / token
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        symbols = (rf"^\s*(?:(?:def|class) )?{name}\b\s*[(:=,\[]" for name in names)
+        missing += [f"{token}: no {name}" for name, s in zip(names, symbols) if not re.search(s, text, re.MULTILINE)]
+        names = []
+    return missing
+
+
+def test_the_symbols_of_the_glossary_exist() -> None:
+    assert len(ENTRIES) > 50
+    missing = [line for entry in ENTRIES for line in _missing(entry)]
+    assert not missing, "\n".join(missing)

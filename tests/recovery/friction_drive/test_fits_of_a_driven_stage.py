@@ -1,0 +1,148 @@
+"""Fits of a driven stage: the lowest valley is found, a fit to the measured motion, slow records, and a law kept."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.generators.driven_stage import write_case
+from sim.effects.catalogue import find
+from sim.integration.driven_stage.event_driven import simulate_event_driven
+from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
+from sysid.estimation import variant_selection
+from sysid.estimation.driven_stage_search import synchronised_starts
+from sysid.estimation.fit import fit_model, root_mean_huber
+from sysid.estimation.misfit import misfit
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.screening import RefittedEffect, search_lower_minimum
+from sysid.estimation.variant_selection import select_variants, without_effect
+from sysid.prediction.model import with_effect
+from sysid.prediction.problem import load_problem
+
+
+def test_a_contact_that_holds_differently_both_ways_is_found_from_a_fit_that_shows_none_of_it(tmp_path):
+    """The base model bent pads and stiffness by a third to make up for it: from there no step leads out."""
+    write_case(tmp_path, "contact.direction_asymmetry", "there_and_back", 1, 2000)
+    problem = load_problem(tmp_path)
+    base = fit_stated_model(problem).fitted
+    effect = find("contact.direction_asymmetry")
+    near = fit_model(with_effect(base.model, effect, problem.scales), problem.fit_records, base.weights)
+    assert root_mean_huber(near.fit.residual) > 0.9 * root_mean_huber(base.fit.residual)
+    candidate = RefittedEffect(effect, 0.0, near)
+    assert search_lower_minimum(base, candidate, problem.fit_records) is candidate
+    found = search_lower_minimum(base, candidate, problem.fit_records, of_contact=True).fitted
+    assert misfit(found.model, problem.validate_records)["position"].over_noise < 1.15
+
+
+LAW = "stribeck:rational"
+
+
+def test_a_stage_that_rings_on_its_pads_is_found_from_afar(tmp_path):
+    truth = write_case(tmp_path, "stribeck", "lean", 1, 2000)
+    problem = load_problem(tmp_path)
+    model = with_effect(problem.start, find(LAW), problem.scales)
+    far = model.at(
+        {
+            "rig.gain": truth["gain"],
+            "rig.contact_stiffness": 1.4 * truth["stiffness"],
+            "rig.contact_damping": truth["damping"],
+            "coulomb.force": truth["pads"],
+            f"{LAW}.force": 0.8 * truth["stribeck"],
+            f"{LAW}.velocity": 0.5 * truth["stribeck_velocity"],
+        }
+    )
+    on_its_own = fit_model(far, problem.fit_records)
+    (nearer,) = synchronised_starts([far], problem.fit_records, None, 15)
+    after = fit_model(nearer, problem.fit_records)
+    assert misfit(after.model, problem.fit_records)["position"].over_noise < 1.2
+    assert misfit(on_its_own.model, problem.fit_records)["position"].over_noise > 3.0
+    assert after.model.values[f"{LAW}.velocity"] == pytest.approx(truth["stribeck_velocity"], rel=0.05)
+
+
+ADDED = "stribeck:rational"
+
+
+@pytest.fixture
+def grown(tmp_path):
+    write_case(tmp_path, "stribeck", "lean", 1, 300)
+    problem = load_problem(tmp_path)
+    return problem, fit_model(
+        with_effect(problem.start, find(ADDED), problem.scales), problem.fit_records, iterations=1
+    )
+
+
+def _ending_at(part):
+    """A search whose fits end at a part of the cost of the fit they are handed first."""
+    costs = []
+
+    def fit_replacement(fitted, effect, records, scales):
+        costs.append(fitted.fit.cost)
+        model = with_effect(without_effect(fitted.model, effect.name), effect, scales)
+        return replace(fitted, model=model, fit=replace(fitted.fit, cost=part * costs[0]))
+
+    return fit_replacement
+
+
+def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
+    problem, fitted = grown
+    monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(20.0))
+    kept, laws = select_variants(problem, fitted, ["stribeck"])
+    assert kept is fitted
+    assert laws == (ADDED,)
+
+
+def test_it_goes_where_the_family_itself_ends_better(grown, monkeypatch):
+    problem, fitted = grown
+    monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(0.1))
+    other, laws = select_variants(problem, fitted, ["stribeck"])
+    assert "stribeck" in [effect.name for effect in other.model.effects]
+    assert laws == ()
+
+
+STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
+
+
+def _followed(step: float, pads: float) -> tuple[np.ndarray, np.ndarray]:
+    time = np.arange(400) * step
+    tip = 3e-6 * np.sin(2.0 * np.pi * time / (100.0 * step))
+    n = tip.size
+    held = np.full(n, np.inf)
+    return tip, simulate_event_driven(
+        TipMotion(tip, np.ones(n)),
+        np.zeros(n),
+        velocity_independent(held),
+        velocity_independent(np.full(n, pads)),
+        DrivenStage(STIFFNESS, DAMPING, MASS, step),
+    )
+
+
+@pytest.mark.parametrize("step", [0.05, 0.5, 50.0])
+def test_a_stage_that_no_inertia_holds_back_lags_by_its_pads_alone(step):
+    """Quasi-static: the contact is stretched by F/k while the pads slide, and the stage rests until it is."""
+    pads = 1.2
+    tip, stage = _followed(step, pads)
+    reach = pads / STIFFNESS
+    expected = np.zeros(tip.size)
+    for k in range(1, tip.size):
+        expected[k] = min(max(expected[k - 1], tip[k] - reach), tip[k] + reach)
+    assert np.abs(stage - expected).max() < 2e-3 * np.ptp(tip)
+    assert np.ptp(stage) == pytest.approx(np.ptp(tip) - 2.0 * reach, rel=2e-3)
+
+
+@pytest.mark.parametrize("step", [0.05, 50.0])
+def test_so_does_one_that_moves_in_the_plane(step):
+    """Along a line that is not an axis: the radial pull of pads at rest is that of one axis."""
+    pads = 1.2
+    tip, line = _followed(step, pads)
+    n = tip.size
+    along, across = simulate_planar(
+        PlanarTipMotion(0.6 * tip, 0.8 * tip, np.ones(n)),
+        np.zeros(n),
+        np.full(n, np.inf),
+        np.full(n, pads),
+        DrivenStage(STIFFNESS, DAMPING, MASS, step),
+        Guide(0.0, 0.0),
+    )
+    assert np.abs(0.6 * along + 0.8 * across - line).max() < 2e-3 * np.ptp(tip)
+    assert np.abs(0.8 * along - 0.6 * across).max() < 1e-3 * np.ptp(tip)

@@ -1,0 +1,163 @@
+"""The energy audit and limit cycles of stick-slip, against closed expressions and reference numbers."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from sim.experiments.friction_models import MODELS, Friction
+from sim.experiments.hysteresis import hysteresis
+from sim.experiments.limit_cycles import SPEEDS, cycle, limit_cycles
+from sim.experiments.passivity import MOTIONS, SPEED, START_FREQUENCY, TIP_FREQUENCY, audit, passive_below
+from sim.experiments.presliding import presliding
+from sim.experiments.stick_slip import stick_slip
+from tests.reference.tables import reference
+
+ROOT = Path(__file__).parents[3]
+REFERENCE = reference("thesis_friction")["causal"]
+FRICTION = Friction()
+MICRO = {"um": 1e-6, "uJ": 1e-6}
+
+
+def test_the_threshold_and_the_forces_at_a_tips_speed_agree_with_the_reference():
+    assert passive_below(FRICTION) * 1e3 == pytest.approx(float(REFERENCE["passive_below"]["printed"]), abs=0.06)
+    assert audit(FRICTION, "lugre", "tip").peak_force == pytest.approx(62.0, abs=0.5)
+    assert audit(FRICTION, "lugre_causal", "tip").peak_force == pytest.approx(1.06, abs=0.005)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("core", MODELS)
+def test_the_heat_is_the_integral_of_the_closed_expression(core, motion):
+    """Heat rate worked out by hand for each model, integrated over the states of the run."""
+    result = audit(FRICTION, core, motion)
+    run = result.simulation
+    v, z = run.velocity, run.bristle[:, 0]
+    level = 1.0 + 0.5 * np.exp(-((v / 1e-3) ** 2))
+    a0, a1 = 1e5, math.sqrt(1e5)
+    if core == "lugre":
+        s = a0 * z / level
+        rate = np.abs(v) * (level * s**2 + a1 * np.abs(v) * (1.0 - s * np.sign(v)))
+    elif core == "lugre_causal":
+        slip = (v - np.abs(v) * a0 * z / level) / (1.0 + a1 * np.abs(v) / level)
+        rate = a1 * slip**2 + (a0 * z + a1 * slip) ** 2 * np.abs(v) / level
+    else:
+        rate = (a0 * z) ** 2 * np.abs(v) / level
+    heat = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(run.time))])
+    assert np.abs(heat - result.heat).max() < 1e-3 * np.abs(result.heat).max()
+
+
+@pytest.mark.parametrize("core", ["lugre_undamped", "lugre_causal"])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_heat_never_falls_in_a_passive_model(core, motion):
+    heat = audit(FRICTION, core, motion).heat
+    assert np.diff(heat).min() > -1e-9 * heat[-1]
+
+
+@pytest.mark.parametrize(
+    "core, heat, peak",
+    [("lugre", 26.617e-6, 62.21), ("lugre_undamped", 109.41e-6, 0.574), ("lugre_causal", 102.44e-6, 1.065)],
+)
+def test_heat_and_peak_force_are_those_of_a_separate_integration(core, heat, peak):
+    """Solved with Radau by other code; the least heat of LuGre is -33.967 uJ."""
+    start = audit(FRICTION, core, "start")
+    assert start.heat[-1] == pytest.approx(heat, rel=1e-3)
+    assert start.least_heat == pytest.approx(-33.967e-6 if core == "lugre" else 0.0, rel=1e-3, abs=1e-12)
+    assert audit(FRICTION, core, "tip").peak_force == pytest.approx(peak, rel=2e-3)
+
+
+def test_lugre_gives_energy_back_in_a_fast_start_and_not_in_a_slow_one():
+    result = audit(FRICTION, "lugre", "start")
+    assert result.least_heat < -1e-5
+    first_fall = result.simulation.velocity[np.flatnonzero(np.diff(result.heat) < 0.0)[0]]
+    assert first_fall > 0.9 * passive_below(FRICTION)
+    slow = stick_slip(FRICTION, "lugre").simulation
+    heat = slow.core_work - (slow.stored - slow.stored[0])
+    assert np.diff(heat).min() > -1e-12
+
+
+def test_a_light_mass_is_shot_off_by_lugre_with_energy_from_nowhere():
+    mass, a0, a1 = 1e-6, 1e5, math.sqrt(1e5)
+
+    def right(t, y):
+        level = 1.0 + 0.5 * math.exp(-min((y[1] / 1e-3) ** 2, 700.0))
+        rate = y[1] - a0 * abs(y[1]) * y[2] / level
+        return [y[1], (2.0 * (0.1 * t - y[0]) - a0 * y[2] - a1 * rate - 0.4 * y[1]) / mass, rate]
+
+    other = solve_ivp(right, (0.0, 7.351), np.zeros(3), "LSODA", rtol=1e-9, atol=1e-13)
+    shot = stick_slip(FRICTION, "lugre", mass)
+    assert shot.peak_velocity == pytest.approx(other.y[1].max(), rel=1e-3)
+    assert shot.peak_velocity == pytest.approx(1456.0, abs=1.0)
+    spring = 0.5 * 2.0 * (0.1 * shot.slips[0]) ** 2
+    assert 0.5 * mass * shot.peak_velocity**2 > 1.9 * spring
+    assert stick_slip(FRICTION, "lugre_causal", mass).peak_velocity == pytest.approx(1.17, abs=0.005)
+
+
+def test_the_motions_are_those_described():
+    start = audit(FRICTION, "lugre_causal", "start").simulation
+    expected = 0.5 * SPEED * (1.0 - np.cos(START_FREQUENCY * start.time))
+    assert np.abs(start.velocity - expected).max() < 1e-8
+    tip = audit(FRICTION, "lugre_causal", "tip").simulation
+    assert np.abs(tip.velocity - SPEED * np.sin(TIP_FREQUENCY * tip.time)).max() < 1e-8
+
+
+def rows(name: str):
+    """Rows of the documentation's table marked `<!-- table: name -->`: experiment, feature, unit, printed by model."""
+    text = (ROOT / "docs" / "causal_friction_model.md").read_text(encoding="utf-8")
+    table = text.split(f"<!-- table: {name} -->\n")[1].split("\n\n")[0].splitlines()
+    split = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in table]
+    return [(row[0], row[1], row[2], dict(zip(split[0][3:], row[3:]))) for row in split[2:]]
+
+
+def check(feature: tuple[float, str] | None, unit: str, printed: str, what: str) -> None:
+    assert feature is not None, what
+    half = 0.51 * 10.0 ** -len(printed.partition(".")[2])
+    assert abs(feature[0] / MICRO.get(unit, 1.0) - float(printed)) <= half, (what, feature, printed)
+
+
+@pytest.mark.parametrize("core", MODELS)
+def test_the_documented_features_are_those_of_the_experiments(core):
+    found = {"presliding": presliding(FRICTION, core).features(), "stick-slip": stick_slip(FRICTION, core).features()}
+    for experiment, feature, unit, printed in rows("features"):
+        if experiment.startswith("hysteresis"):
+            found[experiment] = hysteresis(FRICTION, core, experiment.split()[1]).features()
+        check(found[experiment][feature], unit, printed[core], f"{experiment} {feature} {core}")
+
+
+def test_the_documented_audit_is_that_of_the_experiment():
+    for motion, feature, unit, printed in rows("passivity"):
+        for core, value in printed.items():
+            check(audit(FRICTION, core, motion).features()[feature], unit, value, f"{motion} {feature} {core}")
+
+
+RISE = FRICTION.breakaway - FRICTION.coulomb
+
+
+@pytest.mark.parametrize("speed", [2e-3, 2e-2])
+def test_the_size_of_a_cycle_follows_from_its_dwell(speed: float) -> None:
+    """2 A, A = (Fs - Fc)(1 - exp(-gamma (2 A/(k v))^m)), with the speed of the slip added: sqrt(A^2 + m k v^2)."""
+    found = cycle(replace(FRICTION, viscous=0.0), "lugre", speed, 2.0, 1.0)
+    dwell = brentq(lambda a: a - RISE * (1.0 - math.exp(-1.66 * (2.0 * a / (2.0 * speed)) ** 0.65)), 1e-9, RISE)
+    assert found.size == pytest.approx(2.0 * math.hypot(dwell, math.sqrt(2.0) * speed), rel=0.06)
+    assert found.first == pytest.approx(FRICTION.breakaway, rel=0.01)
+
+
+def test_a_stiff_spring_breaks_away_earlier_with_the_force_of_its_shorter_dwell() -> None:
+    for speed in SPEEDS[:2]:
+        found = cycle(FRICTION, "lugre", speed, 200.0, 1.0)
+        expected = FRICTION.coulomb + RISE * (1.0 - math.exp(-1.66 * found.dwell**0.65))
+        assert found.top < found.first - 0.02
+        assert found.top == pytest.approx(expected, rel=0.05)
+
+
+def test_above_the_critical_speed_the_mass_slides() -> None:
+    found = limit_cycles(FRICTION, "lugre", 20.0)
+    assert found.critical is not None and SPEEDS[0] < found.critical < SPEEDS[-1]
+    sticks = np.array(SPEEDS) < found.critical
+    assert np.all(found.sizes[sticks] > 0.5 * RISE) and np.all(found.sizes[~sticks] < 0.05 * RISE)
+    # A mass that slides is driven by Coulomb and viscous friction alone.
+    last = found.cycles[-1].simulation
+    assert last.drive[-1] == pytest.approx(FRICTION.coulomb + FRICTION.viscous * SPEEDS[-1], rel=0.03)

@@ -1,0 +1,160 @@
+"""Structural modes above the filter band, and a quantised channel whose step exceeds the stated noise."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+
+from sysid.diagnose import diagnose
+from sysid.diagnosis.candidate import Reference
+from sysid.diagnosis.quantised_channel import quantised_channel
+from sysid.diagnosis.structural_modes import detect_structural_mode
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
+from sysid.experiment.experiment import load_experiment
+from sysid.ladder import add_effects
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import Problem, load_problem
+from sysid.signals.gaussian_filter import BAND
+from tests.sysid.slide import NOISE, SIGN, VELOCITY, slide
+from workbench.cli import run
+
+STEP, ROWS = 1e-3, 9000
+MASS, DRAG = 1.5, 6.0
+FREQUENCY, DAMPING = 31.0, 0.02
+FORCE_NOISE = 5e-3
+
+
+def _position(force: np.ndarray, shaken: np.ndarray, part: float) -> np.ndarray:
+    """Where a mass goes, a part of which rides on a mode: exact for forces (n,) held from row to row."""
+    w, own = 2.0 * np.pi * FREQUENCY, (1.0 - part) * MASS
+    ride = np.array([w**2, 0.0, -(w**2), -2.0 * DAMPING * w])
+    matrix = np.array([[0, 1, 0, 0], [0, -DRAG / own, 0, 0] - part * MASS / own * ride, [0, 0, 0, 1], ride])
+    held, push, *_ = cont2discrete((matrix, np.array([[0], [1 / own], [0], [0]]), np.eye(4), np.zeros((4, 1))), STEP)
+    state, out = np.zeros(4), np.empty(force.size)
+    for k in range(force.size):
+        out[k] = state[0]
+        state = held @ state + push[:, 0] * (force[k] + shaken[k])
+    return out
+
+
+def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-6) -> Path:
+    """A mass pushed by steps of force, its position with `noise`, m; the `vibration` of the floor pushes it too, N."""
+    folder.mkdir()
+    text = (
+        f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = ["viscous"]\n'
+        f'[noise]\nposition = "{noise} m"\ndrive_force = "{FORCE_NOISE} N"\n'
+    )
+    for seed, role in enumerate(("fit", "validate")):
+        rng = np.random.default_rng([5, seed])
+        time = STEP * np.arange(ROWS)
+        force = np.repeat(rng.uniform(-4.0, 4.0, ROWS // 300), 300)
+        shaken = vibration * np.sin(2.0 * np.pi * FREQUENCY * time + rng.uniform(0.0, 6.0))
+        position = _position(force, shaken, part) + noise * rng.standard_normal(ROWS)
+        table = np.column_stack([time, force + FORCE_NOISE * rng.standard_normal(ROWS), position])
+        head = "time [s],drive_force [N],position [m]"
+        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=head, comments="")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(text)
+    return folder
+
+
+def _fitted(folder: Path) -> tuple[Problem, ReferenceFit]:
+    problem = load_problem(folder)
+    return problem, fit_stated_model(problem)
+
+
+def test_modal_parameters_are_estimated(tmp_path: Path) -> None:
+    problem, base = _fitted(_write(tmp_path / "rig", 0.15))
+    record = problem.fit_records[0]
+    assert isinstance(record, ForceBalanceRecord) and record.full_filter is not None
+    assert BAND / record.full_filter.width < 0.5 * FREQUENCY
+    found = detect_structural_mode(problem, base.fitted)
+    assert found is not None and found.band == pytest.approx(BAND / record.full_filter.width)
+    assert min(found.fit, found.held_out) > 20.0
+    assert found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
+    assert found.values["mass_ratio"] == pytest.approx(0.15, rel=0.1)
+    assert found.values["damping"] == pytest.approx(DAMPING, rel=0.2)
+
+
+@pytest.mark.parametrize("vibration", [0.0, 0.05])
+def test_no_mode_is_detected_without_one_on_a_vibrating_floor(tmp_path: Path, vibration: float) -> None:
+    problem, base = _fitted(_write(tmp_path / "rig", 0.0, vibration))
+    assert detect_structural_mode(problem, base.fitted) is None
+
+
+@pytest.mark.slow
+def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
+    assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "missing: flexible_mode" in said
+    assert "oscillates at" in said
+    problem, base = _fitted(folder)
+    add_effects(folder, ["flexible_mode"])
+    known = load_experiment(folder).parameters["flexible_mode.frequency"]
+    assert known.start == pytest.approx(FREQUENCY, rel=0.05)
+    # What the ringing told, not what a fit made of it and of the balance: the balance is fitted again.
+    told = detect_structural_mode(problem, base.fitted)
+    assert told is not None
+    assert known.start == pytest.approx(told.values["frequency"], rel=1e-5)
+    assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)
+    after = diagnose(folder)
+    assert after.verdict == "adequate"
+    assert not after.replacements
+
+
+FORCE = 1.5 * SIGN + 25.0 * VELOCITY
+
+
+def _rounded(folder: Path, step: float, missing: np.ndarray | float = 0.0) -> Path:
+    """Coulomb friction and drag; the force is written on a grid of `step` N, its noise stated as `NOISE`."""
+    slide(folder, FORCE + missing, '"coulomb", "viscous"', held_out=True)
+    for name in ("fit.csv", "validate.csv"):
+        file = folder / name
+        header = file.read_text(encoding="utf-8").splitlines()[0]
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        if step > 0.0:
+            table[:, 3] = step * np.round(table[:, 3] / step)
+        np.savetxt(file, table, "%.9g", ",", header=header, comments="")
+    return folder
+
+
+def _reference(folder: Path) -> Reference:
+    problem = load_problem(folder)
+    return Reference.of(problem, fit_stated_model(problem))
+
+
+def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: Path) -> None:
+    step = 15.0 * NOISE
+    reference = _reference(_rounded(tmp_path, step))
+    # The error of rounding is even over a step: its variance is step^2/12.
+    assert reference.held_out.loss == pytest.approx(1.0 + step**2 / 12.0 / NOISE**2, rel=0.25)
+    found = quantised_channel(reference)
+    assert found is not None
+    assert (found.entry.name, found.entry.state) == ("sensor_quantisation", "established")
+    assert found.candidate.held_out.loss < 1.3
+    assert found.share > 0.9
+    add_effects(tmp_path, ["sensor_quantisation"])
+    assert quantised_channel(_reference(tmp_path)) is None
+
+
+def test_grid_on_which_the_force_has_two_values_hides_the_noise(tmp_path: Path) -> None:
+    slide(tmp_path, 1.5 * SIGN, '"coulomb", "viscous"', held_out=True)
+    for name in ("fit.csv", "validate.csv"):
+        file = tmp_path / name
+        header = file.read_text(encoding="utf-8").splitlines()[0]
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        table[:, 3] = np.where(table[:, 3] > 0.0, 1.5, -1.5)
+        np.savetxt(file, table, "%.9g", ",", header=header, comments="")
+    assert quantised_channel(_reference(tmp_path)) is not None
+
+
+@pytest.mark.parametrize("step", [0.0, NOISE])
+def test_fine_grid_is_not_named(tmp_path: Path, step: float) -> None:
+    assert quantised_channel(_reference(_rounded(tmp_path, step))) is None
+
+
+def test_misfit_that_no_grid_explains_is_not_quantisation(tmp_path: Path) -> None:
+    folder = _rounded(tmp_path, 4.0 * NOISE, 60.0 * NOISE * np.sin(400.0 * VELOCITY))
+    assert quantised_channel(_reference(folder)) is None

@@ -1,0 +1,170 @@
+"""Rows that are missing, lost or uneven: what bridges them, and what they cost."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import stagecad
+from sim.numerics.record_operators import resonance
+from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
+from sysid.prediction.problem import load_problem
+from sysid.signals.masks import longer_than
+
+STEP = 1e-3
+MASS = 1.5
+TIME = STEP * np.arange(6000)
+GAP = slice(2950, 3080)
+
+
+def _balance(folder: Path, gap: slice) -> ForceBalanceRecord:
+    """A mass pushed to and fro by a sine, its position noisy by a tenth of a micrometre."""
+    folder.mkdir()
+    omega = 2 * np.pi * 2.0
+    force = 3.0 * np.sin(omega * TIME)
+    position = -3.0 / (MASS * omega**2) * np.sin(omega * TIME)
+    position = position + 1e-7 * np.random.default_rng(8).standard_normal(TIME.size)
+    position[gap] = np.nan
+    table = np.column_stack([TIME, force, position])
+    np.savetxt(folder / "fit.csv", table, "%.10g", ",", header="time [s],drive_force [N],position [m]", comments="")
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = ["viscous"]\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[noise]\nposition = "0.1 um"\ndrive_force = "1 mN"\n'
+    )
+    balance = load_problem(folder).fit_records[0]
+    assert isinstance(balance, ForceBalanceRecord)
+    return balance
+
+
+def test_a_mode_does_not_ring_with_the_bridge_over_a_gap(tmp_path: Path) -> None:
+    whole, gap = (_balance(tmp_path / name, rows) for name, rows in (("whole", slice(0, 0)), ("gap", GAP)))
+    rung = [resonance(np.ascontiguousarray(b.axis.acceleration), STEP, 38.0, 0.03) for b in (whole, gap)]
+    after = slice(GAP.stop + 40, GAP.stop + 1000)
+    own = np.std(rung[0] - whole.axis.acceleration)
+    assert np.std((rung[1] - rung[0])[after]) < own
+    # The line that bridges the position turns by kinks at the gap's ends, and those would have rung:
+    time = whole.axis.time
+    bridged = np.interp(time, *(np.delete(values, np.r_[GAP]) for values in (time, whole.axis.position)))
+    kinked = resonance(np.gradient(np.gradient(bridged, STEP), STEP), STEP, 38.0, 0.03)
+    assert np.std((kinked - rung[0])[after]) > 5.0 * own
+    assert gap.valid["drive_force"][after].any()
+    assert not gap.valid["drive_force"][GAP].any()
+
+
+def test_away_from_a_gap_nothing_changes(tmp_path: Path) -> None:
+    whole, gap = (_balance(tmp_path / name, rows) for name, rows in (("whole", slice(0, 0)), ("gap", GAP)))
+    far = np.r_[200 : GAP.start - 100, GAP.stop + 100 : whole.size - 200]
+    assert gap.axis.acceleration[far] == pytest.approx(whole.axis.acceleration[far], abs=1e-9)
+
+
+INTERVAL, BLOCK, STIFFNESS = 1e-3, 1.2, 3000.0
+TIMES = np.arange(6000) * INTERVAL
+POSITION = 5e-3 * np.sin(2 * np.pi * 0.8 * TIMES)
+ACCELERATION = -5e-3 * (2 * np.pi * 0.8) ** 2 * np.sin(2 * np.pi * 0.8 * TIMES)
+FORCE = BLOCK * ACCELERATION + 40.0 * np.gradient(POSITION, INTERVAL)
+
+
+def pulled(folder: Path, keep: np.ndarray) -> ForceBalanceRecord:
+    """A mass on a spring without dry friction; the rows of `keep` (n,) are logged."""
+    rng = np.random.default_rng(1)
+    table = np.column_stack([
+        TIMES, POSITION + FORCE / STIFFNESS, POSITION + rng.normal(0, 2e-7, TIMES.size),
+        FORCE + rng.normal(0, 2e-3, TIMES.size),
+    ])  # fmt: skip
+    header = "time [s],pull_position [m],position [m],spring_force [N]"
+    np.savetxt(folder / "log.csv", table[keep], "%.10g", ",", header=header, comments="")
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "spring-pull"\n[rig.known]\nmass = "{BLOCK} kg"\n'
+        f'pull_stiffness = "{STIFFNESS} N/m"\n[model]\neffects = ["viscous"]\n'
+        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nposition = "2e-7 m"\nspring_force = "2 mN"\n'
+    )
+    record = load_problem(folder).fit_records[0]
+    assert isinstance(record, ForceBalanceRecord)
+    return record
+
+
+def test_a_row_lost_here_and_there_costs_itself_only(tmp_path: Path) -> None:
+    keep = np.random.default_rng(5).random(TIMES.size) > 0.07
+    keep[:2] = True
+    record = pulled(tmp_path, keep)
+    scored = record.valid["spring_force"]
+    assert record.full_filter is not None
+    edges = EDGE_WIDTHS * record.full_filter.width / INTERVAL
+    assert scored.sum() > 0.9 * scored.size - 2.0 * edges
+    assert not scored[~keep[: scored.size]].any()
+    # What is scored is as good as it was: the balance closes to the noise.
+    assert record.acceleration is not None
+    left = record.measured["spring_force"] - BLOCK * record.acceleration - 40.0 * record.axis.velocity
+    assert np.std(left[scored]) < 1.3 * record.noise["spring_force"]
+
+
+def test_a_long_hole_takes_its_neighbourhood_with_it(tmp_path: Path) -> None:
+    keep = np.ones(TIMES.size, dtype=bool)
+    keep[3000:3100] = False
+    record = pulled(tmp_path, keep)
+    assert record.full_filter is not None
+    reach = int(EDGE_WIDTHS * record.full_filter.width / INTERVAL)
+    scored = record.valid["spring_force"]
+    assert not scored[3000 - reach + 2 : 3100 + reach - 2].any()
+    assert scored[3100 + reach + 5 :].any()
+
+
+def test_only_stretches_longer_than_asked_for_are_left() -> None:
+    mask = np.array([1, 0, 1, 1, 0, 1, 1, 1, 0], dtype=bool)
+    assert longer_than(mask, 2.0).tolist() == [False] * 5 + [True] * 3 + [False]
+
+
+COULOMB, VISCOUS, NOISE, MEAN_STEP = 2.2, 45.0, 0.02, 5e-3
+
+
+def _record(seed: int) -> pd.DataFrame:
+    """Coulomb and viscous friction of a slow multisine, sampled evenly, then interpolated to uneven times."""
+    random = np.random.default_rng(seed)
+    time = MEAN_STEP * np.arange(4000)
+    velocity = 0.02 * np.sin(2.1 * time + 0.3) * np.sin(0.37 * time)
+    force = COULOMB * np.sign(velocity) + VISCOUS * velocity + NOISE * random.standard_normal(time.size)
+    uneven = time[1:-1] + MEAN_STEP * random.uniform(-0.15, 0.15, time.size - 2)
+    columns = {"velocity [m/s]": velocity, "friction_force [N]": force}
+    return pd.DataFrame({"time [s]": uneven, **{name: np.interp(uneven, time, y) for name, y in columns.items()}})
+
+
+def test_only_rows_that_are_mixtures_themselves_differ_from_the_law() -> None:
+    """One row beside a reversal may be interpolated by the logger; resampling makes no further mixtures of it."""
+    experiment = stagecad.Experiment.from_dataframes(
+        {"fit": _record(1), "validate": _record(2)},
+        rig="velocity-drive",
+        model=["coulomb", "viscous"],
+        noise={"friction_force": "0.02 N"},
+        validate=["validate"],
+    )
+    residuals = stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+    reversals = int(np.sum(np.diff(np.sign(_record(2)["velocity [m/s]"])) != 0.0))
+    assert reversals > 10
+    assert np.sum(np.abs(residuals) > 10.0 * NOISE) <= reversals
+
+
+def _turning(seed: int, even: bool) -> pd.DataFrame:
+    """Coulomb and viscous friction along an exact position, which turns between the rows."""
+    random = np.random.default_rng(seed)
+    time = MEAN_STEP * np.arange(4000)
+    if not even:
+        time = time + MEAN_STEP * random.uniform(-0.3, 0.3, time.size)
+    position = 0.004 * np.sin(2.3 * time + seed)
+    velocity = 0.004 * 2.3 * np.cos(2.3 * time + seed)
+    force = COULOMB * np.sign(velocity) + VISCOUS * velocity + NOISE * random.standard_normal(time.size)
+    return pd.DataFrame({"time [s]": time, "position [m]": position, "friction_force [N]": force})
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_direction_at_a_row_after_a_turning_point_between_two_rows(even: bool) -> None:
+    """The difference to the row before has the old sign at half of the reversals; the velocity at the row has not."""
+    experiment = stagecad.Experiment.from_dataframes(
+        {"fit": _turning(1, even), "validate": _turning(2, even)},
+        rig="velocity-drive",
+        model=["coulomb", "viscous"],
+        noise={"friction_force": "0.02 N"},
+        validate=["validate"],
+    )
+    residuals = stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+    assert np.sum(np.abs(residuals) > 10.0 * NOISE) == 0

@@ -1,0 +1,80 @@
+"""Effects of the user's own that cannot be tried, and laws chosen by their whole name."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim import Effect, Parameter
+from stagecad.parameters.errors import InputError
+from sysid.diagnose import diagnose
+from sysid.experiment.experiment import load_experiment
+from sysid.ladder import add_effects
+from tests.sysid.slide import SIGN, slide
+
+
+def test_an_own_effect_that_is_not_finite_on_the_records_is_named(tmp_path: Path) -> None:
+    own = Effect(
+        "root",
+        "root of the position",
+        force=lambda axis, p: p.strength * np.sqrt(-1.0 - axis.position**2),
+        parameters=(Parameter("strength", "N/m", 1.0, 0.0, 9.0, "size", "assumed"),),
+    )
+    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"')
+    with np.errstate(invalid="ignore"):
+        found = diagnose(replace(problem, custom=(own,)))
+    assert [line for line in found.warnings if "'root' of your own was not tried" in line]
+    assert not any("of your own" in line for line in diagnose(problem).warnings)
+
+
+STRETCH, LEVEL, VISCOUS = 4e-6, 1.6, 900.0
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Path:
+    """A slow slide over a contact of one ideal spring that slips at `STRETCH`, with a drag."""
+    rng = np.random.default_rng(5)
+    time = 1e-3 * np.arange(2500)
+    position = 40e-6 * np.sin(2 * np.pi * time) + 9e-6 * np.sin(2 * np.pi * 3.1 * time)
+    velocity = np.gradient(position, time)
+    stretch = np.empty(time.size)
+    stretch[0] = np.sign(position[1] - position[0]) * STRETCH
+    for i in range(1, time.size):
+        stretch[i] = np.clip(stretch[i - 1] + position[i] - position[i - 1], -STRETCH, STRETCH)
+    force = LEVEL * stretch / STRETCH + VISCOUS * velocity + 0.004 * rng.standard_normal(time.size)
+    header = "time [s],position [m],velocity [m/s],friction_force [N]"
+    table = np.column_stack([time, position, velocity, force])
+    np.savetxt(tmp_path / "fit.csv", table, "%.12g", ",", header=header, comments="")
+    (tmp_path / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
+        '[noise]\nfriction_force = "0.004 N"\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    )
+    return tmp_path
+
+
+def test_the_law_asked_for_takes_the_place_of_the_core_before_it(rig: Path) -> None:
+    before = load_experiment(rig)
+    for law in ("presliding:maxwell_slip", "presliding:lugre"):
+        step = add_effects(rig, [law])
+        after = load_experiment(rig)
+        assert sorted(after.effects) == [law, "viscous"]
+        assert {key.rpartition(".")[0] for key in after.parameters} == {law, "viscous"}
+        assert step.revision.document["added"] == [law]
+        assert step.revision.document["removed"] == [name for name in before.effects if name != "viscous"]
+        parameters = step.revision.document["parameters"]
+        assert parameters["presliding.force"]["value"] == pytest.approx(LEVEL, rel=0.1)
+        if law == "presliding:maxwell_slip":
+            # The law of these records; a LuGre bristle takes a part of the drag.
+            assert parameters["viscous.coefficient"]["value"] == pytest.approx(VISCOUS, rel=0.2)
+        before = after
+
+
+def test_a_law_there_already_and_one_that_is_none_are_refused(rig: Path) -> None:
+    add_effects(rig, ["presliding:maxwell_slip"])
+    text = (rig / "experiment.toml").read_text()
+    with pytest.raises(InputError, match="has 'presliding:maxwell_slip' already"):
+        add_effects(rig, ["presliding:maxwell_slip"])
+    with pytest.raises(InputError, match="did you mean 'maxwell_slip'"):
+        add_effects(rig, ["presliding:maxwell_slop"])
+    assert (rig / "experiment.toml").read_text() == text
