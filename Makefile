@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --progress-bar o
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := demo
-.PHONY: demo test test-slow bench lint system clean
+.PHONY: demo test test-slow bench lint types style system clean
 
 demo: $(READY) system
 	$(BIN)/stagecad demo --out build
@@ -22,20 +22,26 @@ demo: $(READY) system
 	@echo "  build/report.html        the machine: parts, drawings, checks, simulations"
 
 test: $(TOOLS) system
-	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup -m "not slow"
+	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup --no-loadscope-reorder -m "not slow"
 
 # The long runs of tests/robustness print their counts; STAGECAD_ROBUSTNESS=0.01 runs a hundredth of them.
 test-slow: $(TOOLS) system
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
+	$(BIN)/python -m pytest -n 2 --dist loadgroup --no-loadscope-reorder -m slow
 
 bench: $(PEERS) system
 	for name in parts drawings make cold_start stick_slip many_effects loop_growth hidden_effects page; do \
 		echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
+# Types take a minute and the rest together half of one: they run beside each other.
 lint: $(TOOLS)
+	+$(MAKE) --no-print-directory -j 2 --output-sync=target types style
+
+types:
+	$(BIN)/pyright
+
+style:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
 	$(BIN)/lint-imports
 
 $(READY): pyproject.toml

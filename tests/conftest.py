@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,6 +15,33 @@ if TYPE_CHECKING:
 
 # Before a test imports NumPy.
 use_one_thread(os.environ)
+
+TOGETHER = {
+    "browser": ("workbench/page/test_in_browser.py", "workbench/page/test_late_answers.py",
+                "workbench/page/test_restart.py"),
+    "cluster": ("commands/test_bootstrap_command.py", "commands/test_many_runs.py", "commands/test_simulate_stage.py",
+                "stagecad/test_processes.py", "workbench/operations/test_monte_carlo.py"),
+    "sheets": ("drawings/export/test_dxf.py", "drawings/export/test_dxf_equals_model.py", "drawings/sheets/test_ink.py",
+               "drawings/sheets/test_sheets_complete.py"),
+    "loop": ("workbench/operations/test_experiments.py", "workbench/operations/test_machine_and_motions.py",
+             "workbench/operations/test_whole_loop.py"),
+}  # fmt: skip
+"""Files whose tests one process runs, since they share a browser, a cluster, drawn sheets, or a diagnosis. So it does
+for the tests of every other file."""
+DEAR = ("browser", "sheets", "recovery/", "sysid/prediction/", "commands/", "drawings/", "robustness/", "docs/", "loop")
+"""Groups, files and folders that take longest begin first: else one process ends long after the other."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    groups = {place: name for name, places in TOGETHER.items() for place in places}
+    ranks = {}
+    for item in items:
+        place = item.path.relative_to(Path(__file__).parent).as_posix()
+        group = groups.get(place, place)
+        item.add_marker(pytest.mark.xdist_group(group))
+        ranks[item] = next((rank for rank, name in enumerate(DEAR) if group.startswith(name)), len(DEAR))
+    items.sort(key=ranks.__getitem__)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -54,7 +82,7 @@ def machine(design: Design, store):
 
 @pytest.fixture(scope="session")
 def cluster():
-    """Address of a dask cluster on this machine; its tests are in the group "cluster", so that one process runs it."""
+    """Address of a dask cluster on this machine; one process runs its tests."""
     from distributed import LocalCluster
 
     with LocalCluster(

@@ -7,7 +7,6 @@ import pytest
 
 from workbench.cli import run
 
-pytestmark = pytest.mark.xdist_group("cluster")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_effect"
 
 

@@ -21,7 +21,6 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
     return out, json.loads((out / "demo.json").read_text(encoding="utf-8"))
 
 
-@pytest.mark.xdist_group("demo")
 def test_the_demo_finds_both_hidden_effects_and_stops_at_the_noise(demo: tuple[Path, dict]) -> None:
     _, document = demo
     found = [r["diagnose"]["effect"] for r in document["rounds"]]
@@ -33,7 +32,6 @@ def test_the_demo_finds_both_hidden_effects_and_stops_at_the_noise(demo: tuple[P
     assert over[-1] < 1.1
 
 
-@pytest.mark.xdist_group("demo")
 def test_the_demo_leaves_one_report_of_every_step(demo: tuple[Path, dict]) -> None:
     out, document = demo
     page = Path(document["report"]).read_text(encoding="utf-8")
@@ -49,7 +47,6 @@ def test_the_demo_leaves_one_report_of_every_step(demo: tuple[Path, dict]) -> No
     assert (out / "demo" / "ladder" / "002.json").is_file()
 
 
-@pytest.mark.xdist_group("demo")
 def test_the_demo_begins_anew_each_time(demo: tuple[Path, dict], tmp_path: Path) -> None:
     folder = tmp_path / "demo"
     fresh_copy(folder)

@@ -10,9 +10,6 @@ from stagecad.parameters.load import load_design
 from stagecad.processes import parallel_map
 from workbench.cli import run
 
-# One cluster for all of them: they go to one test process.
-pytestmark = pytest.mark.xdist_group("cluster")
-
 
 def document(capsys, folder, *words):
     status = run(["check", "--out", str(folder), *words, "--json"])

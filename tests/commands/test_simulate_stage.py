@@ -49,7 +49,6 @@ def test_a_sweep_over_the_tips_height(tmp_path):
     assert header.startswith('"actuator.tip_height [m]"')
 
 
-@pytest.mark.xdist_group("cluster")
 @pytest.mark.parametrize(
     "asked",
     [

@@ -38,7 +38,6 @@ def own_store(tmp_path_factory: pytest.TempPathFactory) -> ArtefactStore:
     return ArtefactStore(tmp_path_factory.mktemp("designs"))
 
 
-@pytest.mark.xdist_group("parts of random designs")
 @pytest.mark.parametrize("seed", range(5, 15))
 def test_parts_of_random_designs(own_store: ArtefactStore, capsys: pytest.CaptureFixture[str], seed: int) -> None:
     random, found, began = np.random.default_rng(seed), Counter[str](), time.process_time()

@@ -30,7 +30,6 @@ from workbench.cli import run
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.xdist_group("kills"),
     pytest.mark.skipif(sys.platform != "linux", reason="needs process groups and descriptors of processes"),
 ]
 KILLS = count(30)

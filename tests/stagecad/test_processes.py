@@ -164,7 +164,6 @@ def test_workers_use_one_thread_for_linear_algebra() -> None:
 
 
 # One cluster for all tests of it: they go to one test process.
-@pytest.mark.xdist_group("cluster")
 def test_a_dask_cluster_gives_the_same_results_and_errors(cluster: str) -> None:
     completed: list[int] = []
     found = parallel_map(partial(pow, 2), range(5), scheduler=cluster, progress=completed.append)

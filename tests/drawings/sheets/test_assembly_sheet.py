@@ -36,8 +36,6 @@ from stagecad.solids.modelling.frame import transformed_box
 
 ROOT = Path(__file__).parents[3]
 
-pytestmark = pytest.mark.xdist_group("assembly sheet")
-
 
 @pytest.fixture(scope="module")
 def shown(machine: BuiltMachine, design: Design) -> Callable[..., Picture]:

@@ -14,8 +14,6 @@ from stagecad.friction_stage.construction import MADE
 from tests.drawings.drawn import sheets
 from tests.drawings.rendered import assert_same_picture, picture_of
 
-pytestmark = pytest.mark.xdist_group("sheets of the thesis")
-
 STEP = 1.0
 """Distance of the points looked at along a curve, mm on the paper."""
 NEAR = 0.05

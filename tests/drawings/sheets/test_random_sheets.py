@@ -81,7 +81,6 @@ def faults(design: Design) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("sheets of random designs")
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_sheets_of_some_random_designs_are_free_of_hits(seed: int) -> None:
     design, overrides = random_design(seed)

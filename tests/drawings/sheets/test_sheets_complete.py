@@ -34,9 +34,6 @@ from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, document_of, sheets, thesis, words
 
-pytestmark = pytest.mark.xdist_group("sheets of the thesis")
-"""One process draws each sheet once for all these tests."""
-
 NOT_DIMENSIONS = {
     "teeth.fitted": "whether pockets and tapped holes for the teeth are there: seen from their being there",
     "sea.whole_underside": "whether grooves bound the drive surface: seen from their being there",

@@ -23,9 +23,6 @@ from workbench.documentation.site import (
     site_links,
 )
 
-# One site for all of them: they go to one test process.
-pytestmark = pytest.mark.xdist_group("documentation")
-
 pytest.importorskip("sphinx")
 pytest.importorskip("myst_nb")
 

@@ -9,8 +9,6 @@ import pytest
 
 from workbench.cli import run
 
-pytestmark = pytest.mark.xdist_group("cluster")
-
 
 def drawn(capsys, folder, *words):
     status = run(["simulate", *words, "--out", str(folder), "--json"])

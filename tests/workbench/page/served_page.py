@@ -9,12 +9,15 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+PROGRAM = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+NEEDS_CHROMIUM = pytest.mark.skipif(PROGRAM is None, reason="no Chromium: apt-get install chromium")
 PATIENCE = 240.0
 """Longest wait for anything in the page, s: it ends a test of a page that waits for ever, on a busy machine too."""
 
@@ -33,7 +36,9 @@ def started(folder: Path, *options: str) -> tuple[subprocess.Popen[str], str]:
     command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", *options]
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     environment = {**os.environ, "PYTHONPATH": path}
-    server = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True)
+    # What a shell starts in the background ignores Ctrl-C, and so would the server.
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    server = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heed)
     assert server.stderr is not None
     line = server.stderr.readline()
     found = re.search(r"http://\S+", line)
@@ -118,13 +123,10 @@ def until(page: Any, holds: Callable[[], bool]) -> None:
 
 @contextmanager
 def chromium(*flags: str) -> Iterator[Any]:
-    """A headless Chromium, with further flags; skips where there is none."""
-    program = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
-    if program is None:
-        pytest.skip("no Chromium: apt-get install chromium")
+    """A headless Chromium, with further flags."""
     playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
     with playwright.sync_playwright() as started:
-        launched = started.chromium.launch(executable_path=program, args=[*FLAGS, *flags])
+        launched = started.chromium.launch(executable_path=PROGRAM, args=[*FLAGS, *flags])
         try:
             yield launched
         finally:

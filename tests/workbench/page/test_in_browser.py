@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from served_page import Browser, chromium, looking, serving, until
+from served_page import NEEDS_CHROMIUM, Browser, chromium, looking, serving, until
 
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.history import read_history
 from sysid.ladder import add_effects
 from tests.sysid.axis_with_pitch import write
 
-pytestmark = pytest.mark.xdist_group("browser")
+pytestmark = NEEDS_CHROMIUM
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from served_page import Browser, chromium, looking, serving, until
+from served_page import NEEDS_CHROMIUM, Browser, chromium, looking, serving, until
 
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
-pytestmark = pytest.mark.xdist_group("browser")
-
+pytestmark = NEEDS_CHROMIUM
 FORCE = 1.3 * SIGN + 20.0 * VELOCITY
 FIELDS = """() => [...document.querySelectorAll('#simulation .row input[type=text]')]
   .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.value)"""

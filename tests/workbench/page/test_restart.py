@@ -7,13 +7,13 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from served_page import chromium, ended, killed, looking, started, until
+from served_page import NEEDS_CHROMIUM, chromium, ended, killed, looking, started, until
 
 from sysid.experiment.experiment import load_experiment
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
 pytestmark = [
-    pytest.mark.xdist_group("browser"),
+    NEEDS_CHROMIUM,
     pytest.mark.skipif(sys.platform != "linux", reason="looks up processes in /proc"),
 ]
 

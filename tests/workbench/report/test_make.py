@@ -87,7 +87,6 @@ def files_of(folder: Path) -> dict[str, str]:
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("make")
 @pytest.mark.parametrize("change", CHANGES)
 def test_result_after_a_change_is_that_of_an_empty_cache(tmp_path: Path, change: str) -> None:
     def make(cache: str, *overrides: str) -> dict[str, str]:

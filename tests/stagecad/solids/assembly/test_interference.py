@@ -11,8 +11,6 @@ from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.assembly.interference import Interference, build_interferences, clashes, find_interferences
 from stagecad.solids.modelling.registry import construction
 
-pytestmark = pytest.mark.xdist_group("interference")
-
 
 @pytest.fixture(scope="module")
 def found(machine: BuiltMachine, design: Design, store: ArtefactStore) -> list[Interference]:
