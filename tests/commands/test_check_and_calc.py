@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from tests.reference.tables import cases
 from workbench.cli import run
 
 
@@ -133,18 +134,7 @@ def test_calc_rides_a_measured_profile(capsys, tmp_path):
     assert found["results"]["peak_to_valley"]["value"] == pytest.approx(16e-9 * transfer, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    "text, message",
-    [
-        ("", "is empty"),
-        ("place [mm],height [nm]\n", "no column 'place' is known"),
-        ("position [mm]\n", "column 'height [m]' is missing"),
-        ("position [mm],height [N]\n", "wrong dimension"),
-        ("position [mm],height [nm]\n0,0\n1,x\n", "row 3: height 'x' is not a number"),
-        ("position [mm],height [nm]\n0,0\n1,0\n", "at least three heights"),
-        ("position [mm],height [nm]\n0,0\n1,0\n2,0\n4,0\n", "even steps"),
-    ],
-)
+@pytest.mark.parametrize("text, message", cases("mistakes", "profile"))
 def test_calc_says_what_is_wrong_with_a_profile(capsys, tmp_path, text, message):
     file = tmp_path / "way.csv"
     file.write_text(text, "utf-8")
@@ -172,23 +162,7 @@ def test_calc_takes_its_defaults_from_the_design(capsys):
     assert found["inputs"]["spacing_ratio"]["value"] == pytest.approx(40 / 9.525)
 
 
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        (("hertx",), "no calculator 'hertx'; did you mean 'hertz'?"),
-        (("hertz", "--laod", "3 N"), "no option '--laod'; did you mean '--load'?"),
-        (("hertz", "--load"), "--load needs a value"),
-        (("hertz", "--load", "3"), "--load: '3' has no unit"),
-        (("hertz", "--load", "3 m"), "wrong dimension"),
-        (("hertz", "--load", "-3 N"), "load: must be above 0 N"),
-        (("hertz", "--load", "3 N", "--load", "4 N"), "--load is given twice"),
-        (("hertz", "3 N"), "belongs to no option"),
-        (("hertz", "--poisson-1", "0.7"), "must lie in 0 to 0.5"),
-        (("rail", "--spacing-ratio", "1"), "spacing-ratio: must be above 1"),
-        (("teeth", "--magnet", "big"), "not a choice; allowed: design"),
-        (("teeth", "--gap", "1 km"), "gap over pitch"),
-    ],
-)
+@pytest.mark.parametrize("words, message", cases("mistakes", "calc"))
 def test_calc_says_what_is_wrong(capsys, words, message):
     status, out, err = answer(capsys, "calc", *words)
     assert status == 2

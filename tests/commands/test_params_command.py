@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from stagecad.parameters.load import load_design
+from tests.reference.tables import cases
 from workbench.cli import run
 
 
@@ -59,17 +60,7 @@ def test_what_differs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
     assert "is there already" in err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["stagee"], "no table or parameter 'stagee'; did you mean 'stage'?"),
-        (["stage.lenght"], "no table or parameter 'stage.lenght'; did you mean 'stage.length'?"),
-        (["--diff", "none.toml"], "none.toml: no such parameter file"),
-        (["--params", "none.toml"], "none.toml: no such parameter file"),
-        (["--set", "stage.length=3 kg"], "wrong dimension"),
-        (["--set", "stage.length=0 mm"], "must be positive"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "words"), cases("mistakes", "params"))
 def test_a_mistake_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str], arguments: list[str], words: str) -> None:
     status, out, err = call(capsys, *arguments, "--json")
     assert (status, out) == (2, "")

@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from tests.reference.tables import cases
 from workbench.cli import run
 
 MODELS = {"lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run"}
@@ -109,17 +110,7 @@ def test_parquet_is_the_same_table(capsys, tmp_path):
     assert [float(cell) for cell in rows[500]] == [column[499].as_py() for column in table.columns]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["stik-slip"], "no experiment 'stik-slip'; did you mean 'stick-slip'?"),
-        (["presliding", "--model", "lugr"], "--model lugr: no such friction model; did you mean 'lugre'?"),
-        (["presliding", "--mass", "2 N"], "--mass: '2 N' has the wrong dimension"),
-        (["presliding", "--mass", "0 kg"], "--mass 0 kg: must be positive and finite"),
-        (["presliding", "--set", "friction.breakaway=0.5 N"], "friction.breakaway"),
-        (["presliding", "--format", "xls"], "'xls' is not one of"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "message"), cases("mistakes", "simulate"))
 def test_a_mistake_ends_in_one_line_and_status_two(capsys, tmp_path, arguments, message):
     assert run(["simulate", *arguments, "--out", str(tmp_path)]) == 2
     printed = capsys.readouterr()

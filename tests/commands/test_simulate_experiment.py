@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.reference.tables import cases
 from workbench.cli import run
 
 TIME = 1e-3 * np.arange(6000)
@@ -146,15 +147,7 @@ def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
     assert np.ptp(np.round(counts)) > 1000
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--motion", "missing.csv"], "missing.csv: no such file"),
-        (["--motion", "wrong.csv"], "no column 'pull_position', which spring-pull needs"),
-        (["--format", "none"], "--format none"),
-        (["--mass", "1 kg"], "--mass: not for an EXPERIMENT"),
-    ],
-)
+@pytest.mark.parametrize(("options", "words"), cases("mistakes", "simulate_experiment"))
 def test_bad_input_is_one_line(rig: Path, options: list[str], words: str, monkeypatch, capsys) -> None:
     monkeypatch.chdir(rig.parent)
     _write(rig.parent / "wrong.csv", {"time [s]": TIME, "position [m]": PULL})

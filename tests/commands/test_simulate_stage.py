@@ -10,6 +10,7 @@ from sim.friction_stage.studies import stage_drive
 from sim.stage.studies.positioning import LOOPS, move_to
 from stagecad.parameters.load import load_design
 from stagecad.solids.assembly.built_machine import body_masses
+from tests.reference.tables import cases
 from workbench.cli import run
 
 
@@ -68,15 +69,7 @@ def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, c
     assert found[1] == found[0]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["stage", "--study", "stepps"], "did you mean 'steps'"),
-        (["tip", "--study", "steps"], "only the experiment 'stage'"),
-        (["stage", "--sweep", "actuator.tip_heigt=1mm:2mm"], "did you mean 'actuator.tip_height'"),
-        (["tip", "--scheduler", "tcp://127.0.0.1:1"], "have many independent runs"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), cases("mistakes", "simulate_stage"))
 def test_a_mistake_is_one_line(arguments, said, tmp_path, capsys):
     assert run(["simulate", *arguments, "--out", str(tmp_path)]) == 2
     message = capsys.readouterr().err.strip()

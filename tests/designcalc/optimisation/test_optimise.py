@@ -14,6 +14,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, load_variations
 from stagecad.parameters.rules.registry import violations
+from tests.reference.tables import cases
 
 STROKE, PRESSURE = "piezo stroke of the drive", "tip contact pressure"
 LIFT, BENDING, SAG = (
@@ -119,17 +120,7 @@ def test_ranges_and_choices() -> None:
     assert wide.value(0.5) == pytest.approx(10**-6.5)
 
 
-@pytest.mark.parametrize(
-    "text, words",
-    [
-        ("stage.thickness", "write KEY=LOW:HIGH"),
-        ("stage.thickness=8 mm", "write LOW:HIGH"),
-        ("stage.thickness=20 mm:8 mm", "must be below"),
-        ("stage.thickness=8 kg:9 kg", "wrong dimension"),
-        ("stage.thicknes=8 mm:9 mm", "did you mean 'stage.thickness'"),
-        ("stage.material=sic", "at least two different choices"),
-    ],
-)
+@pytest.mark.parametrize("text, words", cases("mistakes", "free"))
 def test_free_parameters_that_are_none(text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         free_parameters(load_design(), [text])

@@ -18,6 +18,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from tests.drawings.drawn import described
 from tests.drawings.plate_sheet import TITLE
+from tests.reference.tables import cases
 
 CHANGES = """
 [magnet]
@@ -63,20 +64,7 @@ def test_what_no_longer_applies_is_reported_and_the_rest_done(tmp_path: Path) ->
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("[magnett]\n", "no sheet 'magnett'; did you mean 'magnet'?"),
-        ("[magnet]\nsize = 3\n", "no key 'size'"),
-        ('[magnet]\npaper = "A9"\n', "allowed: A4, A3, A2, A1"),
-        ('[magnet]\nscale = "half"\n', "write it like 1:2 or 5:1"),
-        ('[magnet]\nmove = [{dimension = "length"}]\n', "move without 'by'"),
-        ('[magnet]\nmove = [{dimension = "length", by = ["1 mm"]}]\n', "write 2 lengths"),
-        ('[magnet]\nmove = [{dimension = "length", by = ["1 mm", "2 s"]}]\n', "move"),
-        ('[magnet]\nview = [{projection = "above"}]\n', "projection = 'above'"),
-        ("[magnet\n", "cannot be read"),
-    ],
-)
+@pytest.mark.parametrize(("text", "says"), cases("mistakes", "sheet_overrides"))
 def test_a_mistake_is_one_clear_line(text: str, says: str, tmp_path: Path) -> None:
     path = tmp_path / "sheets.toml"
     path.write_text(text)

@@ -13,6 +13,7 @@ from stagecad.parameters.file import parse_parameter_text
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import MachineDeclaration
 from stagecad.parameters.machine_declaration import placed_values, read_machine
+from tests.reference.tables import cases
 
 TEXT = """
 [machine]
@@ -59,19 +60,7 @@ def _placed(text: str) -> None:
         placed_values(load_design(), mate)
 
 
-@pytest.mark.parametrize(
-    "old, new, words",
-    [
-        ("plate = {}", "", "one part is fixed"),
-        ('"one.top"', '"ones.top"', "did you mean 'one'"),
-        ('"plate.top"', '"two.top"', "is put on parts that are put on it"),
-        ('part = "block", datum', 'part = "blok", datum', "did you mean 'block'"),
-        ('file = "plate.py"', 'file = "../plate.py"', "outside the folder"),
-        ('"3 mm"', '"3 kg"', "wrong dimension"),
-        ('"=-piezo.length"', '"=-piezo.lenght"', "piezo.length"),
-        ("overlaps", "overlap", "did you mean 'overlaps'"),
-    ],
-)
+@pytest.mark.parametrize("old, new, words", cases("mistakes", "machine_declaration"))
 def test_mistakes(old: str, new: str, words: str) -> None:
     assert old in TEXT
     with pytest.raises(InputError, match=words):

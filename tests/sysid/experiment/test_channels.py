@@ -9,6 +9,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.units import column_unit
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
+from tests.reference.tables import cases
 
 ROWS = 60
 TIME = 0.01 * np.arange(ROWS)
@@ -191,19 +192,7 @@ def test_increments_of_a_scale_and_times_of_pulses(tmp_path):
 @pytest.mark.parametrize(
     "channels, message",
     [
-        (
-            'position = {pitch = "20 um", column = 2}',
-            r"position.pitch: stands in place of a column; leave out 'column'",
-        ),
-        ("position = {pulses_per_turn = 0}", "position.pulses_per_turn: 0 is not allowed; a number above zero"),
-        ('position = {pitch = "20 s"}', "position: '20 s' has the wrong dimension"),
-        ('position = {pitch = "0 um"}', "position: '0 um' must be finite, and a step from row to row not zero"),
-        (
-            'position = ["count", {pitch = "20 um"}]',
-            "position: columns are added; a value or a step of each row stands",
-        ),
-        ('time = {value = "2 s"}', r"time.value: the time needs a column, or a rate: \[format\] sample_rate"),
-        ("position = {pulses_per_turn = 3}", "position.* has a rotary unit, .*friction_force.* a linear one"),
+        *cases("mistakes", "channels"),
         (SUMMED.format("count"), "row 4, column 'count': is empty; 'time' is the sum"),
         (SUMMED.format("back"), "row 5, column 'back': time .* falls below the row"),
     ],

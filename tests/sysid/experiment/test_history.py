@@ -16,6 +16,7 @@ from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, history_lock, read_history, undo
+from tests.reference.tables import cases
 
 TEXT = """# my rig, spring no. 3
 schema = 1
@@ -286,15 +287,7 @@ def test_two_runs_at_once_lose_nothing(tmp_path):
     assert len(read_history(after)) == 3 and not edited_by_hand(after, read_history(after))
 
 
-@pytest.mark.parametrize(
-    ("name", "content", "message"),
-    [
-        ("001.json", "{", "001.json: is not JSON"),
-        ("001.json", "[]", "001.json: is not a rung"),
-        ("001.json", '{"schema": 1}', "001.json: 'model' is missing"),
-        ("003.json", '{"schema": 1, "model": {}}', "rung 002.json is missing"),
-    ],
-)
+@pytest.mark.parametrize(("name", "content", "message"), cases("mistakes", "ladder"))
 def test_a_damaged_ladder_says_which_rung(tmp_path, name, content, message):
     experiment = _rig(tmp_path)
     _add(experiment, "stribeck")

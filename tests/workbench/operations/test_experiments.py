@@ -14,6 +14,7 @@ import pytest
 import stagecad
 from sim.effects.custom import load_custom
 from stagecad import Experiment, InputError, Model, Record, Rig, RigKind
+from tests.reference.tables import cases
 from tests.workbench.operations.slide_log import slide_log
 from workbench.cli import run
 
@@ -195,15 +196,7 @@ def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, capsys):
     np.testing.assert_allclose(effect.force(axis, values), [-0.02, 0.0, 0.16])
 
 
-@pytest.mark.parametrize(
-    ("name", "wrong"),
-    [
-        ("there.py", "is there already; name a new file"),
-        ("there.txt", "must end in .py"),
-        ("Leaf-Spring.py", "lower-case words joined by underscores"),
-        ("viscous.py", "a built-in effect is named 'viscous'"),
-    ],
-)
+@pytest.mark.parametrize(("name", "wrong"), cases("mistakes", "effect_file"))
 def test_a_file_that_would_be_no_effect_is_refused(tmp_path, capsys, name, wrong):
     (tmp_path / "there.py").write_text("kept")
     assert run(["effects", "--write", str(tmp_path / name)]) == 2

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.reference.tables import cases
 from workbench.cli import run
 
 
@@ -80,18 +81,7 @@ def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(capsys, tmp_pa
     assert f"{len(refused)} of 8 samples are invalid designs" in err
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (
-            ["presliding", "--draws", "10"],
-            "nothing that presliding read has a tolerance or a '+-'; give one, like --set",
-        ),
-        (["tip", "--draws", "1"], "--draws"),
-        (["tip", "--draws", "5", "--sweep", "actuator.tip_height=19 mm:21 mm:3"], "--sweep and --draws"),
-        (["tip", "--draws", "5", "--scheduler", "tcp://127.0.0.1:9"], "no cluster answers there"),
-    ],
-)
+@pytest.mark.parametrize(("words", "message"), cases("mistakes", "draws"))
 def test_a_mistake_ends_in_one_line_and_status_two(capsys, tmp_path, words, message):
     assert run(["simulate", *words, "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err

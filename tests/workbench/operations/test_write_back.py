@@ -15,6 +15,7 @@ from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue
 from sysid.prediction.problem import load_problem
+from tests.reference.tables import cases
 from workbench.cli import run
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
@@ -108,17 +109,7 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, caps
     assert not (rig / "ladder").exists()
 
 
-@pytest.mark.parametrize(
-    "wanted,said",
-    [
-        ("friction.colomb", "did you mean 'friction.coulomb'?"),
-        ("friction.mass", "the model has no rig.mass"),
-        ("stage.length", "no fitted value corresponds to it"),
-        ("friction.viscous=coulomb.force", "coulomb.force is in N, friction.viscous in N*s/m"),
-        ("friction.viscous=coulomb.forse", "did you mean 'coulomb.force'?"),
-        ("stage.material", "stage.material is not a number"),
-    ],
-)
+@pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
 def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
     rig: Path, capsys: pytest.CaptureFixture[str], wanted: str, said: str
 ) -> None:

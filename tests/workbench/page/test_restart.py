@@ -12,10 +12,7 @@ from served_page import NEEDS_CHROMIUM, chromium, ended, killed, looking, starte
 from sysid.experiment.experiment import load_experiment
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
-pytestmark = [
-    NEEDS_CHROMIUM,
-    pytest.mark.skipif(sys.platform != "linux", reason="looks up processes in /proc"),
-]
+pytestmark = [NEEDS_CHROMIUM, pytest.mark.skipif(sys.platform != "linux", reason="looks up processes in /proc")]
 
 
 def _descendants(process: int) -> set[int]:

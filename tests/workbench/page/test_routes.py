@@ -14,6 +14,7 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.rig_kinds.declaration import find_rig
+from tests.reference.tables import cases
 from workbench.operations.live_checks import LiveChecks
 from workbench.page.project import Project
 from workbench.page.security import Guard
@@ -58,15 +59,7 @@ def test_a_drag_moves_margins_and_shows_every_violated_rule(client: TestClient) 
     assert len(bad["violations"]) > 1 and all(one["message"] for one in bad["violations"])
 
 
-@pytest.mark.parametrize(
-    "changes, words",
-    [
-        ({"stage.thickness": "-1 mm"}, "stage.thickness"),
-        ({"stage.thickness": "13"}, "stage.thickness"),
-        ({"stage.thicknes": "13 mm"}, "did you mean 'stage.thickness'"),
-        ({"stage.thickness": ""}, "a value is required"),
-    ],
-)
+@pytest.mark.parametrize("changes, words", cases("mistakes", "page_values"))
 def test_a_wrong_value_is_one_clear_line(client: TestClient, changes: dict[str, str], words: str) -> None:
     answer = _preview(client, changes)
     assert answer.status_code == 422

@@ -20,7 +20,7 @@ from designcalc.friction_stage.subjects import SUBJECTS
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-from tests.reference.tables import reference
+from tests.reference.tables import cases, reference
 from workbench.operations.result import finite
 
 CASES = reference("contradictions")["check"]
@@ -189,20 +189,7 @@ def test_budget_at_the_payload_is_the_sum_of_its_rows_and_turns_about_the_stage(
         assert one.total[one.axis] == pytest.approx(random + fixed, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    "text, words",
-    [
-        ("stage.thickness", "write KEY=LOW:HIGH"),
-        ("stage.thickness=8 mm", "write KEY=LOW:HIGH"),
-        ("stage.thicknes=8 mm:9 mm", "stage.thickness"),
-        ("stage.thickness=8:9 mm", "no unit"),
-        ("stage.thickness=8 N:9 mm", "wrong dimension"),
-        ("stage.thickness=8 mm:9 mm:1", "number of points"),
-        ("stage.thickness=8 mm:9 mm:few", "number of points"),
-        ("stage.thickness=8 mm:8 mm", "must be finite and differ"),
-        ("stage.material=8 mm:9 mm", "is not a number"),
-    ],
-)
+@pytest.mark.parametrize("text, words", cases("mistakes", "sweep"))
 def test_a_bad_sweep_is_said(text, words):
     with pytest.raises(InputError, match=words):
         read_range(text, load())

@@ -16,6 +16,7 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.modelling.registry import part_names
+from tests.reference.tables import cases
 
 QUANTITIES = {
     "bearing_way": 2,
@@ -84,23 +85,7 @@ def test_every_part_of_the_list_goes_in_once() -> None:
     assert [step.number for step in made().steps] == list(range(1, len(made().steps) + 1))
 
 
-@pytest.mark.parametrize(
-    "first, then",
-    [
-        ("base", "bearing_way"),
-        ("spring", "height_pin_2"),
-        ("height_pin_2", "holder"),  # it stands on the pin
-        ("piezo", "tip"),
-        ("tip", "stage"),
-        ("bearing_way", "stage"),
-        ("tooth_bar", "stage"),
-        ("magnet", "stage"),
-        ("tooth_bar", "stop_bar"),  # its nose is over their screws
-        ("holder", "stop_bar"),  # it bridges the lead channel
-        ("stop_bar", "sensor_bracket"),
-        ("stage", "clamp_screw_long"),  # the height is set against the stage, and then held
-    ],
-)
+@pytest.mark.parametrize("first, then", cases("procedure", "order"))
 def test_a_part_is_put_in_after_the_part_that_carries_it(first: str, then: str) -> None:
     place = {use.part: step.number for step in made().steps for use in step.parts}
     assert place[first] <= place[then]

@@ -12,6 +12,7 @@ from stagecad.friction_stage.construction import part_definition
 from stagecad.friction_stage.parts.base_clamp import clamps
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
+from tests.reference.tables import cases
 
 
 @cache
@@ -160,33 +161,7 @@ def test_volume_against_a_closed_form(name: str) -> None:
     assert solid_of(name).Volume() == pytest.approx(estimate(), rel=within)
 
 
-HOLES = [
-    ("stage", 5.0, 22, "payload holes at the tap drill of M6, and two dowel holes of the same size"),
-    ("stage", 3.3, 2, "target holes, on one line from both ends"),
-    ("stage", 2.5, 2, "jack holes"),
-    ("bearing_way", 10.5, 7, "screws"),
-    ("base", 7.9375, 18, "14 way screws, 4 clamp screws"),
-    ("base", 10.5, 4, "clamp screws' clearance"),
-    ("base", 15.9, 4, "clamp screws' heads"),
-    ("base", 76.03, 3, "pockets"),
-    ("base", 16.0, 3, "pin 2"),
-    ("base", 20.0, 3, "pin 1"),
-    ("base", 22.225, 3, "set screws"),
-    ("base", 26.0, 3, "access"),
-    ("base", 8.5, 7, "lifting and foot holes"),
-    ("base", 4.2, 8, "tooth bars"),
-    ("base", 5.0, 4, "brackets"),
-    ("base", 6.0, 4, "setting pins"),
-    ("base", 10.0, 4, "relief holes of the clamps"),
-    ("base", 3.0, 11, "3 vents, and both round ends of 4 floor slots"),
-    ("holder", 10.05, 3, "piezos"),
-    ("holder", 5.0, 3, "ejectors"),
-    ("holder", 3.3, 6, "clamp and lifting holes"),
-    ("tip", 10.2, 3, "seats"),
-    ("tooth_bar", 5.5, 4, "screws"),
-    ("height_pin_1", 4.2, 1, "withdrawal"),
-    ("stop_bar", 4.2, 2, "sensor bracket"),
-]
+HOLES = cases("holes", "holes")
 
 
 @pytest.mark.parametrize(("name", "diameter", "count", "what"), HOLES)

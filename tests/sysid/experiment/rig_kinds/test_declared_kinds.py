@@ -14,6 +14,7 @@ from sysid.compare import compare
 from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.rig_kinds.declaration import FOLDER, kinds
+from tests.reference.tables import cases
 
 T = 0.002 * np.arange(500)
 X = 0.3 * np.sin(7.0 * T)
@@ -203,22 +204,7 @@ def test_a_kind_of_the_users_own(tmp_path):
     assert OWN.count("\n") < 40
 
 
-@pytest.mark.parametrize(
-    "old, new, line",
-    [
-        ('base = "force-drive"', 'base = "force"', "base: 'force' is not allowed; did you mean 'force-drive'?"),
-        ("channel.coil_current -", "channel.coil -", "coil.toml: balance.drive_force: there is no 'channel.coil'"),
-        ('drive_force = "', 'drive_force = "2 *** ', "coil.toml: balance.drive_force: "),
-        ('coil_current = "A"', 'coil_current = "Amp"', "unknown unit symbol 'Amp'; did you mean 'A'?"),
-        (" - known.flexure_stiffness * channel.position", " * 1 s", "is no 'N', in which drive_force"),
-        ("[balance]", "[balanced]", "coil.toml: unknown key 'balanced'; did you mean 'balance'?"),
-        ('force_constant = "N/A"', 'force_constant = "N*A"', "'8 N/A' has the wrong dimension"),
-        ('flexure_stiffness = "N/m"', 'flexure_stiffness = "N"', "'300 N/m' has the wrong dimension"),
-        ("known.flexure_stiffness * channel", "channel", "a difference of a quantity in"),
-        ("known.force_constant *", "known.force_constnt *", "did you mean 'force_constant'?"),
-        ("known.force_constant *", "os.system *", "'os.system' begins with none of channel, rate, rate2, known"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize("old, new, line", cases("mistakes", "rig_kind"))
 def test_a_fault_in_a_declaration_is_one_line(tmp_path, old, new, line):
     assert old in OWN
     (tmp_path / "coil.toml").write_text(OWN.replace(old, new, 1))
@@ -227,15 +213,7 @@ def test_a_fault_in_a_declaration_is_one_line(tmp_path, old, new, line):
     assert line in str(caught.value) and "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    "kind, leave, line",
-    [
-        ("coil.toml", "force_constant", "rig.known.force_constant is missing, which 'coil' needs; write it, like"),
-        ("oil.toml", "", "there is no {dir}/oil.toml; did you mean 'coil.toml'?"),
-        ("motor-curent", "", "'motor-curent' is no kind of rig; did you mean 'motor-current'?"),
-        ("coil.toml", "coil_current [A]", "no column 'coil_current', which coil needs"),
-    ],
-)
+@pytest.mark.parametrize("kind, leave, line", cases("mistakes", "rig"))
 def test_what_is_missing_is_one_line(tmp_path, kind, leave, line):
     (tmp_path / "coil.toml").write_text(OWN)
     known = {key: value for key, value in KNOWN.items() if key != leave}
