@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.check import Check, DesignInputs, at_most
+from designcalc.checks.formula_check import FormulaCheck
 from designcalc.checks.own_checks import OWN
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import content
@@ -92,8 +93,9 @@ def run_checks(
         except OwnCodeError:
             raise
         except InputError as error:
+            stated = function.name if isinstance(function, FormulaCheck) else ""
             check = Check(
-                f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",
+                stated or f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",
                 at_most(None, None, ""),
                 source="the calculator's own range",
                 formula="",

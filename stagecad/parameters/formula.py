@@ -1,7 +1,8 @@
 """Formulas of a parameter file: `"=holder.diameter + 0.05 mm"`, read and evaluated with units.
 
-A formula contains numbers with their units, keys of other parameters, ``+ - * / ^``, brackets, and the functions of
-`FUNCTIONS`. It is parsed into a syntax tree, of which only these elements are accepted; no Python code is run.
+A formula contains numbers with their units, ``pi``, keys of other parameters, ``+ - * / ^``, brackets, and the
+functions of `FUNCTIONS`. It is parsed into a syntax tree, of which only these elements are accepted; no Python code is
+run.
 """
 
 from __future__ import annotations
@@ -246,7 +247,9 @@ def parse_formula(written: str) -> Formula:
             source += f" {name} "
             position += len(unit)
         elif match := re.compile(r"[A-Za-z_]\w*").match(text, position):
-            if match[0] not in FUNCTIONS:
+            if match[0] == "pi":
+                constants["pi"] = Value(math.pi, DIMENSIONLESS)
+            elif match[0] not in FUNCTIONS:
                 raise FormulaError(
                     f"'{match[0]}' is neither a parameter TABLE.NAME nor a function{nearest(match[0], FUNCTIONS)}"
                 )

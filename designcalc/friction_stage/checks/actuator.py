@@ -4,26 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.bearing.sliding import crown_wear_distance
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, ratio, show
-from designcalc.drive.piezo_stack import drive_pull, stack_current, stack_heat, stack_tension, tilt_stress
-from designcalc.friction_stage.physics.body import tip_mass
-from designcalc.friction_stage.physics.loads import load, tip_load
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
+from designcalc.drive.piezo_stack import drive_pull, stack_tension, tilt_stress
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
     bent_stack,
-    driven_capacitance,
     inertia_on_piezos,
     mass_on_piezos,
     peak_tip_force,
     speed_frequency,
-    sway,
-    sway_resonance,
     tilt_amplitude,
-    tip_noise,
-    tip_resonances,
     usable_ellipse,
 )
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _ACTUATOR = "Table 2: actuator"
@@ -51,82 +44,54 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def tip_weight(r: DesignInputs) -> Check:
-    return Check(
-        "mass of the tip",
-        at_most(tip_mass(r), r("tip.mass_limit"), "kg"),
-        source="solid of the tip; the limit itself where no solids were made",
-        formula="m_tip <= limit",
-        proposal="a deeper relief bore, or thinner arms",
-    )
+tip_weight = stated(
+    "mass of the tip",
+    "mass.tip <= tip.mass_limit",
+    source="solid of the tip; the limit itself where no solids were made",
+    proposal="a deeper relief bore, or thinner arms",
+)
 
 
-def drive_frequency(r: DesignInputs) -> Check:
-    up, rocking = tip_resonances(r)
-    limit = min(up, rocking) / 3
-    return Check(
-        "drive frequency against the tip's resonances",
-        at_most(r("actuator.frequency"), limit, "Hz"),
-        source="rigid tip on three springs; a third of the first resonance as the usual limit",
-        formula="f <= min(f_up, f_rock)/3, f_up = sqrt(3 k/m)/(2 pi), f_rock = sqrt(k D^2/(2 J))/(2 pi)",
-        substituted=f"f_up = {show(up, 'Hz')}, f_rock = {show(rocking, 'Hz')}",
-        proposal="drive more slowly, or at the resonance itself with the ellipse measured",
-        changes=change("actuator.frequency", limit, "Hz", up=False),
-        requirement=_ACTUATOR,
-        note="in contact with the stage the tip's resonances rise; between the strikes it is free",
-    )
+drive_frequency = stated(
+    "drive frequency against the tip's resonances",
+    "actuator.frequency <= min(resonance.tip_up, resonance.tip_rocking)/3",
+    ("actuator.frequency", "check.limit", False),
+    source="rigid tip on three springs, f_up = sqrt(3 k/m)/(2 pi), f_rock = sqrt(k D^2/(2 J))/(2 pi); a third of the "
+    "first resonance as the usual limit",
+    proposal="drive more slowly, or at the resonance itself with the ellipse measured",
+    requirement=_ACTUATOR,
+    note="in contact with the stage the tip's resonances rise; between the strikes it is free",
+)
 
 
-def pushing_force(r: DesignInputs) -> Check:
-    """The lift-off force at mid-stroke, where each piezo has half of its blocking force left."""
-    force = load(r)
-    available = PIEZOS * r("piezo.blocking_force") / 2
-    return Check(
-        "force of the piezos against the load",
-        at_most(force, available / 2, "N"),
-        source="catalogue line of the piezo at half its stroke, factor 2",
-        formula="W (1+p) <= 3 F_block/4",
-        substituted=f"{show(force, 'N')} against {show(available, 'N')} at mid-stroke",
-        proposal="stronger stacks",
-        requirement=_ACTUATOR,
-    )
+pushing_force = stated(
+    "force of the piezos against the load",
+    "load.whole <= 3*piezo.blocking_force/4",
+    source="catalogue line of the piezo at half its stroke, factor 2",
+    proposal="stronger stacks",
+    requirement=_ACTUATOR,
+)
 
 
-def heat(r: DesignInputs) -> Check:
-    f = speed_frequency(r)
-    voltage, loss = r("piezo.highest_voltage"), r("piezo.loss_factor")
-    watts = 2 * float(stack_heat(driven_capacitance(r), voltage, f, loss))
-    limit = r("actuator.heat_limit")
-    duty = ratio(limit, watts)
-    return Check(
-        "heat of the piezos at full speed",
-        at_most(watts, limit, "W"),
-        source="dielectric loss of a sine, two stacks; capacitance at full stroke",
-        formula="P = 2 pi f C (V/2)^2 tan(delta)",
-        substituted=f"f = {show(f, 'Hz')}, V = {show(voltage, 'V')}, C = {show(driven_capacitance(r), 'F')}, "
-        f"tan(delta) = {loss:.3g}: {show(watts, 'W')}",
-        proposal=f"full speed for {100 * duty:.2g} % of the time, or a holder that takes {show(watts, 'W')}",
-        thesis=f"'milliwatts' is {show(watts, 'W')} at the required speed",
-        requirement=_ACTUATOR,
-    )
+heat = stated(
+    "heat of the piezos at full speed",
+    "2*pi*frequency.of_speed*capacitance.driven*(piezo.highest_voltage/2)^2*piezo.loss_factor <= actuator.heat_limit",
+    source="dielectric loss of a sine, two stacks; capacitance at full stroke",
+    proposal="full speed for {100*check.limit/check.value} % of the time, or a holder that takes {check.value}",
+    thesis="'milliwatts' is {check.value} at the required speed",
+    requirement=_ACTUATOR,
+)
 
 
-def current(r: DesignInputs) -> Check:
-    f = speed_frequency(r)
-    peak = float(stack_current(driven_capacitance(r), r("piezo.highest_voltage"), f))
-    available = r("amplifier.current")
-    return Check(
-        "peak current of one piezo at full speed",
-        at_most(peak, available, "A"),
-        source="sine on a capacitor, that of the stack at full stroke",
-        formula="I = pi f C V",
-        substituted=f"f = {show(f, 'Hz')}, C = {show(driven_capacitance(r), 'F')}: {show(peak, 'A')}, "
-        f"{show(peak * r('piezo.highest_voltage') / np.pi, 'W')} "
-        "drawn on the mean from a linear amplifier",
-        proposal=f"more current, or {show(f * available / peak, 'Hz')} at most",
-        changes=change("amplifier.current", peak, "A", up=True),
-        requirement=_ACTUATOR,
-    )
+current = stated(
+    "peak current of one piezo at full speed",
+    "pi*frequency.of_speed*capacitance.driven*piezo.highest_voltage <= amplifier.current",
+    ("amplifier.current", "check.value", True),
+    source="sine on a capacitor, that of the stack at full stroke",
+    proposal="more current, or {frequency.of_speed*check.limit/check.value} at most",
+    requirement=_ACTUATOR,
+    note="{check.value*piezo.highest_voltage/pi} drawn on the mean from a linear amplifier",
+)
 
 
 def tension(r: DesignInputs) -> Check:
@@ -174,20 +139,16 @@ def bending(r: DesignInputs) -> Check:
     )
 
 
-def sway_mode(r: DesignInputs) -> Check:
-    """Resonance of the tip on bending stacks, above which it yields to the drive force."""
-    first, drive = sway_resonance(r), r("actuator.frequency")
-    return Check(
-        "sway of the tip on its stacks against the drive",
-        at_least(first, 3 * drive, "Hz"),
-        source="three stacks as cantilevers within the play of their bores; a third of the resonance as usual limit",
-        formula="sqrt(3 x 3 E I/L^3/m)/(2 pi) >= 3 f",
-        substituted=f"{show(sway(r), 'N/m')} under {show(mass_on_piezos(r), 'kg')}: {show(first, 'Hz')}; drive "
-        f"{show(drive, 'Hz')}",
-        proposal="a flexure that guides the tip across the stacks, or stacks held in their bores without play",
-        thesis="'lateral stiffness is provided by the piezo housing': with play in the bore only the stacks do",
-        requirement=_ACTUATOR,
-    )
+sway_mode = stated(
+    "sway of the tip on its stacks against the drive",
+    "resonance.tip_sway >= 3*actuator.frequency",
+    source="three stacks as cantilevers within the play of their bores, sqrt(3 x 3 E I/L^3/m)/(2 pi); a third of the "
+    "resonance as usual limit",
+    proposal="a flexure that guides the tip across the stacks, or stacks held in their bores without play",
+    thesis="'lateral stiffness is provided by the piezo housing': with play in the bore only the stacks do",
+    requirement=_ACTUATOR,
+    note="{stiffness.sway} under {mass.on_piezos}",
+)
 
 
 def tilt(r: DesignInputs) -> Check:
@@ -210,61 +171,39 @@ def tilt(r: DesignInputs) -> Check:
     )
 
 
-def step_size(r: DesignInputs) -> Check:
-    bits = r("amplifier.bits")
-    step = 2 * r("actuator.tip_height") / r("actuator.piezo_spacing") * r("piezo.stroke") / 2**bits
-    return Check(
-        "smallest step of the tip",
-        at_most(step, r("requirements.resolution_coarse"), "m"),
-        source="one count on both piezos, opposed; without slip the stage follows the tip",
-        formula="2 (h/D) stroke/2^bits <= 10 nm",
-        substituted=f"{bits:.0f} bits: {show(step, 'm')}",
-        proposal="more bits",
-        requirement="Table 1: resolution",
-        note="open loop the piezo's hysteresis is far larger: this is the resolution of the loop, not its accuracy",
-    )
+step_size = stated(
+    "smallest step of the tip",
+    "2*actuator.tip_height/actuator.piezo_spacing*piezo.stroke/2^amplifier.bits <= requirements.resolution_coarse",
+    source="one count on both piezos, opposed; without slip the stage follows the tip",
+    proposal="more bits",
+    requirement="Table 1: resolution",
+    note="open loop the piezo's hysteresis is far larger: this is the resolution of the loop, not its accuracy",
+)
 
 
-def amplifier_noise(r: DesignInputs) -> Check:
-    noise = tip_noise(r)
-    return Check(
-        "noise of the amplifiers at the tip",
-        at_most(noise, r("requirements.resolution"), "m"),
-        source="independent noise of two amplifiers through the stacks' mean gain and the tip's lever",
-        formula="sqrt(2) u stroke/V h/D <= finest resolution",
-        substituted=f"{show(r('amplifier.noise'), 'V')} rms: {show(noise, 'm')} rms",
-        proposal="a quieter amplifier, or a filter before the stack",
-        requirement="Table 1: resolution",
-    )
+amplifier_noise = stated(
+    "noise of the amplifiers at the tip",
+    "sqrt(2)*amplifier.noise*piezo.stroke/piezo.highest_voltage*actuator.tip_height/actuator.piezo_spacing"
+    " <= requirements.resolution",
+    source="independent noise of two amplifiers through the stacks' mean gain and the tip's lever",
+    proposal="a quieter amplifier, or a filter before the stack",
+    requirement="Table 1: resolution",
+)
 
 
-def creep(r: DesignInputs) -> Check:
-    """After a move to the end of its range the pressed tip moves on by the creep of its stacks."""
-    reach = usable_ellipse(r)[0] / 2
-    drift = r("piezo.creep") * reach
-    return Check(
-        "creep of the piezos in a decade of time",
-        at_most(drift, r("requirements.resolution_coarse"), "m"),
-        source="logarithmic creep of the stacks, in open loop",
-        formula="creep X/2 <= 10 nm",
-        substituted=f"{100 * r('piezo.creep'):.3g} % of {show(reach, 'm')}: {show(drift, 'm')}",
-        proposal="hold the position in closed loop, or drive the stacks by charge",
-        requirement="Table 1: resolution",
-    )
+creep = stated(
+    "creep of the piezos in a decade of time",
+    "piezo.creep*ellipse.along/2 <= requirements.resolution_coarse",
+    source="logarithmic creep of the stacks after a move to the end of the pressed tip's range, in open loop",
+    proposal="hold the position in closed loop, or drive the stacks by charge",
+    requirement="Table 1: resolution",
+)
 
 
-def tip_wear(r: DesignInputs) -> Check:
-    """While the stage coasts at 2 X f the tip slips by part of its path in every contact."""
-    mean, layer = tip_load(r), r("tip.coating_thickness")
-    worn_over = float(crown_wear_distance(layer, r("tip.nose_radius"), r("drive.tip_wear_rate"), mean))
-    travelled = worn_over / SLIP_SHARE
-    return Check(
-        "wear of the tip's coating",
-        at_least(travelled, r("bearing.life"), "m"),
-        source="Archard on the nose's cap under the largest mean load; slip of a sinusoidal tip against a steady stage",
-        formula="s = pi R t^2/(k F)/0.42 >= life",
-        substituted=f"R = {show(r('tip.nose_radius'), 'm')}, t = {show(layer, 'm')}, F = {show(mean, 'N')}: "
-        f"{show(travelled, 'm')} of travel",
-        proposal="a thicker or harder coating, a larger nose radius, or less preload",
-        requirement="Table 2: friction layer",
-    )
+tip_wear = stated(
+    "wear of the tip's coating",
+    f"pi*tip.nose_radius*tip.coating_thickness^2/(drive.tip_wear_rate*load.of_tip)/{SLIP_SHARE} >= bearing.life",
+    source="Archard on the nose's cap under the largest mean load; slip of a sinusoidal tip against a steady stage",
+    proposal="a thicker or harder coating, a larger nose radius, or less preload",
+    requirement="Table 2: friction layer",
+)

@@ -15,6 +15,7 @@ from designcalc.contact.hertz_stress import peak_mises
 from designcalc.drive.suspension import Suspension, dipole_hessian, rank_sum
 from designcalc.friction_stage.physics.loads import load, weight
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _AIR_SOURCE = "thesis 2.4.1, catalogue point of a 1 in porous pad"
@@ -56,34 +57,21 @@ def air_model(r: DesignInputs) -> Check:
     )
 
 
-def air_surface(r: DesignInputs) -> Check:
-    """The way that the sliding pads need is smoother than an air bearing requires: for information."""
-    rough = 4 * r("bearing.proposed_way_roughness")
-    drawn = 4 * r("bearing.way_roughness")
-    limit = r("candidates.air_bearing.gap") / 4
-    return Check(
-        "air bearing: roughness of the lapped way",
-        at_most(rough, limit, "m"),
-        source="Slocum (1992), chapter 9: peak to valley below a quarter of the gap",
-        formula="4 Ra <= gap/4",
-        substituted=f"{show(rough, 'm')} against {show(limit, 'm')}; as drawn {show(drawn, 'm')}",
-        proposal=f"Ra of {show(limit / 4, 'm')}",
-        note=_AIR_SOURCE,
-    )
+air_surface = stated(
+    "air bearing: roughness of the lapped way",
+    "4*bearing.proposed_way_roughness <= candidates.air_bearing.gap/4",
+    source="Slocum (1992), chapter 9: peak to valley below a quarter of the gap",
+    proposal="Ra of {check.limit/4}",
+    note=_AIR_SOURCE + "; as drawn {4*bearing.way_roughness}",
+)
 
 
-def air_height(r: DesignInputs) -> Check:
-    """The porous pad is an inch thick, and would lift the stage out of the reach of magnets and tip."""
-    room = r("pads.height")
-    thick = r("candidates.air_bearing.height")
-    return Check(
-        "air bearing, not chosen: height of its pads",
-        at_least(thick, room, "m"),
-        source="geometry",
-        formula="pad thickness > height of the stage over the way: it does not fit between them",
-        substituted=f"{show(thick, 'm')} against {show(room, 'm')}",
-        proposal="the air bearing would fit: reconsider it",
-    )
+air_height = stated(
+    "air bearing, not chosen: height of its pads",
+    "candidates.air_bearing.height >= pads.height",
+    source="geometry: a pad an inch thick does not fit between way and stage, within reach of magnets and tip",
+    proposal="the air bearing would fit: reconsider it",
+)
 
 
 @lru_cache(maxsize=64)
@@ -174,19 +162,15 @@ def ball_stiffness(r: DesignInputs, label: str) -> Check:
     )
 
 
-def ball_smoothness(r: DesignInputs) -> Check:
-    round_to = r("candidates.ball_spring.roundness")
-    return Check(
-        "ball on spring, not chosen: roundness of its balls",
-        at_least(round_to, r("requirements.smoothness"), "m"),
-        source="ISO 3290, grade 5; a ball's deviation passes into the motion whole",
-        formula="deviation from a sphere above 1 nm",
-        substituted=f"{show(round_to, 'm')}",
-        proposal="such balls would be smooth enough: reconsider them",
-        thesis="'44 um variation for 127 um balls' is garbled: it would be a third of the ball; grade 5 balls are "
-        f"round to {show(round_to, 'm')}, and still too coarse",
-        requirement="Table 1: smoothness",
-    )
+ball_smoothness = stated(
+    "ball on spring, not chosen: roundness of its balls",
+    "candidates.ball_spring.roundness >= requirements.smoothness",
+    source="ISO 3290, grade 5; a ball's deviation passes into the motion whole",
+    proposal="such balls would be smooth enough: reconsider them",
+    thesis="'44 um variation for 127 um balls' is garbled: it would be a third of the ball; grade 5 balls are round to "
+    "{check.value}, and still too coarse",
+    requirement="Table 1: smoothness",
+)
 
 
 def ranking(r: DesignInputs) -> list[Suspension]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
 from designcalc.friction_stage.physics.loads import tip_load
 from designcalc.friction_stage.physics.plate_vibration import above_tip
-from designcalc.friction_stage.physics.tip_dynamics import peak_tip_force, stack_stiffness, tip_contact, usable_ellipse
+from designcalc.friction_stage.physics.tip_dynamics import peak_tip_force, tip_contact, usable_ellipse
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
@@ -104,17 +105,11 @@ def printed_approach(load: float, radius: float, approach: float) -> float:
     return float(0.75 * np.cbrt(3 * load * (radius / 2) / (2 * modulus)))
 
 
-def contact_stiffness(r: DesignInputs) -> Check:
-    contact = tip_contact(r, tip_load(r))
-    stack = stack_stiffness(r)
-    return Check(
-        "tip contact against piezo stiffness",
-        at_least(float(contact.stiffness), 0.5 * stack, "N/m"),
-        source=_JOHNSON + "; catalogue line of the piezo",
-        formula="dF/ddelta = 1.5 F/delta >= k_piezo/2, so that less than two thirds of the deflection is the contact's",
-        substituted=f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
-        proposal="a larger nose radius, or more preload (stiffness grows as (F R)^(1/3))",
-        changes=change(
-            "tip.nose_radius", r("tip.nose_radius") * (0.5 * stack / float(contact.stiffness)) ** 3, "m", up=True
-        ),
-    )
+contact_stiffness = stated(
+    "tip contact against piezo stiffness",
+    "stiffness.contact >= stiffness.stack/2",
+    ("tip.nose_radius", "tip.nose_radius*(check.limit/check.value)^3", True),
+    source=_JOHNSON + "; dF/ddelta = 1.5 F/delta, so that less than two thirds of the deflection is the contact's; "
+    "catalogue line of the piezo",
+    proposal="a larger nose radius, or more preload (stiffness grows as (F R)^(1/3))",
+)

@@ -2,37 +2,36 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
-from designcalc.drive.friction_drive import acceleration_limit, preload_ratio_for, resonance, tip_force_limit
-from designcalc.drive.tip_ellipse import frequency_for, speed_of
+from designcalc.checks.formula_check import FormulaCheck
+from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
 from designcalc.friction_stage.physics.body import moving_body
-from designcalc.friction_stage.physics.loads import gravity, load, load_centre, moved_mass, preload_ratio, weight
+from designcalc.friction_stage.physics.loads import gravity, load, load_centre, moved_mass, preload_ratio
 from designcalc.friction_stage.physics.pads import pad_positions
-from designcalc.friction_stage.physics.tip_dynamics import (
-    PIEZOS,
-    holding_stiffness,
-    mass_on_piezos,
-    stack_stiffness,
-    tip_resonance,
-    usable_ellipse,
-)
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _SPEED = "kinematics of the elliptic tip: X f stopping, 2 X f coasting, pi X f at the apex"
+
+# "Usually in the order of several kilohertz": a tip of ordinary build rather than a light one.
+_NO_FREQUENCY = (
+    "no frequency is stated; with a tip of 100 g, first resonance {sqrt(3*stiffness.stack/0.1 kg)/(2*pi)}, 200 mm/s is "
+    "out of reach by any law"
+)
 
 
 def checks(design: Design) -> list[CheckFunction]:
     """Every check of the drive."""
     return [
         stroke,
-        *(partial(frequency, law=law) for law in ("stopping", "coasting", "apex")),
+        frequency("stopping", "1"),
+        frequency("coasting", "2"),
+        frequency("apex", "pi", _NO_FREQUENCY),
         speed,
-        partial(acceleration, key="acceleration_low", label="0.2 G"),
-        partial(acceleration, key="acceleration", label="1 G"),
+        acceleration("acceleration_low", "0.2 G"),
+        acceleration("acceleration", "1 G"),
         preload_and_acceleration,
         tip_over,
         travel_left,
@@ -44,99 +43,64 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def stroke(r: DesignInputs) -> Check:
-    amplitude, available = r("actuator.stroke_amplitude"), r("piezo.stroke")
-    return Check(
-        "piezo stroke of the drive",
-        at_most(2 * amplitude, available, "m"),
-        source="catalogue stroke of the piezo",
-        formula="2 A <= free stroke",
-        substituted=f"2 x {show(amplitude, 'm')} against {show(available, 'm')}",
-        proposal="less amplitude about mid-voltage",
-        changes=change("actuator.stroke_amplitude", available / 2, "m", up=False),
-        thesis="the simulated stroke of +-10 um is 20 um, more than the piezo's 17 um",
-    )
+stroke = stated(
+    "piezo stroke of the drive",
+    "2*actuator.stroke_amplitude <= piezo.stroke",
+    ("actuator.stroke_amplitude", "piezo.stroke/2", False),
+    source="catalogue stroke of the piezo",
+    proposal="less amplitude about mid-voltage",
+    thesis="the simulated stroke of +-10 um is 20 um, more than the piezo's 17 um",
+)
 
 
-def frequency(r: DesignInputs, law: str) -> Check:
-    X, _ = usable_ellipse(r)
-    wanted = r("requirements.speed")
-    needed = float(frequency_for(wanted, X)[law])
-    first = tip_resonance(r)
-    # "Usually in the order of several kilohertz": a tip of ordinary build rather than a light one.
-    heavy = float(resonance(PIEZOS * stack_stiffness(r), 0.1))
-    return Check(
+def frequency(law: str, factor: str, thesis: str = "") -> FormulaCheck:
+    first = "min(resonance.tip_up, resonance.tip_rocking)"
+    return stated(
         f"drive frequency for the speed, {law}",
-        at_most(needed, first / 3, "Hz"),
+        f"requirements.speed/({factor}*ellipse.along) <= {first}/3",
+        ("requirements.speed", "requirements.speed*check.limit/check.value", False),
         source=_SPEED + "; a third of the first resonance as the usual limit",
-        formula="f = v/(c X) <= f_1/3, c = 1, 2, pi",
-        substituted=f"v = {show(wanted, 'm/s')}, X = {show(X, 'm')}: f = {show(needed, 'Hz')}; f_1 = "
-        f"{show(first, 'Hz')}",
-        proposal=f"a longer lever h/D that gives X = {show(X * needed / (first / 3), 'm')}, or less speed",
-        changes=change("requirements.speed", wanted * first / 3 / needed, "m/s", up=False),
-        thesis=(
-            f"no frequency is stated; with a tip of 100 g, first resonance {show(heavy, 'Hz')}, 200 mm/s is out of "
-            "reach by any law"
-            if law == "apex"
-            else ""
-        ),
+        proposal="a longer lever h/D that gives X = {ellipse.along*check.value/check.limit}, or less speed",
+        thesis=thesis,
         requirement="Table 1: speed",
     )
 
 
-def speed(r: DesignInputs) -> Check:
-    X, _ = usable_ellipse(r)
-    first = tip_resonance(r)
-    lever = r("actuator.piezo_spacing") / r("actuator.tip_height")
-    reached = float(speed_of(X, first / 3)["coasting"])
-    wanted = r("requirements.speed")
-    return Check(
-        "speed at a third of the tip's resonance",
-        at_least(reached, wanted, "m/s"),
-        source=_SPEED,
-        formula="v = 2 X f_1/3",
-        substituted=f"2 x {show(X, 'm')} x {show(first / 3, 'Hz')}",
-        proposal=f"{show(mass_on_piezos(r) * (reached / wanted) ** 2, 'kg')} in all to move on the piezos, a lever h/D "
-        f"{wanted / reached:.3g} times longer, or drive at resonance with the ellipse measured",
-        changes=change("requirements.speed", reached, "m/s", up=False),
-        thesis=f"(4.2) leaves out h/D: as printed the tip would travel {show(X * lever, 'm')}, {lever:.2f} times what "
-        "the listing rightly has",
-        requirement="Table 1: speed",
-    )
+speed = stated(
+    "speed at a third of the tip's resonance",
+    "2*ellipse.along*min(resonance.tip_up, resonance.tip_rocking)/3 >= requirements.speed",
+    ("requirements.speed", "check.value", False),
+    source=_SPEED,
+    proposal="{mass.on_piezos*(check.value/check.limit)^2} in all to move on the piezos, a lever h/D "
+    "{check.limit/check.value} times longer, or drive at resonance with the ellipse measured",
+    thesis="(4.2) leaves out h/D: as printed the tip would travel {ellipse.along*actuator.piezo_spacing/"
+    "actuator.tip_height}, {actuator.piezo_spacing/actuator.tip_height} times what the listing rightly has",
+    requirement="Table 1: speed",
+)
 
 
-def acceleration(r: DesignInputs, key: str, label: str) -> Check:
-    wanted = r(f"requirements.{key}")
-    mu, p, g = r("drive.friction"), preload_ratio(r), gravity(r)
-    limit = float(acceleration_limit(mu, p, gravity=g))
-    needed = float(preload_ratio_for(wanted, mu, g))
-    return Check(
+def acceleration(key: str, label: str) -> FormulaCheck:
+    return stated(
         f"acceleration of {label} without lift-off",
-        at_least(limit, wanted, "m/s^2"),
+        f"drive.friction*(1 + load.preload/load.weight)*environment.gravity >= requirements.{key}",
         source="the tip presses at most with weight and preload",
-        formula="a <= mu (1 + p) g",
-        substituted=f"mu = {mu:.3g}, p = {p:.3g}: {limit / g:.3g} g",
-        proposal=f"a preload of {needed:.3g} times the weight ({show(needed * weight(r), 'N')})",
+        proposal=f"a preload of {{requirements.{key}/drive.friction/environment.gravity - 1}} times the weight "
+        f"({{load.weight*(requirements.{key}/drive.friction/environment.gravity - 1)}})",
         requirement="Table 1: acceleration",
     )
 
 
-def preload_and_acceleration(r: DesignInputs) -> Check:
-    """Two requirements that exclude each other, whatever the magnets really pull."""
-    wanted, mu, share, g = r("requirements.acceleration"), r("drive.friction"), r("preload.ratio"), gravity(r)
-    limit = float(acceleration_limit(mu, share, gravity=g))
-    needed = float(preload_ratio_for(wanted, mu, g))
-    return Check(
-        "acceleration of 1 G with the required preload",
-        at_least(limit, wanted, "m/s^2"),
-        source="the tip presses at most with weight and preload",
-        formula="a <= mu (1 + p) g, p the required ratio of preload to load",
-        substituted=f"mu = {mu:.3g}, p = {share:.3g}: {limit / g:.3g} g",
-        proposal=f"ask for more preload ({show(needed * weight(r), 'N')}), and magnets that give it",
-        changes=change("preload.ratio", needed, "", up=True),
-        thesis="a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3",
-        requirement="Table 1: acceleration",
-    )
+preload_and_acceleration = stated(
+    "acceleration of 1 G with the required preload",
+    "drive.friction*(1 + preload.ratio)*environment.gravity >= requirements.acceleration",
+    ("preload.ratio", "requirements.acceleration/drive.friction/environment.gravity - 1", True),
+    source="the tip presses at most with weight and preload",
+    proposal="ask for more preload "
+    "({load.weight*(requirements.acceleration/drive.friction/environment.gravity - 1)}), and magnets that give it",
+    thesis="a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3",
+    requirement="Table 1: acceleration",
+)
+"""Two requirements that exclude each other, whatever the magnets really pull."""
 
 
 def tip_over(r: DesignInputs) -> Check:
@@ -168,18 +132,13 @@ def tip_over(r: DesignInputs) -> Check:
     )
 
 
-def travel_left(r: DesignInputs) -> Check:
-    way, travel = r("bearing_way.length"), r("stage.travel")
-    envelope = r("pads.spacing_along") + r("pads.length")
-    return Check(
-        "pads on the ways over the whole travel",
-        at_most(envelope, way - travel, "m"),
-        source="geometry",
-        formula="pad spacing + pad length <= way - travel",
-        substituted=f"{show(envelope, 'm')} against {show(way, 'm')} - {show(travel, 'm')} = {show(way - travel, 'm')}",
-        proposal=f"pad spacing of at most {show(way - travel - r('pads.length'), 'm')}",
-        requirement="Table 1: travel",
-    )
+travel_left = stated(
+    "pads on the ways over the whole travel",
+    "pads.spacing_along + pads.length <= bearing_way.length - stage.travel",
+    source="geometry",
+    proposal="pad spacing of at most {check.limit - pads.length}",
+    requirement="Table 1: travel",
+)
 
 
 def _stop_room(r: DesignInputs) -> float:
@@ -229,40 +188,28 @@ def stop_tipping(r: DesignInputs) -> Check:
     )
 
 
-def cables(r: DesignInputs) -> Check:
-    force, hold = r("payload.cable_force"), holding_stiffness(r)
-    return Check(
-        "shift of the stage by its cables",
-        at_most(force / hold, r("requirements.repeatability"), "m"),
-        source="change of the cables' force over the travel, against rocking, sway and contact of the tip",
-        formula="F/K <= repeatability",
-        substituted=f"{show(force, 'N')}/{show(hold, 'N/m')} = {show(force / hold, 'm')}",
-        proposal="a softer cable, or hold the position in closed loop",
-        requirement="Section 2.3.2: repeatability (Table 1 has none)",
-    )
+cables = stated(
+    "shift of the stage by its cables",
+    "payload.cable_force/stiffness.along <= requirements.repeatability",
+    source="change of the cables' force over the travel, against rocking, sway and contact of the tip",
+    proposal="a softer cable, or hold the position in closed loop",
+    requirement="Section 2.3.2: repeatability (Table 1 has none)",
+)
 
 
-def leads(r: DesignInputs) -> Check:
-    pull, clip = r("leads.pull"), r("leads.clip")
-    return Check(
-        "pull on the leads that reaches the piezos",
-        at_most(max(pull - clip, 0.0), r("leads.allowed"), "N"),
-        source="a clip holds each lead at the base up to its own limit",
-        formula="pull - clip <= allowed",
-        substituted=f"{show(pull, 'N')} - {show(clip, 'N')}",
-        proposal=f"clips that hold {show(pull - r('leads.allowed'), 'N')}",
-        requirement="Section 2.2: modular",
-    )
+leads = stated(
+    "pull on the leads that reaches the piezos",
+    "max(leads.pull - leads.clip, 0 N) <= leads.allowed",
+    source="a clip holds each lead at the base up to its own limit",
+    proposal="clips that hold {leads.pull - leads.allowed}",
+    requirement="Section 2.2: modular",
+)
 
 
-def sea_length(r: DesignInputs) -> Check:
-    length, travel, margin = r("stage.length"), r("stage.travel"), r("sea.contact_margin")
-    return Check(
-        "drive surface over the tip at both ends of the travel",
-        at_least(length, travel + 2 * margin, "m"),
-        source="geometry",
-        formula="length of the drive surface >= travel + 2 margins",
-        substituted=f"{show(length, 'm')} against {show(travel + 2 * margin, 'm')}",
-        proposal=f"a stage of {show(travel + 2 * margin, 'm')}",
-        requirement="Table 1: travel",
-    )
+sea_length = stated(
+    "drive surface over the tip at both ends of the travel",
+    "stage.length >= stage.travel + 2*sea.contact_margin",
+    source="geometry",
+    proposal="a stage of {check.limit}",
+    requirement="Table 1: travel",
+)

@@ -7,6 +7,7 @@ import math
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.friction_stage.physics.clamp import clamping_shift, grip, wedge
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 
@@ -25,78 +26,50 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def sensitivity(r: DesignInputs) -> Check:
-    drive = wedge(r)
-    rise = usable_ellipse(r)[1]
-    key = math.degrees(r("actuator.key_angle"))
-    return Check(
-        "height adjustment within the ellipse",
-        at_most(key * drive.lift_per_degree, rise / 2, "m"),
-        source="wedge on a set screw, turned by hand",
-        formula="key angle x P s/360 <= Y/2",
-        substituted=f"{show(drive.lift_per_turn, 'm')} a turn, {show(drive.lift_per_degree, 'm')} a degree; Y = "
-        f"{show(rise, 'm')}",
-        proposal="a finer slope, or a fine-pitch screw",
-        thesis="the tip height is to be set within the 1-10 um of its ellipse",
-        requirement="Section 2.2: access to payload and adjustments",
-    )
+sensitivity = stated(
+    "height adjustment within the ellipse",
+    "actuator.key_angle/360 deg*set_screw.pitch*height_pin_1.slope <= ellipse.rise/2",
+    source="wedge on a set screw, turned by hand",
+    proposal="a finer slope, or a fine-pitch screw",
+    thesis="the tip height is to be set within the 1-10 um of its ellipse",
+    requirement="Section 2.2: access to payload and adjustments",
+    note="{set_screw.pitch*height_pin_1.slope} a turn, {set_screw.pitch*height_pin_1.slope/360} a degree",
+)
 
 
-def self_locking(r: DesignInputs) -> Check:
-    drive = wedge(r)
-    friction = r("height_pin_1.friction")
-    return Check(
-        "self-locking of the wedge",
-        at_least(friction, 1.5 * drive.locking_friction, ""),
-        source="friction angles of both faces of the wedge",
-        formula="mu >= 1.5 tan(atan(s)/2)",
-        substituted=f"{friction:.3g} against {drive.locking_friction:.3g}",
-        proposal="a flatter slope",
-    )
+self_locking = stated(
+    "self-locking of the wedge",
+    "height_pin_1.friction >= 1.5*tan(atan(height_pin_1.slope)/2)",
+    source="friction angles of both faces of the wedge",
+    proposal="a flatter slope",
+)
 
 
-def adjustment_range(r: DesignInputs) -> Check:
-    drive = wedge(r)
-    chain = [r("drawing.tolerance_x_x")] * 4 + [r("drawing.tolerance_x_xx")] * 2
-    stack = sum(chain)
-    return Check(
-        "range of the height adjustment",
-        at_least(drive.range / 2, stack, "m"),
-        source="worst case of the height chain: holder, piezo, two pins at X.X; way and pad at X.XX",
-        formula="s stroke/2 >= sum of tolerances",
-        substituted=f"+-{show(drive.range / 2, 'm')} against +-{show(stack, 'm')}",
-        proposal=f"a stroke of {show(2 * stack / r('height_pin_1.slope'), 'm')}, or tighter pins",
-    )
+adjustment_range = stated(
+    "range of the height adjustment",
+    "height_pin_1.slope*height_pin_1.stroke/2 >= 4*drawing.tolerance_x_x + 2*drawing.tolerance_x_xx",
+    source="worst case of the height chain: holder, piezo, two pins at X.X; way and pad at X.XX",
+    proposal="a stroke of {2*check.limit/height_pin_1.slope}, or tighter pins",
+)
 
 
-def shim(r: DesignInputs) -> Check:
-    thinnest = r("shim.thinnest")
-    rise = usable_ellipse(r)[1]
-    return Check(
-        "thinnest shim against the ellipse",
-        at_most(thinnest, rise, "m"),
-        source="thesis 2.3.3: a shim sets the gap between tip and stage",
-        formula="thinnest shim <= Y",
-        substituted=f"{show(thinnest, 'm')} against {show(rise, 'm')}",
-        proposal="touch off by the piezos' own signal, or turn the screw "
-        f"{show(thinnest / wedge(r).lift_per_degree, '')} degrees after the shim is out",
-    )
+shim = stated(
+    "thinnest shim against the ellipse",
+    "shim.thinnest <= ellipse.rise",
+    source="thesis 2.3.3: a shim sets the gap between tip and stage",
+    proposal="touch off by the piezos' own signal, or turn the screw "
+    "{360*shim.thinnest/(set_screw.pitch*height_pin_1.slope)} degrees after the shim is out",
+)
 
 
-def thickest_shim(r: DesignInputs) -> Check:
-    """Lowered by half its range, the tip must leave the thickest shim room to be drawn out."""
-    drive = wedge(r)
-    thickest = r("shim.thickest")
-    return Check(
-        "range of the adjustment against the thickest shim",
-        at_least(drive.range / 2, thickest, "m"),
-        source="thesis 2.3.3: gap of 0.0005 to 0.030 in held by a shim",
-        formula="s stroke/2 >= thickest shim",
-        substituted=f"{show(drive.range / 2, 'm')} below the middle against {show(thickest, 'm')}",
-        proposal="thinner shims, or a longer stroke",
-        changes=change("height_pin_1.stroke", 2 * thickest / r("height_pin_1.slope"), "m", up=True)
-        + change("shim.thickest", float(drive.range) / 2, "m", up=False),
-    )
+thickest_shim = stated(
+    "range of the adjustment against the thickest shim",
+    "height_pin_1.slope*height_pin_1.stroke/2 >= shim.thickest",
+    ("height_pin_1.stroke", "2*shim.thickest/height_pin_1.slope", True),
+    ("shim.thickest", "height_pin_1.slope*height_pin_1.stroke/2", False),
+    source="thesis 2.3.3: gap of 0.0005 to 0.030 in held by a shim; lowered by half the range, the tip must let it out",
+    proposal="thinner shims, or a longer stroke",
+)
 
 
 def return_spring(r: DesignInputs) -> Check:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, show
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _SECTION = "thesis 2.2, 'other pertinent issues'"
@@ -46,46 +47,30 @@ def two_axes(r: DesignInputs) -> Check:
     )
 
 
-def replaceable(r: DesignInputs) -> Check:
-    play = r("holder.bore_diameter") - r("piezo.diameter")
-    fit = r("drawing.tolerance_x_xx")
-    return Check(
-        "play of a piezo in its bore",
-        at_least(play, 2 * fit, "m"),
-        source=_SECTION + "; worst case of bore and case, both within X.XX",
-        formula="bore - case >= 2 x tolerance: a stack slides out when it is defective",
-        note="the tip, bonded to all three piezos, is released by solvent first: last step of the assembly procedure",
-        substituted=f"{show(r('holder.bore_diameter'), 'm')} - {show(r('piezo.diameter'), 'm')} = {show(play, 'm')}",
-        proposal=f"a bore of {show(r('piezo.diameter') + 2 * fit, 'm')}",
-        requirement="Section 2.2: modular",
-    )
+replaceable = stated(
+    "play of a piezo in its bore",
+    "holder.bore_diameter - piezo.diameter >= 2*drawing.tolerance_x_xx",
+    source=_SECTION + "; worst case of bore and case, both within X.XX: a stack slides out when it is defective",
+    proposal="a bore of {piezo.diameter + check.limit}",
+    requirement="Section 2.2: modular",
+    note="the tip, bonded to all three piezos, is released by solvent first: last step of the assembly procedure",
+)
 
 
-def way_and_tip(r: DesignInputs) -> Check:
-    """Holder with piezos and tip comes out upwards: the clamp opens wider than the holder."""
-    play = r("base.pocket_diameter") - r("holder.diameter")
-    fit = r("drawing.tolerance_x_xx")
-    return Check(
-        "play of the actuator in its pocket",
-        at_least(play, 2 * fit, "m"),
-        source=_SECTION + "; worst case of pocket and holder, both within X.XX",
-        formula="pocket - holder >= 2 x tolerance: the actuator lifts out as a module",
-        substituted=f"{show(r('base.pocket_diameter'), 'm')} - {show(r('holder.diameter'), 'm')} = {show(play, 'm')}",
-        proposal=f"a pocket of {show(r('holder.diameter') + 2 * fit, 'm')}",
-        requirement="Section 2.2: modular",
-    )
+way_and_tip = stated(
+    "play of the actuator in its pocket",
+    "base.pocket_diameter - holder.diameter >= 2*drawing.tolerance_x_xx",
+    source=_SECTION + "; worst case of pocket and holder, both within X.XX: the actuator lifts out as a module",
+    proposal="a pocket of {holder.diameter + check.limit}",
+    requirement="Section 2.2: modular",
+)
 
 
-def payload_face(r: DesignInputs) -> Check:
-    """Payloads are bolted from above: threads long enough, and a floor that keeps the sea flat below them."""
-    thread, floor = r("stage.payload_thread_depth"), r("stage.payload_floor")
-    size = r.given("payload thread", 6e-3, "m", "M6, as the drill and pitch in [threads]")
-    return Check(
-        "thread for the payload from above",
-        at_least(thread, size, "m"),
-        source=_SECTION + "; one diameter of thread in aluminium under a payload that gravity holds",
-        formula="thread depth >= d",
-        substituted=f"M6: {show(thread, 'm')} over a floor of {show(floor, 'm')}",
-        proposal=f"a stage {show(r('stage.thickness') + size - thread, 'm')} thick",
-        requirement="Section 2.2: access to payload and adjustments",
-    )
+payload_face = stated(
+    "thread for the payload from above",
+    "stage.payload_thread_depth >= 6 mm",
+    source=_SECTION + "; one diameter of the M6 thread in aluminium under a payload that gravity holds",
+    proposal="a stage {stage.thickness + check.limit - check.value} thick",
+    requirement="Section 2.2: access to payload and adjustments",
+    note="over a floor of {stage.payload_floor}, which keeps the sea flat below",
+)

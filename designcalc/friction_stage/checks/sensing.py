@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, ratio, show
-from designcalc.errors.sensors import (
-    abbe_error,
-    air_index_error,
-    cosine_error,
-    count_size,
-    filtered_noise,
-    lag_error,
-    velocity_noise,
-)
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least
+from designcalc.checks.formula_check import FormulaCheck
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _DATASHEET = "thesis 2.3.4, data sheets"
+_LVDT_COUNT = "sensors.lvdt.range/2^sensors.lvdt.bits"
 
 
 def checks(design: Design) -> list[CheckFunction]:
@@ -27,8 +19,8 @@ def checks(design: Design) -> list[CheckFunction]:
         hand_over,
         probe_noise,
         probe_count,
-        partial(interferometer, key="resolution", label="the finest step"),
-        partial(interferometer, key="resolution_coarse", label="the coarsest step allowed"),
+        interferometer("resolution", "the finest step", thesis="'meets the requirements': it misses 0.1 nm"),
+        interferometer("resolution_coarse", "the coarsest step allowed"),
         interferometer_range,
         interferometer_speed,
         differencing,
@@ -37,168 +29,117 @@ def checks(design: Design) -> list[CheckFunction]:
         contactless,
         abbe,
         cosine,
-        partial(air_index, path="stage.travel", label="travel"),
-        partial(air_index, path="sensors.interferometer.dead_path", label="dead path"),
+        air_index("stage.travel", "travel"),
+        air_index("sensors.interferometer.dead_path", "dead path"),
     ]
 
 
-def lvdt_range(r: DesignInputs) -> Check:
-    return Check(
-        "LVDT range",
-        at_least(r("sensors.lvdt.range"), r("requirements.sensor_range"), "m"),
-        source=_DATASHEET,
-        formula="range >= travel",
-        substituted=f"{show(r('sensors.lvdt.range'), 'm')} against {show(r('requirements.sensor_range'), 'm')}",
-        proposal="a linear encoder, or the interferometer, over the whole travel",
-        thesis="the LVDT covers an eighth of the travel that Table 2 requires of the sensor",
-        requirement="Table 2: sensor range",
-    )
+lvdt_range = stated(
+    "LVDT range",
+    "sensors.lvdt.range >= requirements.sensor_range",
+    source=_DATASHEET,
+    proposal="a linear encoder, or the interferometer, over the whole travel",
+    thesis="the LVDT covers an eighth of the travel that Table 2 requires of the sensor",
+    requirement="Table 2: sensor range",
+)
 
 
-def lvdt_resolution(r: DesignInputs) -> Check:
-    step = float(count_size(r("sensors.lvdt.range"), r("sensors.lvdt.bits")))
-    return Check(
-        "LVDT count",
-        at_most(step, r("requirements.resolution_coarse"), "m"),
-        source=_DATASHEET,
-        formula="range/2^bits <= 10 nm",
-        substituted=show(step, "m"),
-        proposal="use it for coarse position only",
-        requirement="Table 2: sensor resolution",
-    )
+lvdt_resolution = stated(
+    "LVDT count",
+    f"{_LVDT_COUNT} <= requirements.resolution_coarse",
+    source=_DATASHEET,
+    proposal="use it for coarse position only",
+    requirement="Table 2: sensor resolution",
+)
 
 
-def hand_over(r: DesignInputs) -> Check:
-    error = r("sensors.lvdt.linearity") * r("sensors.lvdt.range")
-    fine = r("sensors.probe.range") / r("sensors.filtered_probe.gain")
-    return Check(
-        "hand-over from LVDT to capacitive probe",
-        at_most(error, fine / 2, "m"),
-        source="the coarse sensor must bring the stage into the fine one's range",
-        formula="linearity x range <= (probe range/gain)/2",
-        substituted=f"{show(error, 'm')} against {show(fine / 2, 'm')}",
-        proposal="switch the gain off until the probe has taken over, and calibrate the LVDT there",
-        thesis="with x25 gain the probe sees 1 um; the LVDT is off by 63 um: no hand-over",
-        requirement="Table 2: sensor range",
-    )
+hand_over = stated(
+    "hand-over from LVDT to capacitive probe",
+    "sensors.lvdt.linearity*sensors.lvdt.range <= sensors.probe.range/sensors.filtered_probe.gain/2",
+    source="the coarse sensor must bring the stage into the fine one's range",
+    proposal="switch the gain off until the probe has taken over, and calibrate the LVDT there",
+    thesis="with x25 gain the probe sees 1 um; the LVDT is off by 63 um: no hand-over",
+    requirement="Table 2: sensor range",
+)
 
 
-def probe_noise(r: DesignInputs) -> Check:
-    noise = float(
-        filtered_noise(
-            r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
-        )
-    )
-    return Check(
-        "capacitive probe noise after its filter",
-        at_most(noise, r("sensors.filtered_probe.claimed_resolution"), "m"),
-        source="white noise through an RC filter",
-        formula="25 nm sqrt(24 Hz/5 kHz) <= 1 nm",
-        substituted=show(noise, "m"),
-        proposal="a lower corner of the filter",
-        changes=change(
-            "sensors.filtered_probe.filter_frequency",
-            r("sensors.filtered_probe.filter_frequency")
-            * (r("sensors.filtered_probe.claimed_resolution") / noise) ** 2,
-            "Hz",
-            up=False,
-        ),
-        thesis="'1 nm' by gain: the filter, not the gain, lowers the noise, and white noise leaves 1.7 nm",
-        requirement="Table 1: resolution",
-    )
+probe_noise = stated(
+    "capacitive probe noise after its filter",
+    "sensors.probe.resolution*sqrt(sensors.filtered_probe.filter_frequency/sensors.probe.bandwidth)"
+    " <= sensors.filtered_probe.claimed_resolution",
+    (
+        "sensors.filtered_probe.filter_frequency",
+        "sensors.filtered_probe.filter_frequency*(check.limit/check.value)^2",
+        False,
+    ),
+    source="white noise through an RC filter",
+    proposal="a lower corner of the filter",
+    thesis="'1 nm' by gain: the filter, not the gain, lowers the noise, and white noise leaves 1.7 nm",
+    requirement="Table 1: resolution",
+)
 
 
-def probe_count(r: DesignInputs) -> Check:
-    fine = r("sensors.probe.range") / r("sensors.filtered_probe.gain")
-    step = float(count_size(fine, r("sensors.filtered_probe.bits")))
-    return Check(
-        "capacitive probe count",
-        at_most(step, r("sensors.filtered_probe.claimed_resolution"), "m"),
-        source="12-bit converter behind the gain",
-        formula="range/gain/2^bits <= 1 nm",
-        substituted=f"{show(fine, 'm')}/4096 = {show(step, 'm')}",
-        proposal="more bits",
-        requirement="Table 1: resolution",
-    )
+probe_count = stated(
+    "capacitive probe count",
+    "sensors.probe.range/sensors.filtered_probe.gain/2^sensors.filtered_probe.bits"
+    " <= sensors.filtered_probe.claimed_resolution",
+    source="converter behind the gain",
+    proposal="more bits",
+    requirement="Table 1: resolution",
+)
 
 
-def interferometer(r: DesignInputs, key: str, label: str) -> Check:
-    step = r("sensors.interferometer.resolution")
-    return Check(
+def interferometer(key: str, label: str, thesis: str = "") -> FormulaCheck:
+    return stated(
         f"interferometer resolution, {label}",
-        at_most(step, r(f"requirements.{key}"), "m"),
+        f"sensors.interferometer.resolution <= requirements.{key}",
         source=_DATASHEET,
-        formula="0.62 nm <= required resolution",
-        substituted=show(step, "m"),
         proposal="a finer interpolation (lambda/2048 and beyond), or a resolution of 1 nm",
-        thesis=("'meets the requirements': it misses 0.1 nm" if key == "resolution" else ""),
+        thesis=thesis,
         requirement="Table 2: sensor resolution",
     )
 
 
-def interferometer_range(r: DesignInputs) -> Check:
-    return Check(
-        "interferometer range",
-        at_least(2 * r("sensors.interferometer.range"), r("requirements.sensor_range"), "m"),
-        source=_DATASHEET,
-        formula="2 x 1.328 m >= travel",
-        requirement="Table 2: sensor range",
-    )
+interferometer_range = stated(
+    "interferometer range",
+    "2*sensors.interferometer.range >= requirements.sensor_range",
+    source=_DATASHEET,
+    requirement="Table 2: sensor range",
+)
 
 
-def interferometer_speed(r: DesignInputs) -> Check:
-    return Check(
-        "interferometer speed",
-        at_least(r("sensors.interferometer.highest_speed"), r("requirements.speed"), "m/s"),
-        source=_DATASHEET,
-        formula="500 mm/s >= 200 mm/s",
-        requirement="Table 1: speed",
-    )
+interferometer_speed = stated(
+    "interferometer speed",
+    "sensors.interferometer.highest_speed >= requirements.speed",
+    source=_DATASHEET,
+    requirement="Table 1: speed",
+)
 
 
-def differencing(r: DesignInputs) -> Check:
-    step = float(count_size(r("sensors.lvdt.range"), r("sensors.lvdt.bits")))
-    rate = 2 * r("sensors.lvdt.bandwidth")
-    noise = float(velocity_noise(step, rate))
-    wanted = r("requirements.speed")
-    return Check(
-        "velocity by differencing the LVDT",
-        at_most(noise, 0.01 * wanted, "m/s"),
-        source="two roundings, count/sqrt(6) x rate",
-        formula="count/sqrt(6) f_s <= 1 % of the speed",
-        substituted=f"{show(step, 'm')} at {show(rate, 'Hz')}: {show(noise, 'm/s')}",
-        proposal="an observer, or a velocity sensor",
-    )
+differencing = stated(
+    "velocity by differencing the LVDT",
+    f"{_LVDT_COUNT}/sqrt(6)*2*sensors.lvdt.bandwidth <= 0.01*requirements.speed",
+    source="two roundings, count/sqrt(6) x rate",
+    proposal="an observer, or a velocity sensor",
+)
 
 
-def lag(r: DesignInputs) -> Check:
-    speed, bandwidth = r("requirements.speed"), r("sensors.lvdt.bandwidth")
-    late = float(lag_error(speed, bandwidth))
-    window = r("sensors.probe.range") / 2
-    return Check(
-        "lag of the LVDT at full speed",
-        at_most(late, window, "m"),
-        source="first-order sensor of the bandwidth stated; half the probe's range must catch the stage",
-        formula="v/(2 pi f) <= probe range/2",
-        substituted=f"{show(speed, 'm/s')} at {show(bandwidth, 'Hz')}: {show(late, 'm')}",
-        proposal=f"enter the probe's range at {show(speed * window / late, 'm/s')} at most, or correct the known lag",
-        requirement="Table 1: speed",
-    )
+lag = stated(
+    "lag of the LVDT at full speed",
+    "requirements.speed/(2*pi*sensors.lvdt.bandwidth) <= sensors.probe.range/2",
+    source="first-order sensor of the bandwidth stated; half the probe's range must catch the stage",
+    proposal="enter the probe's range at {requirements.speed*check.limit/check.value} at most, or correct the lag",
+    requirement="Table 1: speed",
+)
 
 
-def probe_linearity(r: DesignInputs) -> Check:
-    error = r("sensors.probe.linearity") * r("sensors.probe.range")
-    limit = r("requirements.resolution_coarse")
-    return Check(
-        "capacitive probe linearity",
-        at_most(error, limit, "m"),
-        source=_DATASHEET,
-        formula="linearity x full range <= 10 nm",
-        substituted=show(error, "m"),
-        proposal=f"calibrate it against the interferometer, or use {show(limit / r('sensors.probe.linearity'), 'm')} "
-        "of it",
-        requirement="Table 2: sensor resolution",
-    )
+probe_linearity = stated(
+    "capacitive probe linearity",
+    "sensors.probe.linearity*sensors.probe.range <= requirements.resolution_coarse",
+    source=_DATASHEET,
+    proposal="calibrate it against the interferometer, or use {check.limit/sensors.probe.linearity} of it",
+    requirement="Table 2: sensor resolution",
+)
 
 
 def contactless(r: DesignInputs) -> Check:
@@ -220,51 +161,34 @@ def contactless(r: DesignInputs) -> Check:
     )
 
 
-def cosine(r: DesignInputs) -> Check:
-    travel, angle = r("stage.travel"), r("sensors.interferometer.misalignment")
-    error = float(cosine_error(travel, angle))
-    limit = r("requirements.resolution_coarse")
-    return Check(
-        "cosine error of the interferometer",
-        at_most(error, limit, "m"),
-        source="beam at an angle to the travel",
-        formula="travel (1 - cos(angle)) <= 10 nm",
-        substituted=f"{show(travel, 'm')} at {show(angle, 'rad')}: {show(error, 'm')}",
-        proposal=f"align the beam to {show(angle * ratio(limit, error) ** 0.5, 'rad')}",
-        requirement="Table 2: sensor resolution",
-        note=f"the finest resolution, {show(r('requirements.resolution'), 'm')}, needs "
-        f"{show(angle * ratio(r('requirements.resolution'), error) ** 0.5, 'rad')}",
-    )
+cosine = stated(
+    "cosine error of the interferometer",
+    "2*stage.travel*sin(sensors.interferometer.misalignment/2)^2 <= requirements.resolution_coarse",
+    source="beam at an angle to the travel: travel (1 - cos(angle)), without cancellation",
+    proposal="align the beam to {sensors.interferometer.misalignment*sqrt(check.limit/check.value)}",
+    requirement="Table 2: sensor resolution",
+    note="the finest resolution, {requirements.resolution}, needs "
+    "{sensors.interferometer.misalignment*sqrt(requirements.resolution/check.value)}",
+)
 
 
-def air_index(r: DesignInputs, path: str, label: str) -> Check:
+def air_index(path: str, label: str) -> FormulaCheck:
     """An interferometer measures in wavelengths, and the wavelength in air follows temperature and pressure."""
-    length, warmer, pressure = r(path), r("environment.temperature_change"), r("environment.pressure_change")
-    error = float(air_index_error(length, warmer, pressure))
-    limit = r("requirements.repeatability")
-    return Check(
+    return stated(
         f"refractive index of the air over the interferometer's {label}",
-        at_most(error, limit, "m"),
+        f"{path}*(0.93 ppm/K*environment.temperature_change + 0.0027 ppm/Pa*environment.pressure_change)"
+        " <= requirements.repeatability",
         source="slopes of Edlen's equation (Birch, Downs 1994)",
-        formula="L (0.93 ppm/K dT + 0.0027 ppm/Pa dp) <= repeatability",
-        substituted=f"L = {show(length, 'm')}, {warmer:.3g} K and {show(pressure, 'Pa')}: {show(error, 'm')}",
-        proposal=f"correct the index by a weather station, or hold the air to {ratio(limit, error):.2g} of these "
-        "changes",
+        proposal="correct the index by a weather station, or hold the air to {100*check.limit/check.value} % of this",
         requirement="Section 2.3.2: repeatability (Table 1 has none)",
     )
 
 
-def abbe(r: DesignInputs) -> Check:
-    offset = r("stage.thickness") / 2 + r("payload.height")
-    straightness, way = r("bearing.way_straightness"), r("bearing_way.length")
-    angle = 4 * straightness / way
-    error = float(abbe_error(offset, angle))
-    return Check(
-        "Abbe error at the payload",
-        at_most(error, r("requirements.resolution_coarse"), "m"),
-        source="pitch of a way bowed by its straightness error; line of measurement at the middle of the plate",
-        formula="offset x 4 s/L <= 10 nm",
-        substituted=f"{show(offset, 'm')} x {show(angle, 'rad')} = {show(error, 'm')}",
-        proposal="measure at the height of the payload, or measure the pitch too and correct it",
-        requirement="Table 1: resolution",
-    )
+abbe = stated(
+    "Abbe error at the payload",
+    "(stage.thickness/2 + payload.height)*sin(4*bearing.way_straightness/bearing_way.length)"
+    " <= requirements.resolution_coarse",
+    source="pitch of a way bowed by its straightness error; line of measurement at the middle of the plate",
+    proposal="measure at the height of the payload, or measure the pitch too and correct it",
+    requirement="Table 1: resolution",
+)

@@ -10,11 +10,10 @@ from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.friction_stage.physics.body import moving_body
-from designcalc.friction_stage.physics.loads import gravity, load, weight
-from designcalc.friction_stage.physics.loads import preload as acting_preload
+from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_forces, pads_stiffness
 from designcalc.friction_stage.physics.teeth import CIRCUITS, magnets
-from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, usable_ellipse
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
@@ -124,63 +123,39 @@ def indentation(r: DesignInputs) -> Check:
     )
 
 
-def proportions(r: DesignInputs) -> Check:
-    length, width = r("pads.length"), r("pads.width")
-    return Check(
-        "pads twice as long as wide",
-        at_most(abs(length / width - 2), 0.1, ""),
-        source="thesis 2.3.2, rule of Slocum (1992)",
-        formula="|length/width - 2| <= 0.1",
-        substituted=f"{show(length, 'm')}/{show(width, 'm')}",
-        proposal=f"length of {show(2 * width, 'm')}",
-    )
+proportions = stated(
+    "pads twice as long as wide",
+    "abs(pads.length/pads.width - 2) <= 0.1",
+    source="thesis 2.3.2, rule of Slocum (1992)",
+    proposal="length of {2*pads.width}",
+)
 
 
-def stiction(r: DesignInputs) -> Check:
-    """At break-away the stage jumps by twice the drop of friction over the stiffness that pulls it."""
-    static, dynamic, hold = r("bearing.static_friction"), r("bearing.dynamic_friction"), holding_stiffness(r)
-    drop = max(static - dynamic, 0.0) * load(r)
-    reach = usable_ellipse(r)[0] / 2
-    return Check(
-        "jump of the stage as it breaks away",
-        at_most(2 * drop / hold, reach, "m"),
-        source="undamped slip of a mass pulled slowly through a spring; the tip's lean must bring the stage back",
-        formula="2 (mu_s - mu_d) N/K <= X/2",
-        substituted=f"2 x {show(drop, 'N')}/{show(hold, 'N/m')} = {show(2 * drop / hold, 'm')}; mu_s/mu_d = "
-        f"{static / dynamic:.3g}",
-        proposal="run in for some thousand cycles; a filled PTFE grade whose static and dynamic friction are alike",
-        thesis="thesis 2.3.2: PTFE with static within 10-20 % of dynamic friction",
-        requirement="Table 1: resolution",
-    )
+stiction = stated(
+    "jump of the stage as it breaks away",
+    "2*max(bearing.static_friction - bearing.dynamic_friction, 0)*load.whole/stiffness.along <= ellipse.along/2",
+    source="undamped slip of a mass pulled slowly through a spring; the tip's lean must bring the stage back",
+    proposal="run in for some thousand cycles; a filled PTFE grade whose static and dynamic friction are alike",
+    thesis="thesis 2.3.2: PTFE with static within 10-20 % of dynamic friction",
+    requirement="Table 1: resolution",
+)
 
 
-def preload(r: DesignInputs) -> Check:
-    wanted = r("preload.ratio") * weight(r)
-    force = acting_preload(r)
-    return Check(
-        "preload against the required share of the load",
-        at_least(force, wanted, "N"),
-        source="thesis 2.3.2: 10 % of the applied load",
-        formula="F >= ratio x (m + m_payload) g",
-        substituted=f"{show(force, 'N')} against {show(wanted, 'N')}",
-        proposal=f"preload of {show(wanted, 'N')}",
-    )
+preload = stated(
+    "preload against the required share of the load",
+    "load.preload >= preload.ratio*load.weight",
+    source="thesis 2.3.2: 10 % of the applied load",
+    proposal="preload of {check.limit}",
+)
 
 
-def normal(r: DesignInputs) -> Check:
-    """Deflection of the pads by a payload that is a tenth heavier."""
-    springs = pads_stiffness(r)
-    more = 0.1 * r("payload.mass") * gravity(r)
-    sink = more / springs.normal
-    return Check(
-        "deflection of the pads under a tenth of the payload",
-        at_most(sink, r("requirements.resolution_coarse"), "m"),
-        source=_FILM,
-        formula="0.1 m_payload g/K_z <= 10 nm",
-        substituted=f"{show(more, 'N')} on {show(springs.normal, 'N/m')}: {show(sink, 'm')}",
-        proposal="more preload, or a larger crown radius",
-        requirement="Table 1: smoothness",
-    )
+normal = stated(
+    "deflection of the pads under a tenth of the payload",
+    "0.1*payload.mass*environment.gravity/stiffness.pads <= requirements.resolution_coarse",
+    source=_FILM,
+    proposal="more preload, or a larger crown radius",
+    requirement="Table 1: smoothness",
+)
 
 
 def pitch(r: DesignInputs) -> Check:

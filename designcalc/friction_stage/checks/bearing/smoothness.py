@@ -12,6 +12,7 @@ from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_positions
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _AVERAGING = "averaging of a random surface over the pads' contact"
@@ -27,20 +28,15 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def roughness_under_film(r: DesignInputs) -> Check:
-    rough, thickness = r("bearing.way_roughness"), r("bearing.film_thickness")
-    peak = 4 * rough
-    return Check(
-        "way roughness against the PTFE film",
-        at_most(peak, 0.25 * thickness, "m"),
-        source="Rz about 4 Ra; a quarter of the film, so that no peak cuts through",
-        formula="4 Ra <= t/4",
-        substituted=f"4 x {show(rough, 'm')} against {show(thickness / 4, 'm')}",
-        proposal="lap the way as Nanosurf 2's (nanometres)",
-        changes=change("bearing.way_roughness", r("bearing.proposed_way_roughness"), "m", up=False),
-        thesis="Ra 1 um under a film of 1-2 um contradicts Nanosurf's way, lapped to nanometres",
-        requirement="Table 1: smoothness",
-    )
+roughness_under_film = stated(
+    "way roughness against the PTFE film",
+    "4*bearing.way_roughness <= bearing.film_thickness/4",
+    ("bearing.way_roughness", "bearing.proposed_way_roughness", False),
+    source="Rz about 4 Ra; a quarter of the film, so that no peak cuts through",
+    proposal="lap the way as Nanosurf 2's (nanometres)",
+    thesis="Ra 1 um under a film of 1-2 um contradicts Nanosurf's way, lapped to nanometres",
+    requirement="Table 1: smoothness",
+)
 
 
 def spot(r: DesignInputs) -> float:

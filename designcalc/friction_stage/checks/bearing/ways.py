@@ -8,7 +8,6 @@ from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, 
 from designcalc.bearing.fastener import (
     Thread,
     cone_compliance,
-    head_pressure,
     screw_waves,
     strip_area_of_bed,
     strip_area_of_screw,
@@ -19,6 +18,7 @@ from designcalc.friction_stage.physics.clamp import screw_preload
 from designcalc.friction_stage.physics.loads import moved_mass
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.plate_vibration import at_feet
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
@@ -107,18 +107,12 @@ def force_ripple(r: DesignInputs) -> Check:
     )
 
 
-def engagement(r: DesignInputs) -> Check:
-    diameter, long = r("screws.way.diameter"), r("screws.way.length")
-    depth = long - r("bearing_way.flange_thickness")
-    return Check(
-        "thread engagement of the way's screws",
-        at_least(depth / diameter, 1.0, ""),
-        source="rule of one diameter in steel-like beds",
-        formula="(screw length - flange)/Db >= 1",
-        substituted=f"({show(long, 'm')} - {show(depth and long - depth, 'm')})/{show(diameter, 'm')} = "
-        f"{depth / diameter:.3g}",
-        proposal=f"flange of at most {show(long - diameter, 'm')}",
-    )
+engagement = stated(
+    "thread engagement of the way's screws",
+    "(screws.way.length - bearing_way.flange_thickness)/screws.way.diameter >= 1",
+    source="rule of one diameter in steel-like beds",
+    proposal="flange of at most {screws.way.length - screws.way.diameter}",
+)
 
 
 def _thread(r: DesignInputs) -> Thread:
@@ -142,44 +136,29 @@ def stripping(r: DesignInputs) -> Check:
     )
 
 
-def screw_stress(r: DesignInputs) -> Check:
-    thread, force = _thread(r), screw_preload(r, "way")
-    stress = force / thread.stress_area
-    return Check(
-        "preload stress of the way's screws",
-        at_most(stress, 0.5 * r("screws.way.proof_stress"), "Pa"),
-        source="ASME B1.1 stress area; thesis 2.3.2: torque not exceedingly high, so half of yield",
-        formula="F/A_t <= Sy/2",
-        substituted=f"{show(force, 'N')}/{thread.stress_area * 1e6:.3g} mm^2",
-        proposal="less torque",
-    )
+screw_stress = stated(
+    "preload stress of the way's screws",
+    "force.way_screw/area.way_screw <= screws.way.proof_stress/2",
+    source="ASME B1.1 stress area; thesis 2.3.2: torque not exceedingly high, so half of yield",
+    proposal="less torque",
+)
 
 
-def edge_margin(r: DesignInputs) -> Check:
-    edge, hole = r("bearing_way.bolt_edge"), r("bearing_way.bolt_hole")
-    wall = edge - hole / 2
-    return Check(
-        "ceramic remaining beside the way's bolt holes",
-        at_least(wall, 0.25 * hole, "m"),
-        source="practice for ceramics: a quarter of the hole at least, compressed by the head",
-        formula="a - d/2 >= d/4",
-        substituted=f"{show(edge, 'm')} - {show(hole / 2, 'm')} = {show(wall, 'm')}",
-        proposal=f"bolt line at {show(0.75 * hole, 'm')} or more from the edge",
-        thesis="a = 10 mm leaves no room for a counterbore in the SiC: the heads sit on an outer ledge",
-    )
+edge_margin = stated(
+    "ceramic remaining beside the way's bolt holes",
+    "bearing_way.bolt_edge - bearing_way.bolt_hole/2 >= bearing_way.bolt_hole/4",
+    source="practice for ceramics: a quarter of the hole at least, compressed by the head",
+    proposal="bolt line at {0.75*bearing_way.bolt_hole} or more from the edge",
+    thesis="a = 10 mm leaves no room for a counterbore in the SiC: the heads sit on an outer ledge",
+)
 
 
-def head(r: DesignInputs) -> Check:
-    force = screw_preload(r, "way")
-    pressure = head_pressure(force, r("screws.way.head_diameter"), r("bearing_way.bolt_hole"))
-    return Check(
-        "pressure under the screw heads on the way",
-        at_most(pressure, r.material("bearing_way", "strength") / 2, "Pa"),
-        source="mean pressure; half the bending strength, far below the compressive strength of the ceramic",
-        formula="F/(pi/4 (Dh^2 - d^2)) <= Sb/2",
-        substituted=f"{show(force, 'N')} -> {show(pressure, 'Pa')}",
-        proposal="a washer, or less torque",
-    )
+head = stated(
+    "pressure under the screw heads on the way",
+    "force.way_screw/(pi/4*(screws.way.head_diameter^2 - bearing_way.bolt_hole^2)) <= bearing_way.material.strength/2",
+    source="mean pressure; half the bending strength, far below the compressive strength of the ceramic",
+    proposal="a washer, or less torque",
+)
 
 
 def heat_of_joint(r: DesignInputs) -> Check:

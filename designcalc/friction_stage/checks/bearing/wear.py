@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, ratio, show
-from designcalc.friction_stage.physics.loads import load
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, show
 from designcalc.friction_stage.physics.pads import heaviest_pad, pad_contact
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 
@@ -36,58 +35,33 @@ def film_thickness(r: DesignInputs) -> Check:
     )
 
 
-def running_in(r: DesignInputs) -> Check:
-    """Running in must not wear out the film."""
-    cycles, travel = r("bearing.run_in_cycles"), r("stage.travel")
-    distance = 2 * travel * cycles
-    radius = r("pads.crown_radius")
-    worn = float(crown_wear_depth(distance, radius, r("bearing.run_in_wear_rate"), heaviest_pad(r)))
-    thickness = r("bearing.film_thickness")
-    limit = thickness / 2
-    hours = distance / r("requirements.speed") / 3600
-    rate = r("bearing.run_in_wear_rate") * (limit / worn) ** 2
-    return Check(
-        "wear of the PTFE film by running in",
-        at_most(worn, limit, "m"),
-        source="Archard on a crown over the thesis's several thousand cycles; half the film kept",
-        formula="h = sqrt(k F s/(pi R)) <= t/2, s = 2 travel x cycles",
-        substituted=f"{cycles:.0f} cycles, {show(distance, 'm')}, {hours:.2g} h at full speed: {show(worn, 'm')} of "
-        f"{show(thickness, 'm')}",
-        proposal=f"flat pads, a shorter running in, or a film that wears by {show(rate, 'm^2/N')} at most "
-        "(filled PTFE: 1e-15 m^2/N)",
-        changes=change("bearing.run_in_wear_rate", rate, "m^2/N", up=False),
-    )
+running_in = stated(
+    "wear of the PTFE film by running in",
+    "sqrt(bearing.run_in_wear_rate*load.heaviest_pad*2*stage.travel*bearing.run_in_cycles/(pi*pads.crown_radius))"
+    " <= bearing.film_thickness/2",
+    ("bearing.run_in_wear_rate", "bearing.run_in_wear_rate*(check.limit/check.value)^2", False),
+    source="Archard on a crown over the thesis's several thousand cycles; half the film kept",
+    proposal="flat pads, a shorter running in, or a film that wears by "
+    "{bearing.run_in_wear_rate*(check.limit/check.value)^2} at most (filled PTFE: 1e-15 m^2/N)",
+)
 
 
-def life(r: DesignInputs) -> Check:
-    heaviest = heaviest_pad(r)
-    radius, depth = r("pads.crown_radius"), r("bearing.film_thickness") / 2
-    distance = float(crown_wear_distance(depth, radius, r("bearing.wear_rate"), heaviest))
-    wanted = r("bearing.life")
-    rate = r("bearing.wear_rate") * distance / wanted
-    return Check(
-        "life of the PTFE film",
-        at_least(distance, wanted, "m"),
-        source="Archard, the crown worn by half the film",
-        formula="s = pi R (t/2)^2/(k F)",
-        substituted=f"R = {show(radius, 'm')}, F = {show(heaviest, 'N')}: {show(distance, 'm')}, "
-        f"{distance / (2 * r('stage.travel')):.3g} strokes there and back",
-        proposal=f"flat pads, or a film that wears by {show(rate, 'm^2/N')} at most (filled PTFE reaches 1e-15 m^2/N)",
-        changes=change("bearing.wear_rate", rate, "m^2/N", up=False),
-    )
+life = stated(
+    "life of the PTFE film",
+    "pi*pads.crown_radius*(bearing.film_thickness/2)^2/(bearing.wear_rate*load.heaviest_pad) >= bearing.life",
+    ("bearing.wear_rate", "bearing.wear_rate*check.value/check.limit", False),
+    source="Archard, the crown worn by half the film",
+    proposal="flat pads, or a film that wears by {bearing.wear_rate*check.value/check.limit} at most (filled PTFE "
+    "reaches 1e-15 m^2/N)",
+    note="{check.value/(2*stage.travel)} strokes there and back",
+)
 
 
-def heat(r: DesignInputs) -> Check:
-    force = load(r)
-    watts = float(friction_heat(r("bearing.dynamic_friction"), force, r("requirements.speed")))
-    limit = r("bearing.heat_limit")
-    return Check(
-        "heat of sliding at full speed",
-        at_most(watts, limit, "W"),
-        source="friction power",
-        formula="mu N v",
-        substituted=f"{show(force, 'N')}: {show(watts, 'W')}",
-        proposal=f"full speed for {100 * min(ratio(limit, watts), 1.0):.2g} % of the time, or less preload",
-        note=f"the worst friction the thesis allows, mu = {r('bearing.dynamic_friction_high'):.2g}, makes it "
-        f"{show(watts * r('bearing.dynamic_friction_high') / r('bearing.dynamic_friction'), 'W')}",
-    )
+heat = stated(
+    "heat of sliding at full speed",
+    "bearing.dynamic_friction*load.whole*requirements.speed <= bearing.heat_limit",
+    source="friction power",
+    proposal="full speed for {100*min(check.limit/check.value, 1)} % of the time, or less preload",
+    note="the worst friction the thesis allows, mu = {bearing.dynamic_friction_high}, makes it "
+    "{check.value*bearing.dynamic_friction_high/bearing.dynamic_friction}",
+)

@@ -1,0 +1,52 @@
+"""Calculated numbers of the machine that the formulas of its checks name."""
+
+from __future__ import annotations
+
+from designcalc.bearing.fastener import Thread
+from designcalc.checks.formula_check import FormulaCheck, Quantities
+from designcalc.friction_stage.physics.body import tip_mass
+from designcalc.friction_stage.physics.clamp import screw_preload
+from designcalc.friction_stage.physics.loads import load, preload, tip_load, weight
+from designcalc.friction_stage.physics.pads import heaviest_pad, pads_stiffness
+from designcalc.friction_stage.physics.tip_dynamics import (
+    driven_capacitance,
+    holding_stiffness,
+    mass_on_piezos,
+    speed_frequency,
+    stack_stiffness,
+    sway,
+    sway_resonance,
+    tip_contact,
+    tip_resonances,
+    usable_ellipse,
+)
+
+QUANTITIES: Quantities = {
+    "ellipse.along": (lambda r: usable_ellipse(r)[0], "m"),
+    "ellipse.rise": (lambda r: usable_ellipse(r)[1], "m"),
+    "load.weight": (weight, "N"),
+    "load.preload": (preload, "N"),
+    "load.whole": (load, "N"),
+    "load.of_tip": (tip_load, "N"),
+    "load.heaviest_pad": (heaviest_pad, "N"),
+    "stiffness.pads": (lambda r: pads_stiffness(r).normal, "N/m"),
+    "stiffness.along": (holding_stiffness, "N/m"),
+    "stiffness.stack": (stack_stiffness, "N/m"),
+    "stiffness.sway": (sway, "N/m"),
+    "stiffness.contact": (lambda r: float(tip_contact(r, tip_load(r)).stiffness), "N/m"),
+    "mass.tip": (tip_mass, "kg"),
+    "mass.on_piezos": (mass_on_piezos, "kg"),
+    "resonance.tip_up": (lambda r: tip_resonances(r)[0], "Hz"),
+    "resonance.tip_rocking": (lambda r: tip_resonances(r)[1], "Hz"),
+    "resonance.tip_sway": (sway_resonance, "Hz"),
+    "frequency.of_speed": (speed_frequency, "Hz"),
+    "capacitance.driven": (driven_capacitance, "F"),
+    "force.way_screw": (lambda r: screw_preload(r, "way"), "N"),
+    "area.way_screw": (lambda r: Thread(r("screws.way.diameter"), r("screws.way.pitch")).stress_area, "m^2"),
+}
+"""SI value and unit by name."""
+
+
+def stated(name: str, formula: str, *changes: tuple[str, str, bool], **texts: str) -> FormulaCheck:
+    """A check of the machine by one formula; arguments as of `FormulaCheck`."""
+    return FormulaCheck(name, formula, texts, QUANTITIES, changes)
