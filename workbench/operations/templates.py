@@ -6,6 +6,7 @@ import csv
 import io
 import tempfile
 from collections.abc import Iterator
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,18 @@ if TYPE_CHECKING:
 
 
 FOLDER = Path(__file__).parents[1] / "templates"
+
+
+def shared_folder() -> Path:
+    """The folder of README.md, `docs` and `examples`: that of the packages in a checkout, else that of the wheel."""
+    root = Path(__file__).resolve().parents[2]
+    if (root / "pyproject.toml").is_file():
+        return root
+    index = "share/stagecad/docs/index.md"
+    for file in distribution("stagecad").files or ():
+        if file.as_posix().endswith(index):
+            return Path(str(file.locate())).resolve().parents[1]
+    raise InputError("documentation and examples are not installed; they are in the source of stagecad")
 
 
 def template(kind: str, name: str) -> str:

@@ -1,41 +1,18 @@
-"""The documentation site: the pages of `docs/` and the reference pages in one folder, built by Sphinx.
+"""Configuration of the documentation site: its contents, its links, and the reference pages made from the code.
 
-A link to a file that does not exist, or to a heading that does not exist, is an error of the build.
+`stagecad docs` copies the pages into a folder (README.md as readme.md, that of the examples as examples.md) and builds
+the site there. A link to a file that does not exist, or to a heading that does not exist, is an error of the build.
 """
 
 from __future__ import annotations
 
 import re
-import shutil
-from collections.abc import Iterable, Mapping
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
-
-ROOT = Path(__file__).resolve().parents[2]
-
-CONTENTS: dict[str, tuple[str, ...]] = {
-    "Start": ("readme", "examples"),
-    "Tutorials": (
-        "tutorial",
-        "notebooks/design_and_checks",
-        "notebooks/measurement_to_model",
-        "notebooks/new_friction_law",
-    ),
-    "How to": ("workbench", "checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
-    "Reference": ("reference_python", "reference_commands", "reference_parameters", "effects"),
-    "Theory": ("theory", "diagnosis_step_by_step", "physical_model", "simulation", "causal_friction_model"),
-    "Project": ("glossary", "decisions"),
-}
-"""Pages by part of the site; pages of `docs/` that are not listed are put under "More"."""
-
-CONFIGURATION = """\
 project = "stagecad"
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 html_theme = "furo"
@@ -52,76 +29,59 @@ napoleon_use_rtype = False
 default_role = "code"
 # Lexers that meet shell output and cut TOML.
 suppress_warnings = ["misc.highlighting_failure", "myst.header"]
-"""
+
+CONTENTS: dict[str, tuple[str, ...]] = {
+    "Start": ("readme", "examples"),
+    "Tutorials": (
+        "tutorial",
+        "notebooks/design_and_checks",
+        "notebooks/measurement_to_model",
+        "notebooks/new_friction_law",
+    ),
+    "How to": ("workbench", "checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
+    "Reference": ("reference_python", "reference_commands", "reference_parameters", "effects"),
+    "Theory": ("theory", "diagnosis_step_by_step", "physical_model", "simulation", "causal_friction_model"),
+    "Project": ("glossary", "decisions"),
+}
+"""Pages by part of the site; pages that are not listed are put under "More"."""
+BESIDE = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
+"""Files beside README.md that are no pages of the site."""
+LINK = re.compile(r"(?P<text>\[[^\]\n]*\])\((?P<target>[^)\s]+)\)")
 
 
-def documentation_source() -> Path:
-    """The folder `docs` beside the packages."""
-    folder = ROOT / "docs"
-    if not (folder / "index.md").is_file():
-        raise InputError(
-            f"{folder}: the pages of the documentation are not installed; they are in the source of stagecad"
-        )
-    return folder
+def setup(app: Any) -> None:
+    """Connect what writes the reference pages and adapts the others."""
+    app.connect("builder-inited", write_reference)
+    app.connect("env-get-outdated", lambda *_: ["index"])
+    app.connect("source-read", read_page)
 
 
-def build_site(folder: Path, generated: Mapping[str, str]) -> Path:
-    """Build the site; returns its folder of HTML pages."""
-    try:
-        from sphinx.cmd.build import build_main
-    except ImportError:
-        raise InputError("the documentation is built by Sphinx: pip install 'stagecad[docs]'") from None
-    source, html, log = folder / "source", folder / "html", folder / "warnings.txt"
-    write_source(source, generated)
-    arguments = ["-q", "-b", "html", "-d", str(folder / "doctrees"), "-w", str(log), str(source), str(html)]
-    status = build_main(arguments)
-    faults = [line for line in log.read_text("utf-8").splitlines() if line.strip()] if log.is_file() else []
-    if status or faults:
-        raise InputError(f"documentation: {faults[0] if faults else 'was not built'} ({len(faults)} faults in {log})")
-    return html
+def write_reference(app: Any) -> None:
+    """Write the reference pages beside the others."""
+    from workbench.cli.dispatch import stagecad
+
+    pages = {"python": python_page(), "commands": commands_page(stagecad), "parameters": parameters_page()}
+    for name, text in pages.items():
+        (Path(app.srcdir) / f"reference_{name}.md").write_text(text, encoding="utf-8")
 
 
-def write_source(folder: Path, generated: Mapping[str, str]) -> None:
-    """Put pages, pictures and configuration into one folder, their links adapted to it."""
-    docs = documentation_source()
-    texts = {page.relative_to(docs).as_posix(): page.read_text("utf-8") for page in sorted(docs.rglob("*.md"))}
-    texts["readme.md"] = (ROOT / "README.md").read_text("utf-8")
-    texts["examples.md"] = (ROOT / "examples" / "README.md").read_text("utf-8")
-    texts |= {f"{name}.md": text for name, text in generated.items()}
-    texts = {name: site_links(text) for name, text in texts.items()}
-    notebooks = {page.relative_to(docs).as_posix() for page in docs.rglob("*.ipynb")}
-    pages = {name.rpartition(".")[0] for name in (*texts, *notebooks)} - {"index"}
-    texts["index.md"] += contents(pages)
-    texts["conf.py"] = CONFIGURATION
-    for name, text in texts.items():
-        _write_changed(folder / name, text)
-    for file in docs.rglob("*"):
-        if file.suffix in (".png", ".svg", ".ipynb"):
-            target = folder / file.relative_to(docs)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            if not target.is_file() or target.read_bytes() != file.read_bytes():
-                shutil.copyfile(file, target)
-    kept = {folder / name for name in texts}
-    for file in [*folder.rglob("*.md"), *folder.rglob("*.ipynb")]:
-        if file not in kept and not (docs / file.relative_to(folder)).is_file():
-            file.unlink()
+def read_page(app: Any, name: str, source: list[str]) -> None:
+    """Adapt the links of a page; the first one gets the tables of contents."""
+    if Path(app.env.doc2path(name)).suffix == ".md":
+        source[0] = site_links(source[0])
+    if name == "index":
+        source[0] += contents(set(app.env.found_docs) - {"index"})
 
 
 def contents(pages: set[str]) -> str:
     """The tables of contents of the first page."""
-    listed = [page for group in CONTENTS.values() for page in group]
-    missing = [page for page in listed if page not in pages]
-    if missing:
-        raise InputError(f"documentation: page '{missing[0]}' of the contents does not exist")
-    groups = {**CONTENTS, "More": tuple(sorted(pages - set(listed)))}
+    listed = {page for group in CONTENTS.values() for page in group}
+    groups = {**CONTENTS, "More": tuple(sorted(pages - listed))}
     return "".join(
         f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n" + "\n".join(names) + "\n```\n"
         for title, names in groups.items()
         if names
     )
-
-
-LINK = re.compile(r"(?P<text>\[[^\]\n]*\])\((?P<target>[^)\s]+)\)")
 
 
 def site_links(text: str) -> str:
@@ -134,17 +94,11 @@ def site_links(text: str) -> str:
         path, mark, anchor = target.partition("#")
         path = re.sub(r"^(\.\./)?README\.md$", "readme.md", path).removeprefix("docs/").removeprefix("../docs/")
         path = "examples.md" if path in ("examples", "../examples", "../examples/README.md") else path
-        beside = (ROOT / path).is_file() and not (ROOT / "docs" / path).is_file()
-        if not path.endswith((".md", ".ipynb", ".png", ".svg")) or path.startswith("../") or beside:
+        if not path.endswith((".md", ".ipynb", ".png", ".svg")) or path.startswith("../") or path in BESIDE:
             return f"{link['text'][1:-1]} (`{path}`)"
         return f"{link['text']}({path}{mark}{anchor})"
 
     return LINK.sub(adapted, text)
-
-
-def _write_changed(file: Path, text: str) -> None:
-    if not file.is_file() or file.read_text("utf-8") != text:
-        atomic_write_text(file, text)
 
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -264,18 +218,3 @@ def _table(titles: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     head = f"| {' | '.join(titles)} |\n|{' --- |' * len(titles)}\n"
     lines = [f"| {' | '.join(cell.replace('`|', '`').replace(chr(10), ' ') for cell in row)} |" for row in rows]
     return head + "\n".join(lines) + "\n"
-
-
-class _Quiet(SimpleHTTPRequestHandler):
-    """Files of one folder; requests are not logged."""
-
-    def log_message(self, format: str, *arguments: Any) -> None:
-        pass
-
-
-def documentation_server(folder: Path, port: int) -> ThreadingHTTPServer:
-    """A server of the files of a folder on 127.0.0.1; `port` 0 takes a free one."""
-    try:
-        return ThreadingHTTPServer(("127.0.0.1", port), partial(_Quiet, directory=str(folder)))
-    except OSError as error:
-        raise InputError(f"--port {port}: {error.strerror}; choose another, or 0 for a free one") from None

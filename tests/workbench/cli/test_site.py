@@ -1,6 +1,8 @@
 """The documentation: pages in the contents, links that lead somewhere, reference pages of all names and commands."""
 
+import importlib.util
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -11,20 +13,18 @@ import pytest
 
 import stagecad
 from stagecad.parameters.errors import InputError
+from workbench.cli.commands.docs import build_site, documentation_server
 from workbench.cli.dispatch import COMMANDS
 from workbench.cli.dispatch import stagecad as group
-from workbench.documentation.site import (
-    GROUPS,
-    build_site,
-    commands_page,
-    contents,
-    documentation_server,
-    parameters_page,
-    site_links,
-)
 
 pytest.importorskip("sphinx")
 pytest.importorskip("myst_nb")
+
+DOCS = Path(__file__).resolve().parents[3] / "docs"
+_spec = importlib.util.spec_from_file_location("docs_conf", DOCS / "conf.py")
+assert _spec is not None and _spec.loader is not None
+conf = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(conf)
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +39,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_page_is_built_and_linked_from_the_first(site: Path) -> None:
     first = (site / "index.html").read_text("utf-8")
-    docs = Path(__file__).resolve().parents[3] / "docs"
-    pages = [page.relative_to(docs) for page in (*docs.rglob("*.md"), *docs.rglob("*.ipynb"))]
+    pages = [page.relative_to(DOCS) for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))]
     assert len(pages) > 15
     for page in pages:
         html = page.with_suffix(".html").as_posix()
@@ -54,7 +53,7 @@ def test_the_pages_ask_for_nothing_from_outside(site: Path) -> None:
 
 
 def test_the_reference_has_every_name_with_its_members(site: Path) -> None:
-    assert sorted(name for names in GROUPS.values() for name in names) == list(stagecad.__all__)
+    assert sorted(name for names in conf.GROUPS.values() for name in names) == list(stagecad.__all__)
     page = (site / "reference_python.html").read_text("utf-8")
     for name in stagecad.__all__:
         assert f'id="stagecad.{name}"' in page, name
@@ -63,26 +62,25 @@ def test_the_reference_has_every_name_with_its_members(site: Path) -> None:
 
 
 def test_reference_pages_of_commands_and_parameters() -> None:
-    page = commands_page(group)
+    page = conf.commands_page(group)
     for name in COMMANDS:
         assert f"\n## stagecad {name}\n" in page
     assert "`--no-solids`" in page or "--solids / --no-solids" in page
-    assert "| `stage.thickness` | 12 mm |" in parameters_page()
+    assert "| `stage.thickness` | 12 mm |" in conf.parameters_page()
 
 
-def test_a_link_to_nowhere_is_an_error(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    docs = tmp_path / "root" / "docs"
-    docs.mkdir(parents=True)
-    (tmp_path / "root" / "examples").mkdir()
-    (tmp_path / "root" / "examples" / "README.md").write_text("# Examples\n", "utf-8")
-    (tmp_path / "root" / "README.md").write_text("# Program\n", "utf-8")
-    (docs / "index.md").write_text("# Documentation\n\nSee [this](#nowhere).\n", "utf-8")
-    monkeypatch.setattr("workbench.documentation.site.ROOT", tmp_path / "root")
-    monkeypatch.setattr("workbench.documentation.site.CONTENTS", {"Start": ("readme", "examples")})
-    with pytest.raises(InputError, match="nowhere"):
-        build_site(tmp_path / "out", {})
-    with pytest.raises(InputError, match="page 'readme' of the contents does not exist"):
-        contents(set())
+def test_a_link_to_nowhere_and_a_page_that_is_not_there_are_errors(tmp_path: Path) -> None:
+    root = tmp_path / "root"
+    for folder in ("docs", "examples"):
+        (root / folder).mkdir(parents=True)
+        (root / folder / "README.md").write_text("# Examples\n", "utf-8")
+    (root / "README.md").write_text("# Program\n", "utf-8")
+    (root / "docs" / "index.md").write_text("# Documentation\n\nSee [this](#nowhere).\n", "utf-8")
+    shutil.copyfile(DOCS / "conf.py", root / "docs" / "conf.py")
+    with pytest.raises(InputError, match="faults in"):
+        build_site(tmp_path / "out", root)
+    log = (tmp_path / "out" / "warnings.txt").read_text("utf-8")
+    assert "nowhere" in log and "tutorial" in log
 
 
 @pytest.mark.parametrize(
@@ -96,7 +94,7 @@ def test_a_link_to_nowhere_is_an_error(site: Path, tmp_path: Path, monkeypatch: 
     ],
 )
 def test_links_are_those_of_the_site(text: str, link: str) -> None:
-    assert site_links(text) == link
+    assert conf.site_links(text) == link
 
 
 def test_the_server_answers_on_this_machine_alone(site: Path) -> None:
