@@ -31,13 +31,12 @@ from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, silent
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from stagecad.parameters.design import Design as Values
     from stagecad.parameters.mass_properties import Masses
 
 FEW_POINTS = 30
@@ -94,11 +93,7 @@ class Checks(Result):
         return len(self.checks)
 
     def __getitem__(self, name: str) -> Check:
-        """The check of this name.
-
-        Raises:
-            InputError: no such check.
-        """
+        """The check of this name; InputError for none."""
         for check in self.checks:
             if check.name == name:
                 return check
@@ -111,8 +106,6 @@ class Checks(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each check, SI; the margin is a part of the limit, negative where the check fails."""
-        import pandas as pd
-
         rows = [
             {
                 "subject": check.subject,
@@ -127,7 +120,7 @@ class Checks(Result):
             }
             for check in self.checks
         ]
-        return pd.DataFrame(rows).set_index(["subject", "check"])
+        return frame(rows, "subject", "check")
 
     def to_json(self) -> list[dict[str, Any]]:
         """The document of `stagecad check --json`."""
@@ -182,11 +175,7 @@ def checks(design: Design | None = None, solids: bool = True, proposals: bool = 
 
 
 def ranges_of(design: Design, texts: Sequence[str]) -> list[Range]:
-    """Ranges `KEY=LOW:HIGH[:N]` of a sweep.
-
-    Raises:
-        InputError: a range that cannot be read, a key given twice, or too many combinations.
-    """
+    """Ranges `KEY=LOW:HIGH[:N]` of a sweep, their keys and the number of combinations checked."""
     ranges = [read_range(text, design.values) for text in texts]
     if len(ranges) > 1:
         combinations(ranges)
@@ -194,15 +183,17 @@ def ranges_of(design: Design, texts: Sequence[str]) -> list[Range]:
 
 
 class Sweep(Result):
-    """The checks over the values of one parameter.
+    """The checks over the values of one parameter, or over every combination of those of several.
 
     Attributes:
-        swept: the parameter and its values.
-        points: the checks at each value.
+        ranges: the parameters and their values.
+        points: the checks at each value or combination.
     """
 
-    def __init__(self, swept: Range, points: Sequence[Point]) -> None:
-        self.swept, self.points = swept, tuple(points)
+    def __init__(self, ranges: Sequence[Range], points: Sequence[Point]) -> None:
+        self.ranges, self.points = tuple(ranges), tuple(points)
+        self.keys = [swept.key for swept in ranges]
+        self.name = "sweep" if len(ranges) == 1 else "grid"
 
     @property
     def changing(self) -> list[str]:
@@ -211,87 +202,49 @@ class Sweep(Result):
 
     @property
     def title(self) -> str:
-        return f"margins over {self.swept.key}"
+        return f"{'margins' if self.name == 'sweep' else 'failed checks'} over {' and '.join(self.keys)}"
 
     @property
     def file(self) -> str:
         """Name of the file of the figure."""
-        return f"sweep_{self.swept.key.replace('.', '_')}.png"
+        return f"{self.name}_{'_'.join(self.keys).replace('.', '_')}.png"
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Margin of each check (columns) at each value (SI, index)."""
-        import pandas as pd
-
-        rows = [{check.name: check.margin for check in point.checks} for point in self.points]
-        return pd.DataFrame(rows, index=pd.Index([point.values[0] for point in self.points], name=self.swept.key))
-
-    def to_json(self) -> dict[str, Any]:
-        """Under `sweep` in the document of `stagecad check --sweep --json`."""
-        return finite(table(self.swept, self.points))
-
-    def lines(self) -> list[Line]:
-        """Margins of the checks that change most, and the values that are refused."""
-        names, unit = self.changing, self.swept.si_unit
-        rows = []
-        for point in self.points:
-            margins = {check.name: shown_margin(check) for check in point.checks}
-            rows.append([shown(point.values[0], unit), *(margins.get(name, "-") for name in names[:MOST_COLUMNS])])
-        columns = "|".join([self.swept.key, *names[:MOST_COLUMNS]])
-        lines: list[Line] = [plain_table(self.title, columns, rows, "-")]
-        lines += [f"- {shown(point.values[0], unit)}: {point.refused}" for point in self.points if point.refused]
-        return lines if names else [*lines, f"no margin changes with {self.swept.key}"]
-
-    def plot(self) -> Figure | None:
-        """Margins of the checks that change most; None where none changes."""
-        from workbench.figures.checks import sweep_figure
-
-        names = self.changing[:MOST_CURVES]
-        return sweep_figure(self.swept, self.points, names) if names else None
-
-    def __repr__(self) -> str:
-        return f"<Sweep of {self.swept.key}: {len(self.points)} values, {len(self.changing)} margins change>"
-
-
-class Grid(Result):
-    """The checks over every combination of the values of several parameters.
-
-    Attributes:
-        ranges: the parameters and their values.
-        points: the checks at each combination.
-    """
-
-    def __init__(self, ranges: Sequence[Range], points: Sequence[Point]) -> None:
-        self.ranges, self.points = tuple(ranges), tuple(points)
-
-    @property
-    def title(self) -> str:
-        return f"failed checks over {' and '.join(swept.key for swept in self.ranges)}"
-
-    @property
-    def file(self) -> str:
-        """Name of the file of the figure."""
-        return f"grid_{'_'.join(swept.key.replace('.', '_') for swept in self.ranges)}.png"
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """A row for each combination: its values, SI, the number of failed checks, and why it is refused."""
-        import pandas as pd
-
-        keys = [swept.key for swept in self.ranges]
-        rows = [
+        """Margin of each check (columns) at each value (SI, index); of a grid a row for each combination: its values,
+        the number of failed checks, and why it is refused."""
+        if self.name == "sweep":
+            rows = [{check.name: check.margin for check in point.checks} for point in self.points]
+            return frame(rows).set_axis([point.values[0] for point in self.points]).rename_axis(self.keys[0])
+        return frame(
             {
-                **dict(zip(keys, point.values, strict=True)),
+                **dict(zip(self.keys, point.values, strict=True)),
                 "failed": None if point.refused else len(point.failing),
                 "refused": point.refused,
             }
             for point in self.points
-        ]
-        return pd.DataFrame(rows)
+        )
 
     def to_json(self) -> dict[str, Any]:
-        """Under `grid` in the document of `stagecad check --sweep --json`."""
+        """Under `sweep` or `grid` in the document of `stagecad check --sweep --json`."""
+        if self.name == "sweep":
+            return finite(table(self.ranges[0], self.points))
         return finite(grid_table(self.ranges, self.points))
 
     def lines(self) -> list[Line]:
+        """The margins that change most, or the failed checks of each combination; and the values that are refused."""
+        return self._sweep_lines() if self.name == "sweep" else self._grid_lines()
+
+    def _sweep_lines(self) -> list[Line]:
+        names, (unit,), rows = self.changing, [swept.si_unit for swept in self.ranges], []
+        for point in self.points:
+            margins = {check.name: shown_margin(check) for check in point.checks}
+            rows.append([shown(point.values[0], unit), *(margins.get(name, "-") for name in names[:MOST_COLUMNS])])
+        columns = "|".join([*self.keys, *names[:MOST_COLUMNS]])
+        lines: list[Line] = [plain_table(self.title, columns, rows, "-")]
+        lines += [f"- {shown(point.values[0], unit)}: {point.refused}" for point in self.points if point.refused]
+        return lines if names else [*lines, f"no margin changes with {self.keys[0]}"]
+
+    def _grid_lines(self) -> list[Line]:
         """The number of failed checks at every point of two ranges; the points with fewest for more ranges."""
         ranges, points, units = self.ranges, self.points, [swept.si_unit for swept in self.ranges]
         if len(ranges) == 2:
@@ -304,7 +257,7 @@ class Grid(Result):
                 rows.append([shown(row[0].values[0], units[0]), *cells])
             title = f"failed checks over {ranges[0].key} (down) and {ranges[1].key}"
         else:
-            columns = [*(swept.key for swept in ranges), "failed checks"]
+            columns = [*self.keys, "failed checks"]
             best = sorted((point for point in points if point.checks), key=lambda point: len(point.failing))
             rows = [[*map(shown, point.values, units), str(len(point.failing))] for point in best[:MOST_ROWS]]
             title = "combinations with fewest failed checks"
@@ -315,13 +268,18 @@ class Grid(Result):
         return lines
 
     def plot(self) -> Figure | None:
-        """The number of failed checks over two parameters; None for more."""
-        from workbench.figures.checks import grid_figure
+        """Margins that change most, or the number of failed checks over two parameters; None for no figure."""
+        from workbench.figures.checks import grid_figure, sweep_figure
 
+        if self.name == "sweep":
+            names = self.changing[:MOST_CURVES]
+            return sweep_figure(self.ranges[0], self.points, names) if names else None
         return grid_figure(self.ranges, self.points) if len(self.ranges) == 2 else None
 
     def __repr__(self) -> str:
-        return f"<Grid of {', '.join(swept.key for swept in self.ranges)}: {len(self.points)} combinations>"
+        if self.name == "grid":
+            return f"<Grid of {', '.join(self.keys)}: {len(self.points)} combinations>"
+        return f"<Sweep of {self.keys[0]}: {len(self.points)} values, {len(self.changing)} margins change>"
 
 
 def sweep(
@@ -330,31 +288,22 @@ def sweep(
     solids: bool = True,
     scheduler: str | None = None,
     progress: ProgressCallback = silent,
-) -> Sweep | Grid:
-    """The checks at every value of a range, or at every combination of several, in parallel.
+) -> Sweep:
+    """The checks at every combination of the values of ranges; `solids`: with the masses of each design's own solids.
 
-    Args:
-        design: to be changed.
-        ranges: as of `ranges_of`.
-        solids: take the masses of each point from its own solids, or from plain volumes.
-        scheduler: address of a dask cluster; the local cores when left out.
-        progress: called with the points done.
+    `scheduler` is the address of a dask cluster; the local cores do the work when it is left out.
     """
     values = combinations(ranges)
-    job: Any = partial(_point, design, tuple(ranges), solids)
     # Without solids a point takes a tenth of a second: for few, other processes would cost more than they save.
     workers = 1 if len(values) <= FEW_POINTS and not solids else None
     advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
-    points: Any = parallel_map(job, values, progress=advance, workers=workers, scheduler=scheduler)
-    return Sweep(ranges[0], points) if len(ranges) == 1 else Grid(ranges, points)
-
-
-def _no_solids(values: Values) -> None:
-    return None
+    job = partial(_point, design, tuple(ranges), solids)
+    return Sweep(ranges, parallel_map(job, values, progress=advance, workers=workers, scheduler=scheduler))
 
 
 def _point(design: Design, ranges: Sequence[Range], solids: bool, values: tuple[float, ...]) -> Point:
-    return run_point(ranges, values, design.values_with, design.values, body_masses if solids else _no_solids)
+    masses_of = body_masses if solids else lambda values: None
+    return run_point(ranges, values, design.values_with, design.values, masses_of)
 
 
 class Tolerances(Result):
@@ -371,9 +320,7 @@ class Tolerances(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each check: nominal margin, its ends, share of the machines that fail, and leading dimension."""
-        import pandas as pd
-
-        return pd.DataFrame([vars(spread) for spread in self.study.spreads]).set_index("name")
+        return frame([vars(spread) for spread in self.study.spreads], "name")
 
     def to_json(self) -> dict[str, Any]:
         """Under `tolerance` in the document of `stagecad check --tolerance --json`."""
@@ -413,15 +360,9 @@ def tolerances(
     progress: ProgressCallback = silent,
     seed: int = 1,
 ) -> Tolerances:
-    """Monte-Carlo study of the margins over the tolerances, the dimensions side by side.
+    """Monte-Carlo study of the margins over the tolerances of `samples` machines, the dimensions side by side.
 
-    Args:
-        design: whose dimensions vary.
-        masses: of its solids; None estimates them from plain volumes.
-        samples: number of machines.
-        scheduler: address of a dask cluster; the local cores when left out.
-        progress: called with the dimensions done.
-        seed: of the random numbers.
+    `masses` None estimates them from plain volumes; `scheduler` is the address of a dask cluster.
     """
 
     def in_parallel(job: Any, keys: Sequence[str]) -> Any:
@@ -439,8 +380,6 @@ class Chains(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each chain: nominal, and both ends by worst case and statistically; m."""
-        import pandas as pd
-
         rows = [
             {
                 "chain": chain.name,
@@ -452,7 +391,7 @@ class Chains(Result):
             }
             for chain in self.chains
         ]
-        return pd.DataFrame(rows).set_index("chain")
+        return frame(rows, "chain")
 
     def to_json(self) -> list[dict[str, Any]]:
         """Under `chains` in the document of `stagecad check --chains --json`."""

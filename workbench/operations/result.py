@@ -6,7 +6,7 @@ import html
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,6 +67,14 @@ def finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def frame(rows: Iterable[Any], *index: str, columns: Sequence[str] = ()) -> pd.DataFrame:
+    """A table of rows, mappings or tuples under `columns`, with the columns `index` as its index."""
+    import pandas as pd
+
+    table = pd.DataFrame(list(rows), columns=list(columns) or None)
+    return table.set_index(list(index) if len(index) > 1 else index[0]) if index else table
 
 
 class Reported(Result):

@@ -72,8 +72,8 @@ def _studies(run: Run, result: Checks, ranges: Any, given: dict[str, Any]) -> An
         yield "chains", chains(run.design)
     if ranges:
         with run.reporting() as report:
-            name = "sweep" if len(ranges) == 1 else "grid"
-            yield name, sweep(run.design, ranges, result.masses is not None, given["scheduler"], report)
+            study = sweep(run.design, ranges, result.masses is not None, given["scheduler"], report)
+            yield study.name, study
     if given["tolerance"]:
         with run.reporting() as report:
             yield "tolerance", tolerances(run.design, result.masses, given["samples"], given["scheduler"], report)
