@@ -107,16 +107,7 @@ def _shown(item: Any) -> str:
 
 
 def calculate(name: str, design: Design, written: Mapping[str, str]) -> Calculation:
-    """Run a calculator.
-
-    Args:
-        name: of the calculator.
-        design: from which options that are left out are taken.
-        written: texts with their units, by option.
-
-    Raises:
-        InputError: no such calculator or option, or a wrong value.
-    """
+    """Run a calculator."""
     if name not in CALCULATORS:
         raise InputError(f"no calculator '{name}'{nearest(name, CALCULATORS)}")
     calculator, r = CALCULATORS[name], DesignInputs(design.values)

@@ -267,11 +267,7 @@ def _read(design: Design) -> Design:
 
 
 def as_design(source: Design | str | Path | None) -> Design:
-    """A design, or the one in a file; the packaged machine for None.
-
-    Raises:
-        InputError: none of these, or a fault in the file.
-    """
+    """A design, or the one in a file; the packaged machine for None."""
     if isinstance(source, Design):
         return source
     if source is None or isinstance(source, str | Path):

@@ -15,7 +15,7 @@ from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.design import Design, as_design
 from workbench.operations.lines import Line, ProgressCallback, plain_table, silent
 from workbench.operations.parameters import difference_json, difference_lines
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,26 +23,12 @@ if TYPE_CHECKING:
 
     from designcalc.checks.check import Check
     from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import MassProperties
     from stagecad.solids.assembly.built_machine import BuiltMachine
 
 ROUNDING = 1e-9
 """Relative difference of two numbers that is not a difference."""
 CLOSURE = 1e-6
 """Relative error of volumes beyond which the kernel's difference of two solids is not believed."""
-
-
-@dataclass(frozen=True)
-class MassChange:
-    """Mass of a part, of the moving body or of the assembly in both designs, kg; None where a design lacks it."""
-
-    name: str
-    before: float | None
-    after: float | None
-
-    def as_json(self) -> dict[str, Any]:
-        """As a JSON document."""
-        return {"name": self.name, "before": _quantity(self.before, "kg"), "after": _quantity(self.after, "kg")}
 
 
 @dataclass(frozen=True)
@@ -72,35 +58,14 @@ class MarginChange:
         return found
 
 
-@dataclass(frozen=True)
-class VolumeChange:
-    """Material of a part that only one of the designs has, m^3; None where the kernel's result is not consistent."""
-
-    part: str
-    before: float
-    after: float
-    removed: float | None
-    added: float | None
-
-    def as_json(self) -> dict[str, Any]:
-        """As a JSON document."""
-        numbers = {name: getattr(self, name) for name in ("before", "after", "removed", "added")}
-        return {"part": self.part, **{name: _quantity(value, "m^3") for name, value in numbers.items()}}
-
-
-@dataclass(frozen=True)
-class SheetChange:
-    """A sheet that differs, or that only one design has; `marked`: its picture with the changes marked."""
-
-    sheet: str
-    change: str
-    marked: Path | None = None
-    regions: int = 0
-
-    def as_json(self) -> dict[str, Any]:
-        """As a JSON document."""
-        marked = str(self.marked) if self.marked else None
-        return {"sheet": self.sheet, "change": self.change, "marked": marked, "regions": self.regions}
+Rows = list[dict[str, Any]]
+COLUMNS = {
+    "masses": ("name", "before", "after"),
+    "volumes": ("part", "before", "after", "removed", "added"),
+    "sheets": ("sheet", "change", "marked", "regions"),
+}
+"""Keys of the rows of each kind of change; the first one names what differs."""
+UNITS = {"masses": "kg", "volumes": "m^3"}
 
 
 @dataclass(frozen=True)
@@ -109,14 +74,17 @@ class Changes:
 
     Args:
         names: of the two files.
+        masses: of parts, moving body and assembly, kg; None where a design lacks it.
+        volumes: of parts, and what only one design has of them, m^3; None where the kernel's result is not consistent.
+        sheets: how each differs, the picture with the changes marked, and the number of changed regions.
     """
 
     names: tuple[str, str]
     parameters: tuple[Difference, ...]
     margins: list[MarginChange] | None = None
-    masses: list[MassChange] | None = None
-    volumes: list[VolumeChange] | None = None
-    sheets: list[SheetChange] | None = None
+    masses: Rows | None = None
+    volumes: Rows | None = None
+    sheets: Rows | None = None
 
     def as_json(self) -> dict[str, Any]:
         """As a JSON document."""
@@ -124,10 +92,15 @@ class Changes:
             "files": list(self.names),
             "parameters": [difference_json(change) for change in self.parameters],
         }
-        for name in ("margins", "masses", "volumes", "sheets"):
-            changes = getattr(self, name)
-            if changes is not None:
-                document[name] = [change.as_json() for change in changes]
+        if self.margins is not None:
+            document["margins"] = [change.as_json() for change in self.margins]
+        for name, (first, *_) in COLUMNS.items():
+            rows, unit = getattr(self, name), UNITS.get(name)
+            if rows is not None:
+                document[name] = [
+                    row if unit is None else {k: v if k == first else _quantity(v, unit) for k, v in row.items()}
+                    for row in rows
+                ]
         return document
 
 
@@ -145,17 +118,12 @@ class Differences(Result):
     @property
     def parameters(self) -> pd.DataFrame:
         """Parameters that differ: text and origin in both designs (none where a design lacks it); index `key`."""
+        columns = ("key", "before", "after", "origin_before", "origin_after")
         rows = [
-            {
-                "key": change.key,
-                "before": change.before and change.before.text,
-                "after": change.after and change.after.text,
-                "origin_before": change.before and change.before.origin,
-                "origin_after": change.after and change.after.origin,
-            }
-            for change in self.changes.parameters
+            (c.key, *(side and getattr(side, name) for name in ("text", "origin") for side in (c.before, c.after)))
+            for c in self.changes.parameters
         ]
-        return _frame(rows, ("key", "before", "after", "origin_before", "origin_after"))
+        return frame(rows, "key", columns=columns)
 
     @property
     def margins(self) -> pd.DataFrame:
@@ -163,32 +131,30 @@ class Differences(Result):
 
         A margin is a part of the limit, negative where the check fails.
         """
-
-        def of(check: Check | None, when: str) -> dict[str, Any]:
-            return {f"margin_{when}": check and check.margin, f"verdict_{when}": check.verdict if check else "absent"}
-
+        columns = ("check", "margin_before", "margin_after", "verdict_before", "verdict_after")
         rows = [
-            {"check": change.name, **of(change.before, "before"), **of(change.after, "after")}
-            for change in self.changes.margins or ()
+            (c.name, c.before and c.before.margin, c.after and c.after.margin, *c.verdicts)
+            for c in self.changes.margins or ()
         ]
-        return _frame(rows, ("check", "margin_before", "margin_after", "verdict_before", "verdict_after"))
+        return frame(rows, "check", columns=columns)
 
     @property
     def masses(self) -> pd.DataFrame:
         """Masses that differ, kg; index `name`: of parts, `moving body`, `assembly`."""
-        return _frame([vars(change) for change in self.changes.masses or ()], ("name", "before", "after"))
+        return self._rows("masses")
 
     @property
     def volumes(self) -> pd.DataFrame:
         """Parts whose solids differ: volumes, and what only one of them has, m^3; index `part`."""
-        names = ("part", "before", "after", "removed", "added")
-        return _frame([vars(change) for change in self.changes.volumes or ()], names)
+        return self._rows("volumes")
 
     @property
     def sheets(self) -> pd.DataFrame:
         """Sheets that differ: how, picture with the changes marked, number of changed regions; index `sheet`."""
-        names = ("sheet", "change", "marked", "regions")
-        return _frame([vars(change) for change in self.changes.sheets or ()], names)
+        return self._rows("sheets")
+
+    def _rows(self, name: str) -> pd.DataFrame:
+        return frame(getattr(self.changes, name) or (), COLUMNS[name][0], columns=COLUMNS[name])
 
     def to_dataframe(self) -> pd.DataFrame:
         """The parameters."""
@@ -207,19 +173,16 @@ class Differences(Result):
     def summary(self) -> list[tuple[str, str]]:
         verdicts = [change for change in self.changes.margins or () if len(set(change.verdicts)) == 2]
         facts = [("verdict", f"{change.name}: {change.verdicts[0]} -> {change.verdicts[1]}") for change in verdicts]
-        return facts + [("sheet", f"{change.sheet}: {change.change}") for change in self.changes.sheets or ()]
+        return facts + [("sheet", f"{row['sheet']}: {row['change']}") for row in self.changes.sheets or ()]
 
     def lines(self) -> list[Line]:
         """One table for each kind of difference; nothing for a kind without any."""
         changes, lines = self.changes, difference_lines(*self.changes.names, self.changes.parameters)
         if changes.masses:
-            rows = [[item.name, *(_amount(value) for value in (item.before, item.after))] for item in changes.masses]
+            rows = [[row["name"], _amount(row["before"]), _amount(row["after"])] for row in changes.masses]
             lines.append(plain_table("mass", "|first|second", rows))
         if changes.volumes:
-            rows = [
-                [item.part, *map(_volume, (item.before, item.after, item.removed, item.added))]
-                for item in changes.volumes
-            ]
+            rows = [[name, *map(_volume, numbers)] for name, *numbers in map(dict.values, changes.volumes)]
             lines.append(plain_table("solids", "part|first|second|removed|added", rows))
         if changes.margins:
             rows = [
@@ -227,9 +190,9 @@ class Differences(Result):
                 for item in changes.margins
             ]
             lines.append(plain_table("margins", "check|first|second|verdict", rows, "check|verdict"))
-        for item in changes.sheets or ():
-            where = f", marked in {item.marked} ({item.regions} regions)" if item.marked else ""
-            lines.append(f"sheet {item.sheet}: {item.change}{where}")
+        for row in changes.sheets or ():
+            where = f", marked in {row['marked']} ({row['regions']} regions)" if row["marked"] else ""
+            lines.append(f"sheet {row['sheet']}: {row['change']}{where}")
         return lines
 
     def __repr__(self) -> str:
@@ -308,13 +271,6 @@ def _with_solids(
     )
 
 
-def _frame(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
-    """A table whose first column is its index."""
-    import pandas as pd
-
-    return pd.DataFrame(rows, columns=list(columns)).set_index(columns[0])
-
-
 def _amount(value: float | None) -> str:
     return "absent" if value is None else format_quantity(value, "kg", 6)
 
@@ -337,20 +293,16 @@ def _same(one: float | None, other: float | None) -> bool:
     return abs(one - other) <= ROUNDING * max(abs(one), abs(other))
 
 
-def mass_changes(before: BuiltMachine, after: BuiltMachine) -> list[MassChange]:
+def mass_changes(before: BuiltMachine, after: BuiltMachine) -> Rows:
     """Parts, moving body and assembly whose mass differs."""
 
-    def masses(machine: BuiltMachine) -> dict[str, MassProperties]:
+    def masses(machine: BuiltMachine) -> dict[str, float]:
         moving = {"moving body": machine.moving_body} if machine.moving_body else {}
-        return {**machine.masses, **moving, "assembly": machine.whole}
+        return {name: one.mass for name, one in {**machine.masses, **moving, "assembly": machine.whole}.items()}
 
     one, other = masses(before), masses(after)
-    names = list(dict.fromkeys([*one, *other]))
-    changes = [
-        MassChange(name, one[name].mass if name in one else None, other[name].mass if name in other else None)
-        for name in names
-    ]
-    return [change for change in changes if not _same(change.before, change.after)]
+    changes = [{"name": name, "before": one.get(name), "after": other.get(name)} for name in {**one, **other}]
+    return [change for change in changes if not _same(change["before"], change["after"])]
 
 
 def margin_changes(before: Sequence[Check], after: Sequence[Check]) -> list[MarginChange]:
@@ -366,7 +318,7 @@ def margin_changes(before: Sequence[Check], after: Sequence[Check]) -> list[Marg
     return sorted(differ, key=lambda change: len(set(change.verdicts)) == 1)
 
 
-def volume_changes(before: BuiltMachine, after: BuiltMachine) -> list[VolumeChange]:
+def volume_changes(before: BuiltMachine, after: BuiltMachine) -> Rows:
     """Parts whose solids differ, with the volumes of the two differences of the solids, in the part's coordinates."""
     changes = []
     for name, one in before.parts.items():
@@ -381,13 +333,13 @@ def volume_changes(before: BuiltMachine, after: BuiltMachine) -> list[VolumeChan
         if consistent and max(removed, added) <= ROUNDING * max(volumes):
             continue
         parts = (removed, added) if consistent else (None, None)
-        changes.append(VolumeChange(name, volumes[0], volumes[1], *parts))
+        changes.append(dict(zip(COLUMNS["volumes"], (name, *volumes, *parts), strict=True)))
     return changes
 
 
 def sheet_changes(
     before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
-) -> list[SheetChange]:
+) -> Rows:
     """Sheets that differ; the later one of each is written to `folder` with its changes marked."""
     from drawings.artefacts.tasks import build_all_sheets, chosen_sheets
     from stagecad.solids.artefacts.store import ArtefactStore
@@ -407,7 +359,8 @@ def sheet_changes(
     changes = []
     for name in dict.fromkeys([*one, *other]):
         if name not in one or name not in other:
-            changes.append(SheetChange(name, "only in the first" if name in one else "only in the second"))
+            which = "first" if name in one else "second"
+            changes.append({"sheet": name, "change": f"only in the {which}", "marked": None, "regions": 0})
             continue
         picture = f"{name}.png"
         first, second = one[name].artefact, other[name].artefact
@@ -415,7 +368,7 @@ def sheet_changes(
             continue
         target = folder / picture
         regions = mark_changes(first.path(picture), second.path(picture), target)
-        changes.append(SheetChange(name, "changed", target, regions))
+        changes.append({"sheet": name, "change": "changed", "marked": str(target), "regions": regions})
     return changes
 
 

@@ -58,11 +58,7 @@ def stored_values(store: ArtefactStore, values: Values, masses: Masses) -> dict[
 
 
 def with_sheet_overrides(design: Design) -> Values:
-    """The design with the manual changes of its sheets, from `sheets.toml` beside its parameter file.
-
-    Raises:
-        InputError: the file has an unknown sheet or key, or a wrong value.
-    """
+    """The design with the manual changes of its sheets, from `sheets.toml` beside its parameter file."""
     path = (design.path or STAGE).parent / FILE
     if not path.is_file():
         return design.values
@@ -71,14 +67,7 @@ def with_sheet_overrides(design: Design) -> Values:
 
 
 def reduced_sheet(store: ArtefactStore, values: Values, path: Path, content: str) -> Artefact:
-    """The picture of a sheet as a small one, `SMALL`, for an overview, from the store or made now.
-
-    Args:
-        store: the cache.
-        values: not read.
-        path: of the picture.
-        content: sha256 of the picture.
-    """
+    """The picture of a sheet as a small one, `SMALL`, for an overview, from the store or made now."""
 
     def make(tracked: Any, folder: Path) -> None:
         from PIL import Image
@@ -262,24 +251,12 @@ def sheet_names(design: Design) -> dict[str, list[str]]:
 
 
 def chosen_sheets(design: Design, names: Sequence[str]) -> dict[str, list[str]]:
-    """Sheets by part, of names of parts or sheets.
-
-    Raises:
-        InputError: no such part or sheet.
-    """
+    """Sheets by part, of names of parts or sheets."""
     return {part: list(sheets) for part, sheets in chosen_by_part(tuple(names), design.values).items()}
 
 
 def sheets(design: Design | None = None, names: Sequence[str] = ()) -> list[Sheet]:
-    """The drawing sheets, from the cache or drawn now; `drawings` writes them to files.
-
-    Args:
-        design: the packaged machine when left out.
-        names: of parts or sheets; all of them when left out.
-
-    Raises:
-        InputError: no such part or sheet.
-    """
+    """The drawing sheets, from the cache or drawn now; `drawings` writes them to files."""
     design = design or load_design()
     wanted = chosen_sheets(design, names)
     made = build_all_sheets(ArtefactStore(), wanted, design.values, calculate=procedure_values)
@@ -293,11 +270,7 @@ def sheets(design: Design | None = None, names: Sequence[str] = ()) -> list[Shee
 
 
 def cached_file(key: str, name: str) -> Path:
-    """A file of the cache of solids and drawings, by the key of its entry.
-
-    Raises:
-        InputError: no such file.
-    """
+    """A file of the cache of solids and drawings, by the key of its entry."""
     path = ArtefactStore().folder / "entries" / key / name
     if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3}", name):
         raise InputError(f"{key}/{name}: no file of the cache")

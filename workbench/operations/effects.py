@@ -18,11 +18,7 @@ def effects(custom: Sequence[Path] = ()) -> list[Effect]:
 
 
 def effect(name: str, custom: Sequence[Path] = ()) -> Effect:
-    """An effect by its name, or NAME:VARIANT.
-
-    Raises:
-        InputError: no such effect.
-    """
+    """An effect by its name, or NAME:VARIANT."""
     return find(name, load_all_custom(custom))
 
 

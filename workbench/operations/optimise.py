@@ -78,11 +78,7 @@ class Search:
         return masses_of_solids(values) if self.solids and not violations(values) else None
 
     def freed(self, design: Design) -> list[Free]:
-        """The free parameters.
-
-        Raises:
-            InputError: a parameter that is not known, or a range out of its bounds.
-        """
+        """The free parameters."""
         parameters = free_parameters(design.values_with(rules=False), self.free)
         named = [text.partition("=")[0].strip() for text in self.free]
         return [one for one in parameters if not self.only or one.key in named]
@@ -346,11 +342,7 @@ def marked_free(design: Design) -> dict[str, str]:
 
 
 def need_free(design: Design, free: Mapping[str, str]) -> None:
-    """Refuse ranges or choices that an optimisation of the design cannot use.
-
-    Raises:
-        InputError: a parameter that is not known, or a range out of its bounds.
-    """
+    """Refuse ranges or choices that an optimisation of the design cannot use."""
     with without_options():
         Search([f"{key}={text}" for key, text in free.items()]).freed(design)
 
@@ -386,11 +378,7 @@ def optimize(
 
 
 def optimised(design: Design, wanted: Search, progress: ProgressCallback = silent) -> Optimisation:
-    """The design nearest to `design` that violates no rule and fails no required check.
-
-    Raises:
-        InputError: a parameter, a range or a check that is not known.
-    """
+    """The design nearest to `design` that violates no rule and fails no required check."""
     free = wanted.freed(design)
     progress("masses of the solids", 0, 0)
     masses = wanted.masses(design)

@@ -57,11 +57,7 @@ def is_named(key: str, names: Sequence[str]) -> bool:
 
 
 def require_known(names: Sequence[str], values: Values) -> None:
-    """Refuse names of tables and keys that the design does not have.
-
-    Raises:
-        InputError: no such name; the nearest is named.
-    """
+    """Refuse names of tables and keys that the design does not have."""
     from stagecad.parameters.design import nearest_key
 
     known = [entry.key for entry in values.entries]

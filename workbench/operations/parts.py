@@ -38,11 +38,7 @@ Written = TypeVar("Written")
 
 
 def with_repair(store: ArtefactStore, write: Callable[[], Written]) -> Written:
-    """`write()`, begun again after each damaged artefact that it meets, which the store then makes again.
-
-    Raises:
-        OSError: an artefact made again is damaged too.
-    """
+    """`write()`, begun again after each damaged artefact that it meets, which the store then makes again."""
     dropped: set[str] = set()
     while True:
         try:
@@ -233,15 +229,7 @@ class Solids(Result):
 
 
 def solids(design: Design | None = None, progress: ProgressCallback = silent) -> Solids:
-    """The parts of a design, from the cache or made now in this process, which keeps the CAD kernel loaded.
-
-    Args:
-        design: the packaged machine when left out.
-        progress: called with the name of a part, the parts done, and their number.
-
-    Raises:
-        InputError: a part that the CAD kernel cannot make.
-    """
+    """The parts of a design, from the cache or made now in this process, which keeps the CAD kernel loaded."""
     values = (design := design or load_design()).values
     names = part_names(values)
     advance = counted(progress, "", len(names))

@@ -66,11 +66,7 @@ MOST_SOLIDS = 200
 
 
 def draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dict[str, Any]]:
-    """Sheets of a part file, a script or a STEP file; their documents.
-
-    Raises:
-        InputError: the file cannot be read, has no solid, or its functions fail.
-    """
+    """Sheets of a part file, a script or a STEP file; their documents."""
     if path.suffix.lower() in STEP:
         return [propose_sheet(name, solid, path.name, design, folder) for name, solid in _step_solids(path)]
     module: Any = run_file(path, trust, "this part")

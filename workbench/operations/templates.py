@@ -37,11 +37,7 @@ def shared_folder() -> Path:
 
 
 def template(kind: str, name: str) -> str:
-    """Text of a template with the user's name in it.
-
-    Raises:
-        InputError: a name that is not allowed, or that an effect of the library has.
-    """
+    """Text of a template with the user's name in it."""
     if kind == "effect" and name in library():
         raise InputError(f"new effect '{name}': is an effect of the library; choose another name")
     identifier(name, f"new {kind} '{name}'")
@@ -50,11 +46,7 @@ def template(kind: str, name: str) -> str:
 
 
 def write_effect(path: Path) -> str:
-    """Write the template of an effect to a new file, and return the name of the effect, which is the file's.
-
-    Raises:
-        InputError: the file is there already, is no Python file, or its name cannot be an effect's.
-    """
+    """Write the template of an effect to a new file, and return the name of the effect, which is the file's."""
     name = path.stem
     if path.suffix != ".py":
         raise InputError(f"{path}: must end in .py")

@@ -52,9 +52,9 @@ def test_volumes_of_the_differences_of_a_longer_pin() -> None:
     """Two cylinders of 16 mm, one 1 mm longer at its foot: nothing is removed but the moved chamfer."""
     short, long = _Parts(), _Parts("height_pin_2.length=21 mm")
     (change,) = volume_changes(short, long)  # type: ignore[arg-type]
-    assert change.removed is not None and change.added is not None
-    assert change.added - change.removed == pytest.approx(math.pi / 4 * 0.016**2 * 0.001, rel=1e-6)
-    assert change.after - change.before == pytest.approx(change.added - change.removed, rel=1e-9)
+    assert change["removed"] is not None and change["added"] is not None
+    assert change["added"] - change["removed"] == pytest.approx(math.pi / 4 * 0.016**2 * 0.001, rel=1e-6)
+    assert change["after"] - change["before"] == pytest.approx(change["added"] - change["removed"], rel=1e-9)
     assert volume_changes(short, short) == []  # type: ignore[arg-type]
 
 

@@ -59,11 +59,7 @@ def command_name(calculator: type) -> str:
 
 
 def values_of(calculator: type, written: Mapping[str, str], r: DesignInputs) -> Values:
-    """SI values of all options: as written, else their defaults.
-
-    Raises:
-        InputError: a wrong quantity, or a word that is not allowed.
-    """
+    """SI values of all options: as written, else their defaults."""
     name, values = command_name(calculator), {}
     for key, option in options_of(calculator).items():
         flag = f"--{key.replace('_', '-')}"

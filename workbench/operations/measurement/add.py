@@ -269,16 +269,7 @@ class AllAdditions:
 def add_all(
     experiment: Experiment | str | Path, design: Design | None = None, progress: Progress | None = None
 ) -> AllAdditions:
-    """Diagnose an experiment, and add every effect that certainly acts, each on a rung of its own.
-
-    Args:
-        experiment: the experiment, or its folder, which is changed.
-        design: where the folder's file states a value as `"design"`.
-        progress: called with a name, a count and a total.
-
-    Raises:
-        InputError: as `add`.
-    """
+    """Diagnose an experiment, and add every effect that certainly acts, each on a rung of its own."""
     stated = as_experiment(experiment, design)
     found, steps = identification.add_all(stated.problem, as_design_values(stated.design), progress)
     grown = [
@@ -291,11 +282,7 @@ def add_all(
 
 
 def write_fitted(experiment: Experiment, write_back: WriteBack) -> tuple[WrittenBack, dict[str, Any]]:
-    """Fit the model of an experiment as it stands, and write values back; with the document of the command.
-
-    Raises:
-        InputError: a fault in a file or a record, or as of `WriteBack.check`.
-    """
+    """Fit the model of an experiment as it stands, and write values back; with the document of the command."""
     problem = experiment.problem
     fitted = fit_stated_model(problem).fitted
     rungs = history.read_history(problem.experiment)

@@ -224,11 +224,7 @@ class Record:
 def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
     """Arrays by label of a DataFrame (its index too, if it is named or of times), of a mapping, or of rows as mappings.
 
-    Values that a mask or a nullable type leaves out are gaps (NaN). Times are seconds from the first row.
-
-    Raises:
-        InputError: none of these, or a time is missing.
-    """
+    Values that a mask or a nullable type leaves out are gaps (NaN). Times are seconds from the first row."""
     rows = isinstance(data, list | tuple) and all(isinstance(row, Mapping) for row in data)
     if rows or (hasattr(data, "__dataframe__") and not hasattr(data, "index")):
         import pandas as pd
@@ -519,11 +515,7 @@ class Experiment(Result):
 
 
 def as_experiment(source: Experiment | str | Path, design: Design | None = None) -> Experiment:
-    """An experiment, or the one in a folder.
-
-    Raises:
-        InputError: neither of the two, or a fault in the file.
-    """
+    """An experiment, or the one in a folder."""
     if isinstance(source, Experiment):
         return source
     if isinstance(source, str | Path):
@@ -532,11 +524,7 @@ def as_experiment(source: Experiment | str | Path, design: Design | None = None)
 
 
 def named_files(folder: str | Path) -> tuple[tuple[str, ...], bool]:
-    """The record files that `experiment.toml` names, and whether it names Python code; nothing of it is run.
-
-    Raises:
-        InputError: `experiment.toml` cannot be read.
-    """
+    """The record files that `experiment.toml` names, and whether it names Python code; nothing of it is run."""
     path = Path(folder) / "experiment.toml"
     data = read_toml(path, path.parent.name + "/" + path.name)[2].data
     records, model = data.get("record", ()), data.get("model", {})
@@ -547,24 +535,12 @@ def named_files(folder: str | Path) -> tuple[tuple[str, ...], bool]:
 
 
 def python_files(folder: str | Path) -> list[dict[str, Any]]:
-    """The Python files that an experiment names: `name`, `text`, `sha256`, and whether they may run (`consented`).
-
-    Raises:
-        InputError: a fault in `experiment.toml`, or a file that cannot be read.
-    """
+    """The Python files that an experiment names: `name`, `text`, `sha256`, and whether they may run (`consented`)."""
     return files_of(Path(folder))
 
 
 def consent(folder: str | Path, hashes: Mapping[str, str]) -> None:
-    """Let Python files of an experiment run with the content that was read.
-
-    Args:
-        folder: of the experiment.
-        hashes: sha256 of the content by name.
-
-    Raises:
-        InputError: a file that has changed since.
-    """
+    """Let Python files of an experiment run with the content that was read."""
     folder = Path(folder)
     present = [file for file in python_files(folder) if file["name"] in hashes]
     for file in present:

@@ -74,11 +74,7 @@ class Export(Result):
 
 
 def exported_model(fitted: FittedResult, name: str = "friction_model") -> Exported:
-    """The fitted model of a comparison or an addition.
-
-    Raises:
-        InputError: an effect whose law is not arithmetic, by name.
-    """
+    """The fitted model of a comparison or an addition."""
     model, document = fitted.fitted.model, fitted.document["parameters"]
     comments = {key: _interval(key, entry) for key, entry in document.items()}
     program = program_of(name, model.effects, model.values, comments)

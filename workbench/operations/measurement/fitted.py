@@ -230,11 +230,7 @@ class FittedResult(Reported):
         return list(self.document.get("warnings", ()))
 
     def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Plot:
-        """A figure of one or two models on the records.
-
-        Raises:
-            InputError: no such kind of figure, record or channel.
-        """
+        """A figure of one or two models on the records."""
         from workbench.figures import identification as figures
 
         kinds = ("overlay", "residual", "maps", "loops")

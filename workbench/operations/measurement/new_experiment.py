@@ -52,21 +52,13 @@ def effects() -> list[dict[str, Any]]:
 
 
 def need_record_suffix(name: str) -> None:
-    """Refuse the name of a file of a format that is not read.
-
-    Raises:
-        InputError: such a name, with the formats that are.
-    """
+    """Refuse the name of a file of a format that is not read."""
     if record_suffix(name) is None:
         raise InputError(f"{name}: {unknown_format(name)}")
 
 
 def record_rows(path: str | Path, name: str | None = None) -> int:
-    """Number of rows of a record file, called `name` in messages.
-
-    Raises:
-        InputError: a file that cannot be read, or without numbers.
-    """
+    """Number of rows of a record file, called `name` in messages."""
     name = name or Path(path).name
     columns = read_numbers(open_record_file(Path(path), name)).columns
     if not columns:
@@ -145,11 +137,7 @@ class Proposal(Result):
         return [*asked, *(f"no column is taken for {name}" for name in missing_channels(self.computed))]
 
     def write(self, folder: str | Path) -> WrittenExperiment:
-        """Write `experiment.toml` with its questions, and a picture of the columns, into a folder.
-
-        Raises:
-            InputError: there is one already.
-        """
+        """Write `experiment.toml` with its questions, and a picture of the columns, into a folder."""
         from workbench.figures.identification import columns_figure
         from workbench.figures.plot import save_figures
 
@@ -201,30 +189,13 @@ class WrittenExperiment:
 
 
 def propose(files: Sequence[str | Path], kind: str | None = None) -> Proposal:
-    """What record files are taken for: kind of rig, channels, units, and what the user should decide.
-
-    Args:
-        files: with the same columns.
-        kind: of rig, where it is known.
-
-    Raises:
-        InputError: a file that cannot be read, files with different columns, or an unknown kind of rig.
-    """
+    """What record files are taken for: kind of rig, channels, units, and what the user should decide."""
     with without_options():
         return Proposal(*inspect([Path(file) for file in files], kind))
 
 
 def write_experiment(folder: str | Path, document: Mapping[str, Any], design: Design | None = None) -> Experiment:
-    """Write `experiment.toml` for the records in a folder; it is read back, and removed when it is not valid.
-
-    Args:
-        folder: with the records.
-        document: tables of the file: `rig`, `model`, `channels`, `record`, `noise`; empty ones are left out.
-        design: where a value is stated as `"design"`.
-
-    Raises:
-        InputError: the file exists, or one line with key, value, and what is allowed.
-    """
+    """Write `experiment.toml` for the records in a folder; it is read back, and removed when it is not valid."""
     path = Path(folder) / "experiment.toml"
     if path.exists():
         raise InputError(f"{path.parent.name}/{path.name}: is there already; choose another name")
@@ -265,11 +236,7 @@ def _text(document: Mapping[str, Any]) -> str:
 
 
 def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], ExperimentProposal]:
-    """The files, and the experiment proposed from the first of them.
-
-    Raises:
-        InputError: a file that cannot be read, files with different columns, or an unknown kind of rig.
-    """
+    """The files, and the experiment proposed from the first of them."""
     if kind is not None:
         find_rig(kind, "--kind")
     opened = [open_record_file(file, shown_path(str(file))) for file in files]
@@ -289,11 +256,7 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
 def free_experiment(folder: Path) -> Path:
     """The file `experiment.toml` to be written into `folder`, which is made if it is missing.
 
-    It is to be written last: that it exists says that the folder is complete.
-
-    Raises:
-        InputError: there is one already.
-    """
+    It is to be written last: that it exists says that the folder is complete."""
     target = folder / "experiment.toml"
     if target.exists():
         raise InputError(f"{target}: exists already; remove it first, or name another folder")

@@ -99,12 +99,7 @@ def comparison_statement(found: Comparison) -> str:
 
 
 def summary_sentence(errors: Mapping[str, Mapping[str, Any]], following: str = "") -> str:
-    """The state of a model in one sentence: share of the variance explained, error over noise, what follows.
-
-    Args:
-        errors: of a document, by set of records and channel.
-        following: what to do next, or that nothing is missing.
-    """
+    """The state of a model in one sentence: share of the variance explained, error over noise, what follows."""
     by_channel = {name: m for name, m in (errors.get("validate") or errors.get("fit", {})).items() if m["over_noise"]}
     if not by_channel:
         return following

@@ -69,12 +69,7 @@ def identifiability_text(quantity: Row) -> str:
 
 
 def revision_text(rung: Row, first: str) -> str:
-    """Effects that a revision of the model added and removed: `stribeck`, `magnetic_cogging, without viscous`.
-
-    Args:
-        rung: of `ladder --json`: `rung`, `added`, `removed`.
-        first: name of the model before anything was added.
-    """
+    """Effects that a revision of the model added and removed: `stribeck`, `magnetic_cogging, without viscous`."""
     if rung["rung"] == 0:
         return first
     removed = " and ".join(rung.get("removed") or ())

@@ -72,12 +72,7 @@ class WriteBack:
         return user_file(self.design)
 
     def check(self, problem: Problem, fitted: FittedModel, rung: int | None = None) -> list[Written]:
-        """The values that `write` would write, checked together with the rest of the file; nothing is written.
-
-        Raises:
-            InputError: a key that the file or the fit does not have, units that do not match, or a value that is not
-                identifiable from the records.
-        """
+        """The values that `write` would write, checked together with the rest of the file; nothing is written."""
         origin = f"measured: {problem.experiment.folder.resolve().name}"
         origin += "" if rung is None else f", rung {rung:03d}"
         measured = _measured(problem, fitted)
@@ -124,11 +119,7 @@ class WrittenBack:
 
 
 def user_file(design: Design) -> Path:
-    """The user's own parameter file, which values are written to.
-
-    Raises:
-        InputError: there is none, or it is the packaged design.
-    """
+    """The user's own parameter file, which values are written to."""
     advice = "'stagecad params --write stage.toml' makes a file of your own; then give --params stage.toml"
     if design.path is None:
         raise InputError(f"--write-back: no stage.toml here, and the packaged design is not written to; {advice}")

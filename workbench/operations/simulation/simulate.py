@@ -90,11 +90,7 @@ def read_selection(
     swept: str | None,
     draws: int | None,
 ) -> Selection:
-    """The simulations that the options of the command select.
-
-    Raises:
-        InputError: an unknown name, or options that do not go together.
-    """
+    """The simulations that the options of the command select."""
     chosen = chosen_names(names, (*EXPERIMENTS, *EXTRA), "no experiment '{}'") if names else EXPERIMENTS
     friction = chosen_names(models, MODELS, "--model {}: no such friction model")
     of_stage = chosen_names(studies, STUDY_NAMES, "--study {}: no such study of the stage")
@@ -141,11 +137,7 @@ def moving_mass(design: Values, given: str | None) -> float:
 
 
 def parse_mass(text: str) -> float:
-    """Mass written as a quantity, kg.
-
-    Raises:
-        InputError: no mass, or none above zero.
-    """
+    """Mass written as a quantity, kg."""
     mass = parse_quantity(text, "kg", "--mass")
     if not 0.0 < mass < float("inf"):
         raise InputError(f"--mass {text}: must be positive and finite")
@@ -155,15 +147,7 @@ def parse_mass(text: str) -> float:
 def simulate_experiment(
     design: Values, name: str, models: tuple[str, ...], mass: float, advance: Callable[[], None] = lambda: None
 ) -> dict[str, Any]:
-    """Results of one experiment (not `stage`): by model (and case or motion); those of `tip` by stroke and phase.
-
-    Args:
-        design: the design.
-        name: of the experiment.
-        models: friction models.
-        mass: kg.
-        advance: called after each model.
-    """
+    """Results of one experiment (not `stage`): by model (and case or motion); those of `tip` by stroke and phase."""
     results: dict[str, Any] = {}
     if name == "tip":
         spacing, height = design.actuator.piezo_spacing * 1e-3, design.actuator.tip_height * 1e-3
@@ -231,13 +215,7 @@ class Steps:
 
 
 def simulate_selection(design: Values, selection: Selection, masses: Masses | None = None) -> dict[str, Any]:
-    """Results of all selected experiments in this process, by experiment.
-
-    Args:
-        design: the design.
-        selection: of experiments, models and studies.
-        masses: of the moving bodies, for the stage; computed from the solids when left out.
-    """
+    """Results of all selected experiments in this process, by experiment."""
     mass = moving_mass(design, selection.mass) if selection.friction_experiments else 1.0
     return {
         name: simulate_studies(design, selection.studies, masses, run_serially)
@@ -530,11 +508,7 @@ def simulate_into(
     seed: int | None,
     formats: tuple[str, ...],
 ) -> SimulatedRecords:
-    """Simulate the model of an experiment into OUT/simulate/NAME.
-
-    Raises:
-        InputError: a fault in a file, no format, or a folder that holds the experiment itself.
-    """
+    """Simulate the model of an experiment into OUT/simulate/NAME."""
     if not formats:
         raise InputError("--format none: the records of an EXPERIMENT are its only result; allowed: csv, parquet, both")
     place = find_experiment(experiment)
@@ -553,11 +527,7 @@ def simulate_one(
     scheduler: str | None = None,
     progress: ProgressCallback | None = None,
 ) -> Simulation:
-    """One experiment of a selection on a design.
-
-    Raises:
-        InputError: a motion that cannot be simulated.
-    """
+    """One experiment of a selection on a design."""
     try:
         if name == "stage":
             run_all = partial(run_parallel, scheduler, progress)
@@ -570,20 +540,12 @@ def simulate_one(
 
 
 def chosen_models(models: Sequence[str]) -> tuple[str, ...]:
-    """The friction models named, all of them without any, in the order of the library.
-
-    Raises:
-        InputError: no such model.
-    """
+    """The friction models named, all of them without any, in the order of the library."""
     return chosen_names(models, MODELS, "simulate: no friction model '{}'")
 
 
 def chosen_names(names: Sequence[str], known: Sequence[str], refusal: str) -> tuple[str, ...]:
-    """The names chosen of the known ones, in their order; all of them without any.
-
-    Raises:
-        InputError: an unknown name, as `refusal` says it.
-    """
+    """The names chosen of the known ones, in their order; all of them without any."""
     for name in names:
         if name not in known:
             raise InputError(refusal.format(name) + nearest(name, known))

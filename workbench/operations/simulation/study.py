@@ -99,11 +99,7 @@ def sweep(
     scheduler: str | None = None,
     progress: ProgressCallback | None = None,
 ) -> Sweep:
-    """Features at every value of the range, in parallel on the local cores or on a cluster.
-
-    Raises:
-        InputError: every value is refused.
-    """
+    """Features at every value of the range, in parallel on the local cores or on a cluster."""
     whole = isinstance(design.values.value(swept.key), int)
     overrides = [swept.override(int(value) if whole else value) for value in swept.values]
     steps = Steps(progress, "sweep", len(overrides))
