@@ -21,7 +21,7 @@ from stagecad.parameters.load import (
 )
 from stagecad.parameters.load import load_design as read_design
 from workbench.operations.parameters import entry_json
-from workbench.operations.result import Result, finite, without_options
+from workbench.operations.result import Result, finite, frame, without_options
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -202,8 +202,6 @@ class Design(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """The parameters: value as text, number in SI (none for a text), tolerance, meaning, origin; index `key`."""
-        import pandas as pd
-
         rows = []
         for entry in self.values.entries:
             number = None if isinstance(entry.value, bool | str) else self.values.si(entry.key)
@@ -217,7 +215,7 @@ class Design(Result):
                     "origin": entry.origin,
                 }
             )
-        return pd.DataFrame(rows).set_index("key")
+        return frame(rows, "key")
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad params --json`."""

@@ -23,7 +23,7 @@ from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import STAGE, Design, load_design
 from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, remark, silent
 from workbench.operations.parts import with_repair
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -103,13 +103,11 @@ class Drawings(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each sheet: part, paper, scale, views, hits of the lint."""
-        import pandas as pd
-
         rows = [
             {"sheet": name, **{key: sheet[key] for key in ("part", "paper", "scale", "views", "hits")}}
             for name, sheet in self.document["sheets"].items()
         ]
-        return pd.DataFrame(rows).set_index("sheet")
+        return frame(rows, "sheet")
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad drawings --json`."""

@@ -12,7 +12,7 @@ from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
 from workbench.operations.lines import Line, ProgressCallback, Table, markdown, plain_table, silent
 from workbench.operations.optimise import Search
-from workbench.operations.result import Result
+from workbench.operations.result import Result, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -83,12 +83,10 @@ class ReachedLevels(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each requirement: required, alone, and each design of levels together; in the unit of the key."""
-        import pandas as pd
-
         levels = self.levels
         columns = {"required": levels.required, "alone": levels.alone}
         columns |= {f"{row.kept} kept" if row.kept else "together": dict(row.levels) for row in levels.together}
-        return pd.DataFrame(columns)
+        return frame(columns)
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad optimize --levels --json`, without files."""

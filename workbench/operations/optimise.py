@@ -31,7 +31,7 @@ from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, ProgressCallback, markdown, plain_table, silent
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.result import Result, finite, without_options
+from workbench.operations.result import Result, finite, frame, without_options
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -142,8 +142,6 @@ class Optimisation(Result):
     @property
     def margins(self) -> pd.DataFrame:
         """Margin and verdict of every check before and after; index `check`."""
-        import pandas as pd
-
         rows = []
         for row in margins_document(self.before, self.after or ()):
             after = row["after"] or {"margin": None, "verdict": None}
@@ -151,15 +149,13 @@ class Optimisation(Result):
             rows.append(
                 {"check": row["check"]} | {f"{key}_{when}": of[key] for key in after for when, of in both.items()}
             )
-        return pd.DataFrame(rows).set_index("check")
+        return frame(rows, "check")
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each parameter that changes: values as text, and the reason; index `key`."""
-        import pandas as pd
-
         columns = ("key", "before", "after", "reason")
         rows = [[getattr(change, name) for name in columns] for change in self.outcome.changes]
-        return pd.DataFrame(rows, columns=list(columns)).set_index("key")
+        return frame(rows, "key", columns=columns)
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad optimize --json`, without files."""

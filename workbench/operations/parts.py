@@ -18,7 +18,7 @@ from stagecad.solids.assembly.built_machine import assemble, body_masses, build_
 from stagecad.solids.modelling.registry import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, remark, silent
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -107,14 +107,12 @@ class Parts(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each part: mass, volume, and size along x, y, z; SI."""
-        import pandas as pd
-
         rows = []
         for name, part in self._masses.items():
             low, high = part["bounding_box"]["value"]
             size = {f"size_{axis}": b - a for axis, a, b in zip("xyz", low, high, strict=True)}
             rows.append({"part": name, "mass": part["mass"]["value"], "volume": part["volume"]["value"], **size})
-        return pd.DataFrame(rows).set_index("part")
+        return frame(rows, "part")
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad parts --json`, without files: `write` gives those."""
@@ -199,8 +197,6 @@ class Solids(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each part: mass (kg), volume (m^3), material, and how many there are; index `part`."""
-        import pandas as pd
-
         rows = [
             {
                 "part": name,
@@ -211,7 +207,7 @@ class Solids(Result):
             }
             for name, part in self.parts.items()
         ]
-        return pd.DataFrame(rows).set_index("part")
+        return frame(rows, "part")
 
     def to_json(self) -> dict[str, Any]:
         """Parts and instances, as the page shows them."""

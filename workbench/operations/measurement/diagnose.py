@@ -26,7 +26,7 @@ from workbench.operations.measurement.statements import (
     verdict_title,
 )
 from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
-from workbench.operations.result import finite
+from workbench.operations.result import finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,8 +73,6 @@ class Diagnosis(FittedResult):
         Columns: `law`, the variant that fits best; `rms` on the held-out records (SI), `over_noise`, `reduction` of the
         rms, `p_value`; `aic_change` and `bic_change`, of the information criteria on the records of the fit.
         """
-        import pandas as pd
-
         same = ("over_noise", "reduction", "aic_change", "bic_change")
         rows = []
         for row in self.document["ranking"]:
@@ -83,7 +81,7 @@ class Diagnosis(FittedResult):
             rows[-1] |= {"rms": error.get("value"), "unit": error.get("unit"), "p_value": p_value(row["p_value"])}
             rows[-1] |= {name: row.get(name) for name in same}
         columns = ["effect", "law", "rms", "unit", "over_noise", "reduction", "p_value", "aic_change", "bic_change"]
-        return pd.DataFrame(rows, columns=columns).set_index("effect")
+        return frame(rows, "effect", columns=columns)
 
     @property
     def errors(self) -> pd.DataFrame:

@@ -25,7 +25,7 @@ from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import read_toml
 from workbench.operations.measurement.design_values import as_design_values
-from workbench.operations.result import Result
+from workbench.operations.result import Result, frame
 from workbench.operations.simulation.tables import write_table
 
 if TYPE_CHECKING:
@@ -499,8 +499,6 @@ class Experiment(Result):
         ]
 
     def _table(self) -> pd.DataFrame:
-        import pandas as pd
-
         rows = [
             {
                 "record": r.name,
@@ -511,7 +509,7 @@ class Experiment(Result):
             }
             for r in self.problem.records
         ]
-        return pd.DataFrame(rows).set_index("record")
+        return frame(rows, "record")
 
 
 def as_experiment(source: Experiment | str | Path, design: Design | None = None) -> Experiment:

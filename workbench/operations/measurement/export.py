@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError, nearest
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.measurement.fitted import FittedResult
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,13 +41,11 @@ class Export(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """The parameters: value in SI and comment; index `parameter`."""
-        import pandas as pd
-
         program = self.exported.program
         rows = [
             {"parameter": key, "value": v, "comment": program.comments[key]} for key, v in program.parameters.items()
         ]
-        return pd.DataFrame(rows).set_index("parameter")
+        return frame(rows, "parameter")
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad export --json`."""

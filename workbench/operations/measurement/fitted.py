@@ -22,7 +22,7 @@ from sysid.report import channel_unit, headline_channel, parameter_unit
 from workbench.figures.curves import curve_of, worst_record
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.measurement.tables import PARTS
-from workbench.operations.result import Reported, Result, finite
+from workbench.operations.result import Reported, Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -305,24 +305,20 @@ class Correlation(Result):
 
 def parameter_frame(parameters: Mapping[str, Any]) -> pd.DataFrame:
     """Parameters of a document as a table; without nuisances."""
-    import pandas as pd
-
     columns = ["value", "std", "low", "high", "unit"]
     rows = [{"parameter": key, **q} for key, q in parameters.items() if not q.get("nuisance")]
-    return pd.DataFrame(rows, columns=["parameter", *columns]).set_index("parameter")
+    return frame(rows, "parameter", columns=["parameter", *columns])
 
 
 def error_frame(errors: Mapping[str, Any]) -> pd.DataFrame:
     """Errors of a document by set of records and channel; rms in SI."""
-    import pandas as pd
-
     rows = [
         (label, channel, error["rms"]["value"], error["rms"]["unit"], error.get("over_noise"), error.get("fit_percent"))
         for part, label in PARTS.items()
         for channel, error in errors.get(part, {}).items()
     ]
     columns = ["records", "channel", "rms", "unit", "over_noise", "fit_percent"]
-    return pd.DataFrame(rows, columns=columns).set_index(["records", "channel"])
+    return frame(rows, "records", "channel", columns=columns)
 
 
 def error_frames(errors: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
@@ -334,10 +330,8 @@ def error_frames(errors: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
 
 def where_frame(where: list[dict[str, Any]]) -> pd.DataFrame:
     """Dependence of a residual as a table; a p value below the resolution of the permutations is that resolution."""
-    import pandas as pd
-
     rows = [{**row, "p_value": p_value(row["p_value"])} for row in where]
-    return pd.DataFrame(rows, columns=["coordinate", "share", "p_value"]).set_index("coordinate")
+    return frame(rows, "coordinate", columns=["coordinate", "share", "p_value"])
 
 
 def p_value(p: float | Mapping[str, float]) -> float:

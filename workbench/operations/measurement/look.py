@@ -13,7 +13,7 @@ from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.quality import scale_warnings
 from sysid.experiment.questions import unanswered_questions
 from sysid.experiment.record import Record, load_whole_records
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,9 +40,7 @@ class Look(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each channel of each record: range, gaps, rows of each fault; SI."""
-        import pandas as pd
-
-        return pd.DataFrame(self._rows()).set_index(["record", "channel"])
+        return frame(self._rows(), "record", "channel")
 
     def _rows(self) -> list[dict[str, Any]]:
         rows = []

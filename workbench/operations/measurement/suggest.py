@@ -16,7 +16,7 @@ from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.statements import suggestion_statements
 from workbench.operations.measurement.tables import motion_table
-from workbench.operations.result import Reported, finite
+from workbench.operations.result import Reported, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,10 +55,8 @@ class Suggestion(Reported):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each motion: seconds, and the distance of the closest two effects in standard deviations."""
-        import pandas as pd
-
         columns = ["motion", "seconds", "deviations", "deviations_squared_per_second", "reason"]
-        return pd.DataFrame(self.to_json(), columns=columns).set_index("motion")
+        return frame(self.to_json(), "motion", columns=columns)
 
     def to_json(self) -> list[dict[str, Any]]:
         """The document of `stagecad suggest --json`; `file` is null where the motions were not written."""

@@ -32,7 +32,7 @@ from workbench.operations.design import Design, load_design
 from workbench.operations.lines import CODE, STRONG, TEXT, Line, Note, ProgressCallback, silent
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of
 from workbench.operations.measurement.tables import make_table, quantity_text
-from workbench.operations.result import Result, finite
+from workbench.operations.result import Result, finite, frame
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
 if TYPE_CHECKING:
@@ -270,13 +270,11 @@ class Simulation(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """The features, SI: a row for each model (and case) and feature."""
-        import pandas as pd
-
         rows = [
             (" ".join(path[:-1]), path[-1], *((None, None) if q is None else (q["value"], q["unit"])))
             for path, q in flat_features(self.to_json()[self.name]).items()
         ]
-        return pd.DataFrame(rows, columns=["of", "feature", "value", "unit"]).set_index(["of", "feature"])
+        return frame(rows, "of", "feature", columns=["of", "feature", "value", "unit"])
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad simulate NAME --json`."""
