@@ -111,6 +111,13 @@ def _settle_json(arguments: Sequence[str]) -> list[str]:
     return settled
 
 
+def _refused(*lines: str) -> int:
+    """Write lines on a mistake; the exit status."""
+    for line in lines:
+        sys.stderr.write(f"stagecad: {one_line(line)}\n")
+    return 2
+
+
 def run_line(arguments: Sequence[str]) -> int:
     """Run one command line (without the program's name) and return its exit status."""
     try:
@@ -124,12 +131,9 @@ def run_line(arguments: Sequence[str]) -> int:
     except click.exceptions.Exit as end:
         return end.exit_code
     except click.ClickException as error:
-        sys.stderr.write(f"stagecad: {one_line(error.format_message())}\n")
-        return 2
+        return _refused(error.format_message())
     except ViolationsError as error:
-        for line in error.explained():
-            sys.stderr.write(f"stagecad: {one_line(line)}\n")
-        return 2
+        return _refused(*error.explained())
     except InputError as error:
         sys.stderr.write(f"stagecad: {error}\n")
         return 2
@@ -139,20 +143,16 @@ def run_line(arguments: Sequence[str]) -> int:
         line = refusal_line(error)
         if line is None:
             raise
-        sys.stderr.write(f"stagecad: {one_line(line)}\n")
-        return 2
+        return _refused(line)
     except LostProcessError as error:
-        sys.stderr.write(f"stagecad: {one_line(str(error))}; is there enough memory?\n")
-        return 2
+        return _refused(f"{error}; is there enough memory?")
     except (MemoryError, ImportError) as error:
         # A library that finds no room for its code is an import that fails.
         if isinstance(error, ImportError) and "failed to map segment" not in str(error):
             raise
-        sys.stderr.write("stagecad: there is not enough memory; give shorter records, or fewer of them\n")
-        return 2
+        return _refused("there is not enough memory; give shorter records, or fewer of them")
     except SystemExit:
-        sys.stderr.write("stagecad: Python code of your own ended the program (sys.exit); it must return\n")
-        return 2
+        return _refused("Python code of your own ended the program (sys.exit); it must return")
     except BrokenPipeError:
         # The reader (head, less) has gone; this is not an error. Prevent the interpreter's message at exit.
         sys.stdout = None
@@ -161,9 +161,7 @@ def run_line(arguments: Sequence[str]) -> int:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
             # An error of a write names no file. The rest of the output cannot be printed at exit either.
             sys.stdout = None
-            sys.stderr.write("stagecad: no space is left to write to; no file is left half written\n")
-            return 2
+            return _refused("no space is left to write to; no file is left half written")
         place = "" if error.filename is None else f"{error.filename}: "
-        sys.stderr.write(f"stagecad: {one_line(f'{place}{error.strerror or error}')}\n")
-        return 2
+        return _refused(f"{place}{error.strerror or error}")
     return status if isinstance(status, int) else 0

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
@@ -17,13 +15,6 @@ if TYPE_CHECKING:
     from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import Masses
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG; the folder is made."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_path(path) as temporary:
-        figure.savefig(temporary, dpi=150, format="png")
 
 
 def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., Figure | None]]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rc_params_from_file
 from matplotlib.figure import Figure
 
 from stagecad.parameters.atomic import atomic_path
@@ -23,40 +23,7 @@ MEASURED, MODEL, BEFORE, AFTER, FAINT, GREY = "#8a939c", "#0072b2", "#d55e00", "
 INK = ("#1b4f72", "#b03a2e", "#1e8449", "#7d6608")
 """Colours of curves that are equal in rank."""
 
-STYLE: Any = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["Arial", "Helvetica", "Liberation Sans", "DejaVu Sans"],
-    "font.size": 8.0,
-    "axes.titlesize": 8.0,
-    "axes.titlelocation": "left",
-    "axes.labelsize": 8.0,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#e3e7eb",
-    "grid.linewidth": 0.5,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "xtick.minor.size": 1.5,
-    "ytick.minor.size": 1.5,
-    "legend.fontsize": 7.5,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "lines.linewidth": 0.9,
-    "axes.formatter.useoffset": False,
-    "figure.constrained_layout.use": True,
-    "savefig.dpi": 300,
-    "savefig.bbox": None,
-    "pdf.fonttype": 42,
-    "ps.fonttype": 42,
-    "svg.fonttype": "none",
-}
+STYLE: Any = rc_params_from_file(Path(__file__).with_name("print.mplstyle"), use_default_template=False)
 
 
 class Plot(Figure):
@@ -120,14 +87,18 @@ def new_plot(
         return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def save_figures(folder: Path, figures: Mapping[str, Plot]) -> list[Path]:
+def save_figures(folder: Path, figures: Mapping[str, Figure]) -> list[Path]:
     """Write figures as `NAME.png` into a folder; returns the files."""
-    written = []
-    for name, figure in figures.items():
-        written.append(folder / f"{name}.png")
-        with atomic_path(written[-1]) as temporary:
-            figure.savefig(temporary, dpi=150, format="png", metadata={"Software": None})
-    return written
+    files = {folder / f"{name}.png": figure for name, figure in figures.items()}
+    for file, figure in files.items():
+        save(figure, file)
+    return list(files)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG."""
+    with atomic_path(path) as temporary:
+        figure.savefig(temporary, dpi=150, format="png", metadata={"Software": None})
 
 
 def style() -> Any:

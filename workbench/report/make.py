@@ -6,7 +6,7 @@ again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, partial
@@ -158,12 +158,43 @@ class Making:
         """Make the result of a task, in this process."""
         if task.needs_kernel:
             load_kernel()
-        _MAKERS[task.kind](self, ArtefactStore(self.folder), task.name, exact)
+        self._make(ArtefactStore(self.folder), task, exact)
+
+    def _make(self, store: ArtefactStore, task: Task, exact: bool) -> None:
+        name, design = task.name, self.design
+        match task.kind:
+            case Kind.PART:
+                build_part(store, name, design)
+            case Kind.SHAPES:
+                with kernel_errors(ASSEMBLY, design):
+                    build_assembly(store, self.parts, design)
+            case Kind.CONTACTS:
+                stored_interferences(store, self.parts, design)
+            case Kind.VIEW:
+                stored_picture(store, name, assemble(self.parts, self.drawn), self.parts, self.drawn, exact=exact)
+            case Kind.SHEET:
+                for sheet in build_sheets(store, name, self.drawn, procedure_values, exact=exact):
+                    file = f"{sheet.name}.png"
+                    reduced_sheet(store, design, sheet.artefact.path(file), sheet.artefact.hashes[file])
+            case Kind.RENDERING if name == ASSEMBLY:
+                assembly_pictures(store, self.machine)
+            case Kind.RENDERING:
+                part_pictures(store, build_part(store, name, design), design)
+            case Kind.FIGURE:
+                check_figure(store, design, self.masses, name)
+            case Kind.CHECKS:
+                stored_checks(store, self.source, design, self.masses)
+            case Kind.CHECK_FILES:
+                check_files(store, self.source, design, self.masses)
+            case Kind.VALUES:
+                stored_values(store, design, self.masses)
+            case Kind.SIMULATION:
+                simulation(store, design, name)
 
     def has(self, task: Task) -> bool:
         """Whether the store has the result of a task."""
         try:
-            _MAKERS[task.kind](self, _StoreAsItIs(self.folder), task.name, True)
+            self._make(_StoreAsItIs(self.folder), task, True)
         except _AbsentError:
             return False
         return True
@@ -195,69 +226,3 @@ class Making:
     @property
     def masses(self) -> Masses:
         return self.machine.checked_masses
-
-
-def _part(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    build_part(store, name, making.design)
-
-
-def _assembly(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    with kernel_errors(ASSEMBLY, making.design):
-        build_assembly(store, making.parts, making.design)
-
-
-def _interferences(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    stored_interferences(store, making.parts, making.design)
-
-
-def _view(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    parts = making.parts
-    stored_picture(store, name, assemble(parts, making.drawn), parts, making.drawn, exact=exact)
-
-
-def _sheet(making: Making, store: ArtefactStore, subject: str, exact: bool) -> None:
-    for sheet in build_sheets(store, subject, making.drawn, procedure_values, exact=exact):
-        name = f"{sheet.name}.png"
-        reduced_sheet(store, making.design, sheet.artefact.path(name), sheet.artefact.hashes[name])
-
-
-def _rendering(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    if name == ASSEMBLY:
-        assembly_pictures(store, making.machine)
-    else:
-        part_pictures(store, build_part(store, name, making.design), making.design)
-
-
-def _figure(making: Making, store: ArtefactStore, title: str, exact: bool) -> None:
-    check_figure(store, making.design, making.masses, title)
-
-
-def _checks(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    stored_checks(store, making.source, making.design, making.masses)
-
-
-def _check_files(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    check_files(store, making.source, making.design, making.masses)
-
-
-def _values(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    stored_values(store, making.design, making.masses)
-
-
-def _simulation(making: Making, store: ArtefactStore, name: str, exact: bool) -> None:
-    simulation(store, making.design, name)
-
-
-_MAKERS: Mapping[Kind, Callable[[Making, ArtefactStore, str, bool], None]] = {
-    Kind.PART: _part,
-    Kind.SHAPES: _assembly,
-    Kind.CONTACTS: _interferences,
-    Kind.VIEW: _view,
-    Kind.SHEET: _sheet,
-    Kind.RENDERING: _rendering,
-    Kind.FIGURE: _figure,
-    Kind.CHECKS: _checks,
-    Kind.CHECK_FILES: _check_files,
-    Kind.VALUES: _values,
-    Kind.SIMULATION: _simulation,
-}

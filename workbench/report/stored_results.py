@@ -41,7 +41,7 @@ def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Any]]]:
 
 def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
-    from workbench.figures.checks import save
+    from workbench.figures.plot import save
 
     name, draw = figures_of(design)[title]
 

@@ -11,7 +11,7 @@ from designcalc.optimisation.requirement_levels import Levels, Price, Together, 
 from designcalc.optimisation.space import read_range
 from stagecad.parameters.load import load_design, load_variations
 from workbench.cli import run as stagecad
-from workbench.figures.checks import save
+from workbench.figures.plot import save
 from workbench.operations.design import Design
 from workbench.operations.levels import ReachedLevels
 

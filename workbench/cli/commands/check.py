@@ -11,7 +11,7 @@ from designcalc.checks.analysis.report import counted
 from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
-from workbench.figures.checks import save
+from workbench.figures.plot import save
 from workbench.operations.checks import Checks, chains, checks, ranges_of, sweep, tolerances, trust_checks
 from workbench.report.checks import write_check_files
 from workbench.report.stored_results import figures_of

@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import parse_quantity
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options, without_rules
-from workbench.figures.checks import save
+from workbench.figures.plot import save
 from workbench.operations.levels import reached_levels
 from workbench.operations.optimise import Search, optimised
 

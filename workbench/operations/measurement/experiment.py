@@ -444,13 +444,9 @@ class Experiment(Result):
 
     def plot(self) -> Plot:
         """Every channel of every record over time."""
-        from workbench.figures.identification import channels_figure
+        from workbench.figures.identification import records_figure
 
-        drawn = {
-            record.name: (record.time, {f"{c} [{record.units[c]}]": values for c, values in record.channels.items()})
-            for record in self.problem.records
-        }
-        return channels_figure(drawn)
+        return records_figure(self.problem.records)
 
     def save(self, folder: str | Path) -> Experiment:
         """Write an experiment in memory to a new folder, its records as Parquet; returns the one loaded from there.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -31,19 +31,6 @@ if TYPE_CHECKING:
     from workbench.figures.plot import Plot
 
 Part = Literal["fit", "validate"]
-
-
-@dataclass(frozen=True)
-class ChangedModel:
-    """A fitted model with other values of its parameters, and its errors.
-
-    Args:
-        model: with the values.
-        over_noise: error over the noise by part (`fit`, `validate`) and channel.
-    """
-
-    model: Model
-    over_noise: dict[str, dict[str, float]]
 
 
 class FittedResult(Reported):
@@ -134,8 +121,9 @@ class FittedResult(Reported):
         """Fitted values, SI, with standard deviation and 95 % interval; index `parameter`."""
         return parameter_frame(self.document["parameters"])
 
-    def with_values(self, values: Mapping[str, float]) -> ChangedModel:
-        """The fitted model with other values, SI, by parameter; names that it does not have are left out."""
+    def with_values(self, values: Mapping[str, float]) -> tuple[Model, dict[str, dict[str, float]]]:
+        """The fitted model with other values, SI, by parameter (others are left out), and its error
+        over the noise by part (`fit`, `validate`) and channel."""
         fitted = self.fitted.model
         model = fitted.at({key: value for key, value in values.items() if key in fitted.values})
         parts = {"fit": self.problem.fit_records, "validate": self.problem.validate_records}
@@ -143,7 +131,7 @@ class FittedResult(Reported):
             part: {name: error.over_noise for name, error in misfit(model, records).items()}
             for part, records in parts.items()
         }
-        return ChangedModel(model, errors)
+        return model, errors
 
     @property
     def free_values(self) -> list[dict[str, Any]]:

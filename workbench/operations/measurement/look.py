@@ -109,9 +109,9 @@ class Look(Result):
 
     def plot(self) -> Figure:
         """All raw channels over time, with the faults marked."""
-        from workbench.figures.identification import raw_channels_figure
+        from workbench.figures.identification import records_figure
 
-        return raw_channels_figure(self.records)
+        return records_figure(self.records, faults=True)
 
     def __repr__(self) -> str:
         return f"<Look at {len(self.records)} records: {len(self.warnings)} warnings>"

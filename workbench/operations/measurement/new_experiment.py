@@ -12,7 +12,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.effects.catalogue import library
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
@@ -20,8 +19,8 @@ from sysid.experiment.columns.proposal import Proposal as Column
 from sysid.experiment.columns.proposal import propose as propose_columns
 from sysid.experiment.questions import QUESTION
 from sysid.experiment.readers.base import shown_path
-from sysid.experiment.readers.open import SUFFIXES, RecordFile, open_record_file, record_suffix, unknown_format
-from sysid.experiment.rig_kinds.declaration import find_rig, kinds
+from sysid.experiment.readers.open import RecordFile, open_record_file
+from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rigs import ALWAYS_ALLOWED
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.result import Result, finite, without_options
@@ -33,28 +32,6 @@ if TYPE_CHECKING:
 
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""
-
-
-def record_suffixes() -> tuple[str, ...]:
-    """Suffixes of the record files that are read."""
-    return tuple(SUFFIXES)
-
-
-def rig_kinds() -> tuple[str, ...]:
-    """Names of the kinds of rig."""
-    return tuple(kinds())
-
-
-def effects() -> list[dict[str, Any]]:
-    """The library of effects: name, meaning, law, how it shows, source."""
-    names = ("name", "meaning", "equation", "shows", "source")
-    return [{name: getattr(effect, name) for name in names} for effect in library().values()]
-
-
-def need_record_suffix(name: str) -> None:
-    """Refuse the name of a file of a format that is not read."""
-    if record_suffix(name) is None:
-        raise InputError(f"{name}: {unknown_format(name)}")
 
 
 def record_rows(path: str | Path, name: str | None = None) -> int:

@@ -11,7 +11,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.experiments.friction_models import MODELS, TITLES, Friction
+from sim.experiments.friction_models import MODELS, Friction
 from sim.experiments.hysteresis import CASES, hysteresis
 from sim.experiments.limit_cycles import STIFFNESSES, limit_cycles
 from sim.experiments.passivity import MOTIONS, audit, passive_below
@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity", "limit-cycles")
 """Run only when named."""
+
+NO_MODEL = "simulate: no friction model '{}'"
 
 FeaturePath = tuple[str, ...]
 """Experiment, model or study, perhaps case, and feature."""
@@ -438,25 +440,6 @@ class SimulatedRecords(Result):
         return f"<SimulatedRecords of '{self.experiment.name}', model {effects}: {rows} rows, {noise}>"
 
 
-def friction_models() -> dict[str, str]:
-    """Friction models of the thesis's experiments: title by name."""
-    return {model: TITLES[model] for model in MODELS}
-
-
-def tip_path(piezo_spacing: float, tip_height: float, stroke: float, phase: float) -> Any:
-    """Path of the tip about its rest: arrays `x`, `y` (m) and `features()`, as of `simulate tip`.
-
-    Args:
-        piezo_spacing, tip_height: D and h, m.
-        stroke: amplitude of a piezo, m.
-        phase: between the piezos, rad.
-
-    Raises:
-        InputError: a length or a phase that is not allowed.
-    """
-    return tip_ellipse(piezo_spacing, tip_height, stroke, phase)
-
-
 def simulate(
     what: str | Path | Experiment,
     design: Design | None = None,
@@ -486,7 +469,7 @@ def simulate(
         if motion is not None:
             raise InputError(f"simulate: '{what}' has a motion of its own; a motion is for an experiment with records")
         of_stage = chosen_names(studies, STUDY_NAMES, "simulate: no study of the stage '{}'")
-        selection = Selection((what,), chosen_models(models), None, of_stage)
+        selection = Selection((what,), chosen_names(models, MODELS, NO_MODEL), None, of_stage)
         return simulate_one(what, (design or load_design()).values, selection, progress=progress)
     if isinstance(what, str) and not Path(what).exists():
         raise InputError(
@@ -535,11 +518,6 @@ def simulate_one(
         return Simulation(name, simulate_experiment(design, name, selection.models, mass, steps))
     except SimulationError as failure:
         raise InputError(str(failure)) from None
-
-
-def chosen_models(models: Sequence[str]) -> tuple[str, ...]:
-    """The friction models named, all of them without any, in the order of the library."""
-    return chosen_names(models, MODELS, "simulate: no friction model '{}'")
 
 
 def chosen_names(names: Sequence[str], known: Sequence[str], refusal: str) -> tuple[str, ...]:

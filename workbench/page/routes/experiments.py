@@ -13,19 +13,15 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
+from sim.effects.catalogue import library
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.open import SUFFIXES, record_suffix, unknown_format
+from sysid.experiment.rig_kinds.declaration import kinds
 from workbench.operations.measurement.experiment import consent as consent_to
 from workbench.operations.measurement.experiment import python_files
-from workbench.operations.measurement.new_experiment import effects as library
-from workbench.operations.measurement.new_experiment import (
-    need_record_suffix,
-    record_rows,
-    record_suffixes,
-    rig_kinds,
-    write_experiment,
-)
 from workbench.operations.measurement.new_experiment import propose as propose_experiment
+from workbench.operations.measurement.new_experiment import record_rows, write_experiment
 from workbench.page.project import Project, plain_name
 from workbench.page.routes.machine import Body, Text
 
@@ -88,13 +84,14 @@ def experiments(request: Request) -> list[dict[str, Any]]:
 @router.get("/formats")
 def formats() -> dict[str, list[str]]:
     """Suffixes of the record files that are read, and the kinds of rig."""
-    return {"suffixes": list(record_suffixes()), "kinds": list(rig_kinds())}
+    return {"suffixes": list(SUFFIXES), "kinds": list(kinds())}
 
 
 @router.get("/effects")
 def effects() -> list[dict[str, Any]]:
     """The library of effects: name, meaning, law, how it shows, source."""
-    return library()
+    names = ("name", "meaning", "equation", "shows", "source")
+    return [{name: getattr(effect, name) for name in names} for effect in library().values()]
 
 
 @router.post("/upload/{experiment}/{file}")
@@ -102,7 +99,8 @@ async def upload(request: Request, experiment: str, file: str) -> dict[str, Any]
     """Store a dropped record file in the folder of an experiment, which may be new; nothing is left half written."""
     project = project_of(request)
     name = plain_name(file)
-    need_record_suffix(name)
+    if record_suffix(name) is None:
+        raise InputError(f"{name}: {unknown_format(name)}")
     target = project.inside(f"{plain_name(experiment)}/{name}")
     made, known = not target.parent.exists(), target.exists()
     try:

@@ -70,14 +70,14 @@ class SimulateBody(Body):
 @router.get("")
 def overview(request: Request) -> dict[str, Any]:
     """Experiments, friction models, and the parameters that they read."""
-    from workbench.operations.simulation.simulate import friction_models
+    from sim.experiments.friction_models import MODELS, TITLES
 
     design = request.app.state.machine.design().values
     tip = ("actuator.piezo_spacing", "actuator.tip_height", "actuator.stroke_amplitude", "actuator.phase")
     return finite(
         {
             "experiments": EXPERIMENTS,
-            "models": friction_models(),
+            "models": {model: TITLES[model] for model in MODELS},
             "parameters": {
                 name: [entry_row(design.entry(key)) for key in keys]
                 for name, keys in (("body", BODY_KEYS), ("stage", STAGE_KEYS))
@@ -90,9 +90,9 @@ def overview(request: Request) -> dict[str, Any]:
 @router.post("/tip")
 def tip(body: TipBody) -> dict[str, Any]:
     """Path of the tip about its rest, with its half axes and tilt."""
-    from workbench.operations.simulation.simulate import tip_path
+    from sim.experiments.tip import tip_ellipse
 
-    path = tip_path(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
+    path = tip_ellipse(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
     every = 2
     features = {name: {"value": value, "unit": unit} for name, (value, unit) in path.features().items()}
     return {"x": path.x[::every].tolist(), "y": path.y[::every].tolist(), "features": features}
@@ -101,12 +101,13 @@ def tip(body: TipBody) -> dict[str, Any]:
 @router.post("/run")
 def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     """Start an experiment; a waiting one is replaced."""
-    from workbench.operations.simulation.simulate import chosen_models
+    from sim.experiments.friction_models import MODELS
+    from workbench.operations.simulation.simulate import NO_MODEL, chosen_names
 
     session, jobs = request.app.state.machine, request.app.state.jobs
     if body.experiment not in EXPERIMENTS:
         raise InputError(f"no experiment '{body.experiment}'{nearest(body.experiment, EXPERIMENTS)}")
-    chosen_models(body.models)
+    chosen_names(body.models, MODELS, NO_MODEL)
     changes = {**session.changes, **body.changes}
     session.design(changes)
     arguments = {**session.source(changes), "experiment": body.experiment, "models": body.models}

@@ -52,12 +52,12 @@ def predict(
     if found is None or found.experiment.stated.text != _experiment(experiment, params).stated.text:
         report("fitting the model", 0, 0)
         found = _compared(experiment, params)
-    moved = found.with_values(values)
-    models = {"model": found.fitted.model, MOVED: moved.model}
+    moved, over_noise = found.with_values(values)
+    models = {"model": found.fitted.model, MOVED: moved}
     overlays = _overlays(found, models, Path(folder), (record, channel))
     if not overlays:
         raise InputError(f"{record}: no such record with the channel {channel}")
-    return {"overlays": overlays, "over_noise": moved.over_noise}
+    return {"overlays": overlays, "over_noise": over_noise}
 
 
 def diagnose(
