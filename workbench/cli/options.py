@@ -157,12 +157,6 @@ def _remarks_shown() -> Iterator[None]:
         log.propagate = True
 
 
-def results_in(out: str | Path, design: Design | None = None) -> Run:
-    """The options of a command that writes below the folder `out`."""
-    run = Run(None, (), Path(out), None)
-    return run if design is None else run.with_design(design)
-
-
 def _need_writable(file: Path) -> None:
     """Refuse a file that cannot be written while nothing has been done yet, rather than after all the work."""
     above = next(folder for folder in file.absolute().parents if folder.exists())

@@ -11,7 +11,7 @@ from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors
 from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
 from workbench.operations.design import Design
-from workbench.operations.lines import NUMBER, TEXT, Line, Table
+from workbench.operations.lines import NUMBER, Line, Table, plain_table
 from workbench.operations.result import Result, finite
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class Calculation(Result):
         numbers = {key: item for key, item in self.results.items() if not isinstance(item, list)}
         rows += [("", "", "")] if rows else []
         rows += [(key.replace("_", " "), _shown(item), "") for key, item in numbers.items()]
-        lines: list[Line] = [Table("", (("", TEXT),) * 3, tuple(rows), plain=True)] if rows else []
+        lines: list[Line] = [plain_table("", "||", rows, "*")] if rows else []
         for key, items in self.results.items():
             if isinstance(items, list):
                 columns = tuple((column.replace("_", " "), NUMBER) for column in items[0])

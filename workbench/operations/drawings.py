@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
@@ -226,23 +226,6 @@ def _write_parameters(design: Design, folder: Path, sheets: Sequence[BuiltSheet]
     return [str(path) for path in paths]
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """A drawing sheet in the cache.
-
-    Args:
-        name: of the sheet.
-        key: of its entry in the cache, for `cached_file`.
-        files: names in the entry.
-        document: what `stagecad drawings --json` states of it, without files.
-    """
-
-    name: str
-    key: str
-    files: tuple[str, ...]
-    document: dict[str, Any]
-
-
 def sheet_names(design: Design) -> dict[str, list[str]]:
     """Names of the sheets by part, for the assembly and the procedure too."""
     return {part: list(names) for part, names in names_by_part(design.values).items()}
@@ -253,16 +236,15 @@ def chosen_sheets(design: Design, names: Sequence[str]) -> dict[str, list[str]]:
     return {part: list(sheets) for part, sheets in chosen_by_part(tuple(names), design.values).items()}
 
 
-def sheets(design: Design | None = None, names: Sequence[str] = ()) -> list[Sheet]:
-    """The drawing sheets, from the cache or drawn now; `drawings` writes them to files."""
-    design = design or load_design()
+def sheets(design: Design, names: Sequence[str]) -> list[dict[str, Any]]:
+    """Drawing sheets of parts or sheets by name, from the cache or drawn now: documents, keys for `cached_file`."""
     wanted = chosen_sheets(design, names)
     made = build_all_sheets(ArtefactStore(), wanted, design.values, calculate=procedure_values)
 
-    def stated(sheet: BuiltSheet) -> Sheet:
-        document = {"part": sheet.part, "paper": sheet.paper, "scale": sheet.scale}
-        document |= {"views": list(sheet.views), "hits": list(sheet.hits)}
-        return Sheet(sheet.name, sheet.artefact.key, tuple(sheet.files), document)
+    def stated(sheet: BuiltSheet) -> dict[str, Any]:
+        document = {"name": sheet.name, "key": sheet.artefact.key, "files": list(sheet.files), "part": sheet.part}
+        document |= {"paper": sheet.paper, "scale": sheet.scale}
+        return document | {"views": list(sheet.views), "hits": list(sheet.hits)}
 
     return [stated(sheet) for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
 

@@ -9,7 +9,7 @@ from typing import Any
 from sim.effects.catalogue import find, library
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect
-from workbench.operations.lines import TEXT, Line, Table
+from workbench.operations.lines import Line, Table, plain_table
 
 
 def effects(custom: Sequence[Path] = ()) -> list[Effect]:
@@ -39,9 +39,7 @@ def effect_json(effect: Any) -> dict[str, Any]:
             {
                 "name": f"{effect.name}.{parameter.name}",
                 "unit": parameter.unit,
-                "default": {"value": parameter.default, "unit": parameter.unit},
-                "low": {"value": parameter.low, "unit": parameter.unit},
-                "high": {"value": parameter.high, "unit": parameter.unit},
+                **{k: {"value": getattr(parameter, k), "unit": parameter.unit} for k in ("default", "low", "high")},
                 "meaning": parameter.meaning,
                 "source": parameter.source,
                 "role": parameter.role,
@@ -53,10 +51,6 @@ def effect_json(effect: Any) -> dict[str, Any]:
     }
 
 
-def _table(columns: str, rows: Sequence[tuple[str, ...]]) -> Table:
-    return Table("", tuple((column, TEXT) for column in columns.split("|")), tuple(rows), plain=True)
-
-
 def library_table(effects: Sequence[Any]) -> Table:
     """A row for each effect: name, what it acts on, meaning, parameters."""
     rows = []
@@ -64,7 +58,7 @@ def library_table(effects: Sequence[Any]) -> Table:
         kind = f"{effect.acts_on} (state model)" if effect.friction_state is not None else effect.acts_on
         names = ", ".join(p.name if p.unit == "1" else f"{p.name} [{p.unit}]" for p in effect.parameters)
         rows.append((effect.name, kind, effect.meaning, names))
-    return _table("effect|acts on|meaning|parameters", rows)
+    return plain_table("", "effect|acts on|meaning|parameters", rows, "*")
 
 
 def effect_lines(effect: Any) -> list[Line]:
@@ -82,7 +76,7 @@ def effect_lines(effect: Any) -> list[Line]:
         "variants": ", ".join(variant.name for variant in effect.variants),
     }
     rows = [(effect.name, effect.meaning), *((name, text) for name, text in facts.items() if text)]
-    lines: list[Line] = [_table("|", rows)]
+    lines: list[Line] = [plain_table("", "|", rows, "*")]
     parameters = [
         (
             parameter.name,
@@ -95,4 +89,4 @@ def effect_lines(effect: Any) -> list[Line]:
         for parameter in effect.parameters
     ]
     columns = "parameter|default|bounds|role|meaning|source of default and bounds"
-    return [*lines, "", _table(columns, parameters)] if parameters else lines
+    return [*lines, "", plain_table("", columns, parameters, "*")] if parameters else lines

@@ -55,10 +55,10 @@ def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: s
         title: of the table.
         columns: their titles, separated by `|`.
         rows: of cells.
-        left: titles of the columns that hold text, separated by `|`; the first one when left out.
+        left: titles of the columns that hold text, separated by `|`; `*` for all, the first one when left out.
     """
     titles = columns.split("|")
-    text = left.split("|") if left else titles[:1]
+    text = titles if left == "*" else left.split("|") if left else titles[:1]
     kinds = tuple((name, TEXT if name in text else NUMBER) for name in titles)
     return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json, to_si
-from workbench.operations.lines import TEXT, Line, Table
+from workbench.operations.lines import Line, Table, plain_table
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design as Values
@@ -76,7 +76,7 @@ def parameter_table(entries: Sequence[Entry]) -> Table:
             rows.append(("",) * 5)
         group = entry.key.rpartition(".")[0]
         rows.append((entry.key, _text(entry), entry.tolerance or "", entry.meaning, entry.origin))
-    return _table(("parameter", "value", "tolerance", "meaning", "origin"), rows)
+    return plain_table("", "parameter|value|tolerance|meaning|origin", rows, "*")
 
 
 def difference_lines(first: str, second: str, differences: Sequence[Difference]) -> list[Line]:
@@ -84,11 +84,7 @@ def difference_lines(first: str, second: str, differences: Sequence[Difference])
     if not differences:
         return [f"{first} and {second} do not differ"]
     rows = [(item.key, _cell(item.before), _cell(item.after), _what(item)) for item in differences]
-    return [_table(("parameter", first, second, "what differs"), rows)]
-
-
-def _table(columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> Table:
-    return Table("", tuple((column, TEXT) for column in columns), tuple(rows), plain=True)
+    return [plain_table("", f"parameter|{first}|{second}|what differs", rows, "*")]
 
 
 def _text(entry: Entry) -> str:

@@ -180,53 +180,11 @@ def parts(design: Design | None = None, names: Sequence[str] = (), progress: Pro
     return Parts(design, wanted, built_machine(design.values, None, progress))
 
 
-class Solids(Result):
-    """The parts with their mass properties, and every instance of them in the machine, for a view of it.
-
-    Attributes:
-        design: of the parts.
-        parts: of each part its mass properties, the key of its mesh in the cache, its material, and what it reads.
-        instances: name, part, and (3 x 4) rows of rotation and shift, mm, seated and in the exploded view.
-        masses: of the moving body and of the tip.
-    """
-
-    def __init__(
-        self, design: Design, parts: dict[str, Any], instances: Sequence[dict[str, Any]], masses: Masses
-    ) -> None:
-        self.design, self.parts, self.instances, self.masses = design, parts, tuple(instances), masses
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """A row for each part: mass (kg), volume (m^3), material, and how many there are; index `part`."""
-        rows = [
-            {
-                "part": name,
-                "mass": part["mass"]["value"],
-                "volume": part["volume"]["value"],
-                "material": part["material"],
-                "count": sum(instance["part"] == name for instance in self.instances),
-            }
-            for name, part in self.parts.items()
-        ]
-        return frame(rows, "part")
-
-    def to_json(self) -> dict[str, Any]:
-        """Parts and instances, as the page shows them."""
-        return finite(
-            {
-                "digest": self.design.values.digest,
-                "parts": self.parts,
-                "instances": list(self.instances),
-                **self.masses.as_json(),
-            }
-        )
-
-    def __repr__(self) -> str:
-        return f"<Solids of '{self.design.values.file}': {len(self.parts)} parts, {len(self.instances)} instances>"
-
-
-def solids(design: Design | None = None, progress: ProgressCallback = silent) -> Solids:
-    """The parts of a design, from the cache or made now in this process, which keeps the CAD kernel loaded."""
-    values = (design := design or load_design()).values
+def solids(design: Design, progress: ProgressCallback = silent) -> dict[str, Any]:
+    """The parts of a design, from the cache or made now in this process, which keeps the CAD kernel loaded: mass
+    properties, key of the mesh in the cache and what it reads of each; its instances with the (3 x 4) rows of rotation
+    and shift, mm, seated and in the exploded view; and the masses of the moving body and of the tip."""
+    values = design.values
     names = part_names(values)
     advance = counted(progress, "", len(names))
     made = build_parts(ArtefactStore(), names, values, lambda name: advance(name.replace("_", " ")), isolate=False)
@@ -244,7 +202,8 @@ def solids(design: Design | None = None, progress: ProgressCallback = silent) ->
         {"name": item.name, "part": item.part, "frame": _rows(item.frame), "exploded": _rows(item.exploded)}
         for item in assemble(made, values)
     ]
-    return Solids(design, documents, instances, body_masses(values))
+    masses = body_masses(values).as_json()
+    return finite({"digest": values.digest, "parts": documents, "instances": instances, **masses})
 
 
 def _rows(frame: Any) -> list[list[float]]:

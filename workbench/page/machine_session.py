@@ -15,7 +15,7 @@ from stagecad.parameters.rules.registry import violations
 from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
 from workbench.operations.lines import remark
-from workbench.operations.live_checks import LiveChecks, LiveResult, check_row
+from workbench.operations.live_checks import LiveChecks, check_row
 from workbench.operations.parameters import entry_row, parameter_rows
 from workbench.page.project import Project
 
@@ -137,13 +137,21 @@ class MachineSession:
         """
         design = self.design(changes)
         result = self.checks.update(design.values, limit, since)
-        return {**live_json(result), "violations": violated(design), "changed": self._changed(design, changes)}
+        return {
+            "count": result.count,
+            "version": result.version,
+            "checks": [check_row(position, check) for position, check in result.checks.items()],
+            "pending": list(result.pending),
+            "seconds": result.seconds,
+            "violations": [asdict(one) for one in violations(design.values)],
+            "changed": self._changed(design, changes),
+        }
 
     def save(self, name: str) -> str:
         """Write the design to a new parameter file of the project, comments kept, and continue with it."""
         with self._lock:
             target = self.project.new_file(name, ".toml")
-            text = self._text_with_changes(target.name)
+            text = self.design().to_toml(name=target.name, origin=CHANGED)
             atomic_write_text(target, text)
             self.file, self._text, self._history, self._place = target.name, text, [{}], 0
             self._keep()
@@ -155,7 +163,11 @@ class MachineSession:
         if other is not None:
             base = self._design(other, self._read(other), {})
         return [
-            {"key": change.key, "before": _row(change.before), "after": _row(change.after)}
+            {
+                "key": change.key,
+                "before": change.before and entry_row(change.before),
+                "after": change.after and entry_row(change.after),
+            }
             for change in diff(base, self.design(), solids=False, margins=False).changes.parameters
         ]
 
@@ -167,9 +179,6 @@ class MachineSession:
         """Text of the values that differ from the saved file: those set, and those computed from them."""
         saved = {entry.key: entry.text for entry in self.saved.values.entries}
         return {e.key: e.text for e in design.values.entries if e.text != saved[e.key] or e.key in changes}
-
-    def _text_with_changes(self, name: str) -> str:
-        return self.design().to_toml(name=name, origin=CHANGED)
 
     def _read(self, file: str | None) -> str:
         if file is None:
@@ -204,23 +213,3 @@ class MachineSession:
             self.file, self._text = first
             reason = " ".join(str(error).split())[:200]
             remark(f"{self._state}: the changes of an earlier server are left out ({reason})")
-
-
-def live_json(result: LiveResult) -> dict[str, Any]:
-    """The rows of the checks that are new to the page, and the positions of those out of date."""
-    return {
-        "count": result.count,
-        "version": result.version,
-        "checks": [check_row(position, check) for position, check in result.checks.items()],
-        "pending": list(result.pending),
-        "seconds": result.seconds,
-    }
-
-
-def violated(design: Design) -> list[dict[str, str]]:
-    """All rules across values that the design violates."""
-    return [asdict(one) for one in violations(design.values)]
-
-
-def _row(entry: Any) -> dict[str, Any] | None:
-    return None if entry is None else entry_row(entry)

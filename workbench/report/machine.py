@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +13,6 @@ from workbench.operations.drawings import SMALL, reduced_sheet
 from workbench.report.checks import check_rows, data_url, embedded, link, render
 
 if TYPE_CHECKING:
-    from designcalc.checks.check import Check
-    from drawings.sheets.procedure import Procedure
     from stagecad.parameters.design import Design
     from stagecad.solids.assembly.interference import Interference
 
@@ -29,57 +26,34 @@ SIMULATIONS = {
 }
 
 
-@dataclass(frozen=True)
-class MachineResults:
-    """Contents of the page.
+def write_report(design: Design, out: Path, results: Mapping[str, Any]) -> Path:
+    """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked.
 
-    Args:
-        parts: document of `write_parts`: parts, moving body, measures.
-        pictures: PNG by name (`stagecad.solids.assembly.pictures`).
-        checks: every design check.
-        check_figures: figures of the checks by title.
-        simulation_figures: PNG of the simulations.
-        bill: rows of the bill of materials.
-        interferences: pairs of parts that touch, fit, or overlap.
-        procedure: steps of the assembly.
-        drawings: document of `write_drawings`.
+    Results are `parts` and `drawings`, the documents of their commands; `pictures` and `check_figures`, PNG by name and
+    by title; `simulation_figures`; `checks`, `interferences`, the `procedure` of assembly, rows of the `bill`.
     """
-
-    parts: Mapping[str, Any]
-    pictures: Mapping[str, Path]
-    checks: Sequence[Check]
-    check_figures: Mapping[str, Path]
-    simulation_figures: Sequence[Path]
-    bill: Sequence[Mapping[str, Any]]
-    interferences: Sequence[Interference]
-    procedure: Procedure
-    drawings: Mapping[str, Any]
-
-
-def write_report(design: Design, out: Path, results: MachineResults) -> Path:
-    """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked."""
     target = out / REPORT
-    document, pictures = results.parts, results.pictures
+    document, pictures, checks = results["parts"], results["pictures"], results["checks"]
     page = render(
         TEMPLATE,
         title=design.file,
         assembly=embedded(pictures["assembly"]),
         exploded=embedded(pictures["assembly_exploded"]),
-        interferences=_by_kind(results.interferences),
-        clashes=sum(pair.clash for pair in results.interferences),
+        interferences=_by_kind(results["interferences"]),
+        clashes=sum(pair.clash for pair in results["interferences"]),
         assembly_files=[link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
         moving_mass=_mass(document["moving_body"]["mass"]["value"]) if "moving_body" in document else "",
         whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
         measures=[(k.replace("_", " "), _measure(q)) for k, q in document.get("measures", {}).items()],
         parts=_parts(document["parts"], pictures, target),
-        bill=results.bill,
-        procedure=results.procedure,
-        sheets=_sheets(results.drawings, target, design),
-        subjects=check_rows(results.checks),
-        counted=counted(results.checks),
-        failing=sum(check.verdict == "fails" for check in results.checks),
-        check_figures=[(name, embedded(path)) for name, path in results.check_figures.items()],
-        simulation_figures=[(_caption(path), embedded(path)) for path in results.simulation_figures],
+        bill=results["bill"],
+        procedure=results["procedure"],
+        sheets=_sheets(results["drawings"], target, design),
+        subjects=check_rows(checks),
+        counted=counted(checks),
+        failing=sum(check.verdict == "fails" for check in checks),
+        check_figures=[(name, embedded(path)) for name, path in results["check_figures"].items()],
+        simulation_figures=[(_caption(path), embedded(path)) for path in results["simulation_figures"]],
         entries=_by_table(design),
         digest=design.digest,
         versions=versions(),

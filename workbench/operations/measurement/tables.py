@@ -11,7 +11,7 @@ from typing import Any
 
 from stagecad.parameters.units import format_quantity
 from workbench.figures.curves import LEAST_SHARE
-from workbench.operations.lines import BAR, CODE, NUMBER, QUIET, REMARK, STRONG, TEXT, Table
+from workbench.operations.lines import REMARK, Table
 
 PARTS = {"fit": "fit", "validate": "held out"}
 """Names of the sets of records."""
@@ -21,11 +21,12 @@ MOST_COORDINATES = 6
 Row = Mapping[str, Any]
 
 
-def make_table(title: str, columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]], note: str = "") -> Table:
-    """A table without those columns of kind REMARK that are empty in every row."""
+def make_table(title: str, columns: str, rows: Iterable[Sequence[str]], note: str = "") -> Table:
+    """A table of columns `TITLE:KIND|...`, without those of kind REMARK that are empty in every row."""
+    kinds = [(name, kind) for name, _, kind in (column.partition(":") for column in columns.split("|"))]
     rows = tuple(tuple(row) for row in rows)
-    kept = [k for k, (_, kind) in enumerate(columns) if kind != REMARK or any(row[k] for row in rows)]
-    return Table(title, tuple(columns[k] for k in kept), tuple(tuple(row[k] for k in kept) for row in rows), note)
+    kept = [k for k, (_, kind) in enumerate(kinds) if kind != REMARK or any(row[k] for row in rows)]
+    return Table(title, tuple(kinds[k] for k in kept), tuple(tuple(row[k] for k in kept) for row in rows), note)
 
 
 def quantity_text(value: float, unit: str) -> str:
@@ -79,9 +80,9 @@ def revision_text(rung: Row, first: str) -> str:
 
 def error_table(title: str, before: Row, after: Row | None = None) -> Table:
     """Errors by set of records and channel, with those `after` a change where there are any."""
-    columns = [("records", TEXT), ("channel", TEXT), ("rms", NUMBER), ("over noise", STRONG), ("fit", NUMBER)]
+    columns = "records|channel|rms:n|over noise:n strong|fit:n"
     if after is not None:
-        columns += [("rms after", NUMBER), ("over noise after", STRONG), ("fit after", NUMBER)]
+        columns += "|rms after:n|over noise after:n strong|fit after:n"
     rows = []
     for part, label in PARTS.items():
         for channel, error in before.get(part, {}).items():
@@ -109,8 +110,8 @@ def simulation_table(document: Row) -> Table:
     No rows where the prediction along the inputs is the simulation: then they are the errors of the model.
     """
     runs = {"free run": document["free_run"], **document["horizon"]}
-    columns = [("records", TEXT), ("channel", TEXT)]
-    columns += [column for name in runs for column in ((name, NUMBER), ("fit", NUMBER))]
+    columns = "records|channel"
+    columns += "".join(f"|{name}:n|fit:n" for name in runs)
     rows = []
     for part, label in PARTS.items():
         for channel in document["free_run"].get(part, {}):
@@ -126,13 +127,7 @@ def simulation_table(document: Row) -> Table:
 
 def correlation_table(document: Row) -> Table:
     """Whiteness of the residual by channel, the inputs that it correlates with; the information criteria as note."""
-    columns = [
-        ("channel", TEXT),
-        ("residual", TEXT),
-        ("p", NUMBER),
-        ("autocorrelation", NUMBER),
-        ("correlated with", REMARK),
-    ]
+    columns = "channel|residual|p:n|autocorrelation:n|correlated with:warn"
     rows = []
     for channel, one in document["correlation_of_residual"].items():
         inputs = (
@@ -157,13 +152,13 @@ def parameter_table(parameters: Mapping[str, Row], title: str = "Parameters") ->
         for key, q in parameters.items()
         if not q.get("nuisance")
     ]
-    columns = [("parameter", CODE), ("value", STRONG), ("95 % interval", TEXT), ("remark", REMARK)]
+    columns = "parameter:code|value:n strong|95 % interval|remark:warn"
     return make_table(title, columns, rows)
 
 
 def dependence_table(where: Sequence[Row]) -> Table:
     """Coordinates that the residual depends on, strongest first."""
-    columns = [("coordinate", TEXT), ("share of its variance", NUMBER), ("p value", NUMBER)]
+    columns = "coordinate|share of its variance:n|p value:n"
     rows = [
         (row["coordinate"].replace("_", " "), f"{100 * row['share']:.1f} %", p_value_text(row["p_value"]))
         for row in where
@@ -180,17 +175,7 @@ def ranking_table(ranking: Sequence[Row], tried: int, before: float = math.inf) 
         tried: number of effects.
         before: error over noise of the stated model: the length of the bars.
     """
-    columns = [
-        ("effect", TEXT),
-        ("predicted", NUMBER),
-        ("reached", NUMBER),
-        ("error left", NUMBER),
-        ("over noise", STRONG),
-        ("", BAR),
-        ("p value", NUMBER),
-        ("angle", REMARK),
-        ("values", QUIET),
-    ]
+    columns = "effect|predicted:n|reached:n|error left:n|over noise:n strong|:bar|p value:n|angle:warn|values:quiet"
     span = math.log(max(before, 1.5))
     refitted = [row for row in ranking if row.get("over_noise") is not None][:10]
     rows = []
@@ -232,7 +217,7 @@ def _values_text(parameters: Mapping[str, Row]) -> str:
 
 def detectable_table(sizes: Sequence[Row]) -> Table:
     """The smallest size of each effect that these records could have shown."""
-    columns = [("effect", TEXT), ("parameter", TEXT), ("from", STRONG), ("at", QUIET)]
+    columns = "effect|parameter|from:n strong|at:quiet"
     rows = [
         (
             row["effect"],
@@ -253,15 +238,7 @@ def worst_over_noise(by_channel: Mapping[str, Row]) -> float:
 
 def ladder_table(rungs: Sequence[Row]) -> Table:
     """The error after each revision of the model."""
-    columns = [
-        ("rung", TEXT),
-        ("added", TEXT),
-        ("channel", TEXT),
-        ("fit rms", NUMBER),
-        ("held-out rms", NUMBER),
-        ("fit over noise", NUMBER),
-        ("held-out over noise", STRONG),
-    ]
+    columns = "rung|added|channel|fit rms:n|held-out rms:n|fit over noise:n|held-out over noise:n strong"
     rows = []
     for rung in rungs:
         held = rung["before"].get("validate", {})
@@ -275,14 +252,7 @@ def ladder_table(rungs: Sequence[Row]) -> Table:
 
 def motion_table(motions: Sequence[Row]) -> Table:
     """Motions of the document of `suggest`, with the separation of each pair of effects."""
-    columns = [
-        ("motion", STRONG.removeprefix("n ")),
-        ("seconds", NUMBER),
-        ("would separate", TEXT),
-        ("at σ", NUMBER),
-        ("these records, σ", NUMBER),
-        ("purpose", QUIET),
-    ]
+    columns = "motion:strong|seconds:n|would separate|at σ:n|these records, σ:n|purpose:quiet"
     rows = []
     for motion in motions:
         name, seconds, reason = motion["motion"], f"{motion['seconds']:.1f}", motion["reason"]
@@ -306,13 +276,7 @@ def bootstrap_table(document: Row) -> Table:
     title = f"Intervals of {found['settled']} refits (95 %)"
     if found["settled"] < found["draws"]:
         title += f"; {found['draws'] - found['settled']} more did not converge"
-    columns = [
-        ("parameter", CODE),
-        ("value", STRONG),
-        ("by refitting", TEXT),
-        ("by linear covariance", TEXT),
-        ("width, refitted / linear", NUMBER),
-    ]
+    columns = "parameter:code|value:n strong|by refitting|by linear covariance|width, refitted / linear:n"
     rows = []
     for key, q in found["parameters"].items():
         linear = {**document["parameters"][key], "unit": q["unit"]}

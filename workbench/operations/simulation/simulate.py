@@ -29,7 +29,7 @@ from sysid.experiment.readers.memory import MemoryTable
 from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import CODE, STRONG, TEXT, Line, Note, ProgressCallback, silent
+from workbench.operations.lines import Line, Note, ProgressCallback, silent
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of
 from workbench.operations.measurement.tables import make_table, quantity_text
 from workbench.operations.result import Result, finite, frame
@@ -426,7 +426,7 @@ class SimulatedRecords(Result):
         yield f"model: {', '.join(document['effects']) or 'no effects'}"
         shown = {key: q for key, q in document["parameters"].items() if q["from"] != "default"}
         rows = [(key, quantity_text(q["value"], q["unit"]), q["from"]) for key, q in shown.items()]
-        yield make_table("Values", [("parameter", CODE), ("value", STRONG), ("from", TEXT)], rows)
+        yield make_table("Values", "parameter:code|value:n strong|from", rows)
         for channel, noise in document["noise"].items():
             correlation = f", autocorrelation {noise['autocorrelation']:.2f}" if "autocorrelation" in noise else ""
             yield f"noise of {channel}: {quantity_text(noise['value'], noise['unit'])} ({noise['from']}{correlation})"

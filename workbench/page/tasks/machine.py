@@ -18,7 +18,7 @@ def design_of(text: str | None, name: str, overrides: dict[str, str], rules: boo
 
 def solids(text: str | None, name: str, overrides: dict[str, str], folder: str, report: Report) -> dict[str, Any]:
     """The parts and where they stand in the machine; the mesh of a part is in the cache under its key."""
-    return solids_of(design_of(text, name, overrides), report).to_json()
+    return solids_of(design_of(text, name, overrides), report)
 
 
 def drawings(
@@ -27,8 +27,4 @@ def drawings(
     """The sheets of one subject: a part, the assembly, or the procedure."""
     design = design_of(text, name, overrides)
     report("drawing", 0, 0)
-    found = [
-        {"name": one.name, "key": one.key, "files": list(one.files)} | one.document
-        for one in sheets_of(design, [subject])
-    ]
-    return {"subject": subject, "digest": design.values.digest, "sheets": found}
+    return {"subject": subject, "digest": design.values.digest, "sheets": sheets_of(design, [subject])}
