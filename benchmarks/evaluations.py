@@ -13,7 +13,8 @@ import numpy as np
 
 from designcalc.optimisation.evaluation import Evaluator
 from designcalc.optimisation.space import free_parameters
-from stagecad.parameters.load import load_variations
+from stagecad.parameters.file import read_parameter_file
+from stagecad.parameters.load import variations_of
 
 GOAL = 10_000 / 300 / 2
 """Evaluations per second of one process, so that two make 10 000 in five minutes."""
@@ -31,7 +32,7 @@ def rate(evaluator: Evaluator, count: int, seed: int = 1) -> float:
 
 def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    variations = load_variations()
+    variations = variations_of(read_parameter_file())
     evaluator = Evaluator(variations, free_parameters(variations.design, sys.argv[2:]))
     found = rate(evaluator, count)
     print(f"{len(evaluator.checks)} checks, {len(evaluator.free)} free parameters, {count} random designs")

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from designcalc.optimisation.evaluation import Evaluator
 from designcalc.optimisation.search import Best, cma_es
 from designcalc.optimisation.space import free_parameters
-from stagecad.parameters.load import load_variations
+from stagecad.parameters.file import read_parameter_file
+from stagecad.parameters.load import variations_of
 
 Array = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ METHODS = {"cma": run_cma, "cobyla": run_cobyla, "scipy": run_scipy, "nevergrad"
 
 def merit_of(method: str, budget: int, seed: int) -> float:
     """Merit of the best design after a number of evaluations."""
-    variations = load_variations()
+    variations = variations_of(read_parameter_file())
     evaluator = Evaluator(variations, free_parameters(variations.design, ()))
     best = Best(REQUIRED)
 

@@ -40,24 +40,19 @@ def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *
         overrides: `KEY=VALUE` texts that replace values of the file, as in `--set`.
         rules: whether the design must satisfy the rules across values; each value is checked in any case.
     """
-    return _design(read_parameter_file(path), overrides, rules)
+    return design_of(read_parameter_file(path), overrides, rules)
 
 
 def design_from_text(
     text: str, name: str, overrides: Sequence[str] = (), *, rules: bool = True, folder: Path | None = None
 ) -> Design:
     """Like `load_design`, from the text of a parameter file; `name` and `folder` as in `parse_parameter_text`."""
-    return _design(parse_parameter_text(text, name, folder), overrides, rules)
+    return design_of(parse_parameter_text(text, name, folder), overrides, rules)
 
 
-def load_variations(path: str | Path | None = None, overrides: Sequence[str] = ()) -> Variations:
-    """Like `load_design` without rules: the design, and fast changes of its values."""
-    return Variations(_source(read_parameter_file(path), overrides))
-
-
-def variations_from_text(text: str, name: str, overrides: Sequence[str] = (), folder: Path | None = None) -> Variations:
-    """Like `load_variations`, from the text of a parameter file."""
-    return Variations(_source(parse_parameter_text(text, name, folder), overrides))
+def variations_of(file: ParameterFile, overrides: Sequence[str] = ()) -> Variations:
+    """Like `design_of` without rules: the design, and fast changes of its values."""
+    return Variations(_source(file, overrides))
 
 
 def further_override(file: ParameterFile, overrides: Sequence[str] = ()) -> Callable[[str], Design]:
@@ -66,12 +61,13 @@ def further_override(file: ParameterFile, overrides: Sequence[str] = ()) -> Call
     It is what `load_design` gives with the override, in less time: only what depends on the overridden value is
     computed again.
     """
-    variations = Variations(_source(file, overrides))
+    variations = variations_of(file, overrides)
     return lambda override: variations.of(_source(file, (*overrides, override)))
 
 
-def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Design:
-    variations = Variations(_source(file, overrides))
+def design_of(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Design:
+    """Like `load_design`, of a file that is read."""
+    variations = variations_of(file, overrides)
     require_mates(variations.design)
     if rules:
         require(variations)
@@ -87,7 +83,7 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
             f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
         )
     machine = {"parts": {name: {"file": path.name}}, "mates": {name: {}}}
-    return _design(replace(file, machine=machine, folder=path.parent), overrides, rules=False)
+    return design_of(replace(file, machine=machine, folder=path.parent), overrides, rules=False)
 
 
 def overridden(design: Design, values: Mapping[str, str]) -> Design:

@@ -17,15 +17,7 @@ from sysid.estimation.identifiability import public_key
 from sysid.estimation.residual_correlation import ResidualCorrelation
 from sysid.prediction.problem import Problem
 from sysid.report import LEAST_P
-from workbench.figures.curves import (
-    Curve,
-    axis_scale,
-    coordinate_unit,
-    decimate,
-    drawn_maps,
-    quantile,
-    worst_stretch,
-)
+from workbench.figures.curves import Curve, axis_scale, coordinate_unit, decimate, drawn_maps, quantile, worst_stretch
 from workbench.figures.plot import (
     AFTER,
     BEFORE,

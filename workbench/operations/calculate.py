@@ -47,13 +47,7 @@ CALCULATORS: dict[str, type] = {
 
 
 class Calculation(Result):
-    """Results of a calculator.
-
-    Attributes:
-        name: of the calculator.
-        inputs: SI values of its options.
-        results: JSON quantities by name; a list of rows is a table.
-    """
+    """Results of a calculator."""
 
     def __init__(self, name: str, inputs: Values, results: dict[str, Any]) -> None:
         self.name, self.inputs, self.results = name, inputs, results

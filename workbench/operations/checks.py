@@ -183,12 +183,7 @@ def ranges_of(design: Design, texts: Sequence[str]) -> list[Range]:
 
 
 class Sweep(Result):
-    """The checks over the values of one parameter, or over every combination of those of several.
-
-    Attributes:
-        ranges: the parameters and their values.
-        points: the checks at each value or combination.
-    """
+    """The checks over the values of one parameter, or over every combination of those of several."""
 
     def __init__(self, ranges: Sequence[Range], points: Sequence[Point]) -> None:
         self.ranges, self.points = tuple(ranges), tuple(points)
@@ -307,11 +302,7 @@ def _point(design: Design, ranges: Sequence[Range], solids: bool, values: tuple[
 
 
 class Tolerances(Result):
-    """The margins over the tolerances of the dimensions.
-
-    Attributes:
-        study: spreads of the margins, and the dimensions by their influence.
-    """
+    """The margins over the tolerances of the dimensions."""
 
     title, file = "what the tolerances use up", "tolerance.png"
 

@@ -12,13 +12,7 @@ from designcalc.checks.own_checks import own_check_files, register
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parse_parameter_text, read_parameter_file
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.load import (
-    changed_text,
-    design_from_text,
-    further_override,
-    load_variations,
-    variations_from_text,
-)
+from stagecad.parameters.load import changed_text, design_of, further_override, variations_of
 from stagecad.parameters.load import load_design as read_design
 from workbench.operations.parameters import entry_json
 from workbench.operations.result import Result, finite, frame, without_options
@@ -91,9 +85,7 @@ class Design(Result):
         return self._values((*self.overrides, *overrides), rules)
 
     def _values(self, overrides: tuple[str, ...], rules: bool) -> Values:
-        if self._text is None:
-            return read_design(self.path, overrides, rules=rules)
-        return design_from_text(self._text, str(self.path), overrides, rules=rules, folder=self._folder)
+        return design_of(self.file, overrides, rules)
 
     @property
     def text(self) -> str:
@@ -126,10 +118,7 @@ class Design(Result):
 
     def variations(self, *overrides: str) -> Variations:
         """The design with further overrides, and fast changes of its values; rules are not required."""
-        overrides = (*self.overrides, *overrides)
-        if self._text is None:
-            return load_variations(self.path, overrides)
-        return variations_from_text(self._text, str(self.path), overrides, self._folder)
+        return variations_of(self.file, (*self.overrides, *overrides))
 
     def further_override(self) -> Callable[[str], Values]:
         """What gives the numbers with one more override `KEY=VALUE`, without regard to rules."""
@@ -171,10 +160,7 @@ class Design(Result):
         return _read(changed)
 
     def to_toml(
-        self,
-        changes: Mapping[str, tuple[str | float | bool, str]] | None = None,
-        name: str = "",
-        origin: str = "",
+        self, changes: Mapping[str, tuple[str | float | bool, str]] | None = None, name: str = "", origin: str = ""
     ) -> str:
         """Text of a parameter file that gives this design without overrides; comments are kept.
 

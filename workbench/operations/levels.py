@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 
 
 class ReachedLevels(Result):
-    """Levels of the requirements of Table 1 that designs reach: alone, together, and with one kept.
-
-    Attributes:
-        design: that was studied.
-        levels: of the study.
-    """
+    """Levels of the requirements of Table 1 that designs reach: alone, together, and with one kept."""
 
     def __init__(self, design: Design, levels: Levels) -> None:
         self.design, self.levels = design, levels

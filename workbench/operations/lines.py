@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import count
 from typing import Any
 
 from stagecad.parameters.errors import one_line
@@ -82,11 +81,16 @@ def remark(text: str) -> None:
     logging.getLogger("stagecad").warning("%s", one_line(text))
 
 
-def counted(progress: ProgressCallback, step: str, steps: int) -> Callable[[object], None]:
-    """What reports one step more each time it is called; an empty `step` is the name that it is called with."""
-    done = count(1)
+def counted(progress: ProgressCallback | None, step: str, steps: int) -> Callable[..., None]:
+    """What reports some steps more each time it is called; an empty `step` is the name that it is called with."""
+    done = 0
+    if step and progress is not None:
+        progress(step, 0, steps)
 
-    def advance(item: object) -> None:
-        progress(step or str(item), next(done), steps)
+    def advance(item: object = "", count: int = 1) -> None:
+        nonlocal done
+        done += count
+        if progress is not None:
+            progress(step or str(item), done, steps)
 
     return advance

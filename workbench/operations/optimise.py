@@ -14,13 +14,7 @@ import numpy as np
 from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.evaluation import Evaluator
-from designcalc.optimisation.optimise import (
-    Outcome,
-    margins_document,
-    optimise,
-    outcome_document,
-    required_checks,
-)
+from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
 from designcalc.optimisation.search import search
 from designcalc.optimisation.space import Free, free_parameters
 from stagecad.parameters.atomic import atomic_write_text
@@ -415,12 +409,7 @@ def _evaluator(design: Design, free: Sequence[Free], masses: Masses | None) -> E
 
 
 def _seeded_search(
-    design: Design,
-    free: Sequence[Free],
-    masses: Masses | None,
-    required: Sequence[str],
-    budget: int,
-    seed: int,
+    design: Design, free: Sequence[Free], masses: Masses | None, required: Sequence[str], budget: int, seed: int
 ) -> dict[str, object] | None:
     """Values of the free parameters of the nearest satisfying design found from one seed; None for none."""
     best = search(_evaluator(design, free, masses), required, budget, seed=seed)

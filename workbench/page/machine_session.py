@@ -35,11 +35,7 @@ MOST_SHOWN = 6
 
 
 class MachineSession:
-    """State of the machine view; kept in a file, so that a new server continues where the last one ended.
-
-    Args:
-        project: with the parameter file that is opened first.
-    """
+    """State of the machine view; kept in a file, so that a new server continues where the last one ended."""
 
     def __init__(self, project: Project) -> None:
         self.project = project

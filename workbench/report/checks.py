@@ -102,11 +102,7 @@ def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]
 
 
 def _page(
-    checks: Sequence[Check],
-    design: Design,
-    found: Studies,
-    stated: Mapping[str, str],
-    figures: Mapping[str, Path],
+    checks: Sequence[Check], design: Design, found: Studies, stated: Mapping[str, str], figures: Mapping[str, Path]
 ) -> str:
     return render(
         "checks.html",

@@ -12,7 +12,8 @@ from designcalc.optimisation.optimise import optimise, required_checks
 from designcalc.optimisation.space import free_parameters, read_range, start_point, values_at
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.load import load_design, load_variations
+from stagecad.parameters.file import read_parameter_file
+from stagecad.parameters.load import load_design, variations_of
 from stagecad.parameters.rules.registry import violations
 from tests.reference.tables import cases
 
@@ -25,7 +26,7 @@ LIFT, BENDING, SAG = (
 
 
 def _evaluator(freed: Sequence[str], *overrides: str) -> Evaluator:
-    variations = load_variations(None, overrides)
+    variations = variations_of(read_parameter_file(), overrides)
     given = [
         read_range(text.partition("=")[0], text.partition("=")[2], ":", variations.design, "--free") for text in freed
     ]

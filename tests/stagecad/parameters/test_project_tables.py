@@ -6,7 +6,8 @@ import pytest
 
 from stagecad.friction_stage.parameters.ranges import kinds
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.load import load_design, load_variations
+from stagecad.parameters.file import read_parameter_file
+from stagecad.parameters.load import load_design, variations_of
 from tests.reference.tables import cases
 from workbench.operations.templates import table_text
 
@@ -47,7 +48,7 @@ def test_the_chosen_row_gives_the_values_with_their_origin(project: Path, design
 
 
 def test_a_changed_row_changes_all_that_follows_from_it(project: Path) -> None:
-    variations = load_variations(project)
+    variations = variations_of(read_parameter_file(project))
     changed = variations.changed({"piezo.row": "short stroke"})
     again = load_design(project, ["piezo.row=short stroke"])
     assert {entry.key: entry.value for entry in changed.entries} == {entry.key: entry.value for entry in again.entries}

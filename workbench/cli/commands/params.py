@@ -50,10 +50,7 @@ def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path |
         differences = [item for item in diff(values, load_design(other)) if is_named(item.key, names)]
         lines, document = (
             difference_lines(values.file, str(other), differences),
-            {
-                "files": [values.file, str(other)],
-                "differences": [difference_json(item) for item in differences],
-            },
+            {"files": [values.file, str(other)], "differences": [difference_json(item) for item in differences]},
         )
     else:
         require_known(names, values)

@@ -119,9 +119,7 @@ class TipOver:
         pushed = limit(self.friction, self.preload_ratio, share, self.pad_friction, self.gravity)
         lifted = limit(self.friction, self.preload_ratio, gravity=self.gravity)
         return quantities(
-            share_of_load=(share, ""),
-            acceleration=(pushed, "m/s^2"),
-            acceleration_before_lift_off=(lifted, "m/s^2"),
+            share_of_load=(share, ""), acceleration=(pushed, "m/s^2"), acceleration_before_lift_off=(lifted, "m/s^2")
         )
 
 

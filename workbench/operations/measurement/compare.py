@@ -12,7 +12,7 @@ from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.identifiability import public_key
 from sysid.report import comparison_json, parameter_unit
-from workbench.operations.lines import Line, Note, ProgressCallback, Table, Warned
+from workbench.operations.lines import Line, Note, ProgressCallback, Table, Warned, counted
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import (
@@ -114,14 +114,7 @@ class Comparison(FittedResult):
         Raises:
             InputError: nothing to fit, too few refits that settled, or no cluster.
         """
-        refit, done = refit_of(self.problem, self.fitted), 0
-
-        def advance(seed: Any) -> None:
-            nonlocal done
-            done += 1
-            if progress is not None:
-                progress("refits", done, draws)
-
+        refit, advance = refit_of(self.problem, self.fitted), counted(progress, "refits", draws)
         seeds = [(seed, k) for k in range(draws)]
         settled = parallel_map(partial(refitted, refit), seeds, progress=advance, scheduler=scheduler)
         return Refits(self, bootstrap_of(refit, settled), seed)

@@ -29,7 +29,7 @@ from sysid.experiment.readers.memory import MemoryTable
 from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, Note, ProgressCallback, silent
+from workbench.operations.lines import Line, Note, ProgressCallback, counted
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of
 from workbench.operations.measurement.tables import make_table, quantity_text
 from workbench.operations.result import Result, finite, frame
@@ -197,23 +197,11 @@ def run_parallel(
     cases: Sequence[Any],
 ) -> list[Any]:
     """The cases of a study in parallel, on the local cores or on a cluster."""
-    steps = Steps(progress, f"stage: {study.replace('_', ' ')}", len(cases))
+    steps = counted(progress, f"stage: {study.replace('_', ' ')}", len(cases))
     if scheduler is None and sys.platform == "linux":
         # A forked process has the compiled kernels; a new one would load them, for each study.
         return fork_map(function, cases, progress=steps)
     return parallel_map(function, cases, progress=steps, scheduler=scheduler)
-
-
-class Steps:
-    """Counts calls, and reports them as steps."""
-
-    def __init__(self, progress: ProgressCallback | None, words: str, total: int) -> None:
-        self.progress, self.words, self.total, self.done = progress or silent, words, total, 0
-        self.progress(words, 0, total)
-
-    def __call__(self, *_: Any, count: int = 1) -> None:
-        self.done += count
-        self.progress(self.words, self.done, self.total)
 
 
 def simulate_selection(design: Values, selection: Selection, masses: Masses | None = None) -> dict[str, Any]:
@@ -482,12 +470,7 @@ def simulate(
 
 
 def simulate_into(
-    out: Path,
-    experiment: Path,
-    design: Any,
-    motion: Path | None,
-    seed: int | None,
-    formats: tuple[str, ...],
+    out: Path, experiment: Path, design: Any, motion: Path | None, seed: int | None, formats: tuple[str, ...]
 ) -> SimulatedRecords:
     """Simulate the model of an experiment into OUT/simulate/NAME."""
     if not formats:
@@ -514,7 +497,7 @@ def simulate_one(
             run_all = partial(run_parallel, scheduler, progress)
             return Simulation(name, simulate_studies(design, selection.studies, None, run_all))
         mass = 1.0 if name == "tip" else moving_mass(design, selection.mass)
-        steps = Steps(progress, name, 1 if name == "tip" else len(selection.models))
+        steps = counted(progress, name, 1 if name == "tip" else len(selection.models))
         return Simulation(name, simulate_experiment(design, name, selection.models, mass, steps))
     except SimulationError as failure:
         raise InputError(str(failure)) from None

@@ -11,22 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from designcalc.errors.monte_carlo import (
-    Distribution,
-    UncertainParameter,
-    strongest_correlation,
-    uncertain_parameters,
-)
+from designcalc.errors.monte_carlo import Distribution, UncertainParameter, strongest_correlation, uncertain_parameters
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
 from stagecad.processes import parallel_map
 from workbench.operations.design import Design
-from workbench.operations.lines import NUMBER, TEXT, Line, Note, ProgressCallback, Table
+from workbench.operations.lines import NUMBER, TEXT, Line, Note, ProgressCallback, Table, counted
 from workbench.operations.simulation.simulate import (
     FeaturePath,
     Selection,
-    Steps,
     features_of,
     flat_features,
     moving_mass,
@@ -102,7 +96,7 @@ def sweep(
     """Features at every value of the range, in parallel on the local cores or on a cluster."""
     whole = isinstance(design.values.value(swept.key), int)
     overrides = [swept.override(int(value) if whole else value) for value in swept.values]
-    steps = Steps(progress, "sweep", len(overrides))
+    steps = counted(progress, "sweep", len(overrides))
     job = partial(simulate_point, design, selection)
     points = parallel_map(job, overrides, progress=steps, scheduler=scheduler)
     if all(isinstance(point, str) for point in points):
@@ -279,12 +273,9 @@ def run_monte_carlo(
     # Several samples per task: one takes less time than its transfer to the worker.
     size = max(1, min(8, count // 16))
     rows = [values[k : k + size] for k in range(0, count, size)]
-    steps = Steps(progress, "samples", count)
+    steps = counted(progress, "samples", count)
     drawn = parallel_map(
-        partial(simulate_samples, common),
-        rows,
-        progress=lambda some: steps(count=len(some)),
-        scheduler=scheduler,
+        partial(simulate_samples, common), rows, progress=lambda some: steps(some, len(some)), scheduler=scheduler
     )
     samples = tuple(sample for some in drawn for sample in some)
     if all(sample.refused for sample in samples):

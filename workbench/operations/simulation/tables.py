@@ -143,11 +143,7 @@ def motion_columns(run: Any, rows: int = 5000) -> Columns:
     columns |= {
         f"{name} [{unit}]": position[:, i] for i, (name, unit) in enumerate((("x", "m"), ("y", "m"), ("yaw", "rad")))
     }
-    columns |= {
-        "heave [m]": run.attitude[:, 0],
-        "roll [rad]": run.attitude[:, 1],
-        "pitch [rad]": run.attitude[:, 2],
-    }
+    columns |= {"heave [m]": run.attitude[:, 0], "roll [rad]": run.attitude[:, 1], "pitch [rad]": run.attitude[:, 2]}
     columns |= {f"tip_{axis} [m]": apex[:, i] for i, axis in enumerate("xyz")}
     columns |= {f"tip_force_{axis} [N]": force[:, i] for i, axis in enumerate("xyz")}
     columns |= {f"voltage_{i + 1} [V]": volts[:, i] for i in range(3)}

@@ -29,15 +29,7 @@ EXPERIMENTS = {
 
 BODY_KEYS = tuple(
     f"friction.{name}"
-    for name in (
-        "mass",
-        "coulomb",
-        "breakaway",
-        "stribeck_velocity",
-        "bristle_stiffness",
-        "bristle_damping",
-        "viscous",
-    )
+    for name in ("mass", "coulomb", "breakaway", "stribeck_velocity", "bristle_stiffness", "bristle_damping", "viscous")
 )
 STAGE_KEYS = (
     "actuator.frequency",
