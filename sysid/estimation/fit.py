@@ -23,6 +23,9 @@ class FittedModel:
     fit: FitResult
     weights: ResidualWeights
 
+    def __repr__(self) -> str:
+        return f"<FittedModel: {self.model!r}>"
+
     @property
     def columns(self) -> dict[str, np.ndarray]:
         """Column (n,) of the Jacobian of each unknown, by key."""

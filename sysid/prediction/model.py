@@ -191,6 +191,10 @@ class Model:
     values: dict[str, float]
     unknowns: tuple[Unknown, ...]
 
+    def __repr__(self) -> str:
+        names = ", ".join(effect.name for effect in self.effects) or "no effects"
+        return f"<Model {names}: {len(self.unknowns)} of {len(self.values)} values are fitted>"
+
     @property
     def nuisances(self) -> frozenset[str]:
         """Keys of the parameters that tables do not show."""

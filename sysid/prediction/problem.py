@@ -52,6 +52,9 @@ class Problem:
     start: Model
     notes: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"<Problem '{self.experiment.folder.name}': {self.kind}, {len(self.records)} records>"
+
     @property
     def kind(self) -> str:
         """Kind of rig."""

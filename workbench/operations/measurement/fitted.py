@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from sim.export.program import ForceFunction
 from stagecad.parameters.errors import InputError, nearest
+from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import InformationCriteria, information_criteria
 from sysid.estimation.identifiability import public_key
 from sysid.estimation.misfit import misfit
@@ -26,6 +28,7 @@ from workbench.operations.result import Reported, Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
+    from scipy.signal import StateSpace
 
     from sysid.estimation.fit import FittedModel
     from workbench.figures.plot import Plot
@@ -132,6 +135,76 @@ class FittedResult(Reported):
             for part, records in parts.items()
         }
         return model, errors
+
+    @cached_property
+    def covariance(self) -> pd.DataFrame:
+        """Covariance of the fitted values, SI, linear; not a number where the records do not determine a value."""
+        import pandas as pd
+
+        computed = intervals(self.fitted, self.problem.fit_records)
+        std = np.array([computed.by_key[key].std for key in computed.keys])
+        names = pd.Index([public_key(key) for key in computed.keys], name="parameter")
+        return pd.DataFrame(np.outer(std, std) * computed.correlation, names, names)
+
+    def sample(self, n: int, seed: int = 1) -> pd.DataFrame:
+        """Values of the parameters, SI, (n rows) drawn from the normal distribution of their covariance.
+
+        A value that the records do not determine stays as it is fitted.
+        """
+        matrix, names = self.covariance.to_numpy(), list(self.covariance)
+        fitted = {public_key(key): value for key, value in self.fitted.model.values.items()}
+        mean = np.array([fitted[name] for name in names])
+        known = np.isfinite(matrix.diagonal())
+        values = np.tile(mean, (n, 1))
+        random = np.random.default_rng(seed)
+        values[:, known] = random.multivariate_normal(mean[known], matrix[np.ix_(known, known)], n, method="eigh")
+        return frame(values, columns=names)
+
+    def function(self) -> ForceFunction:
+        """The force along a motion, N, by calling it with arrays of time and position: the step that `export` writes.
+
+        Raises:
+            InputError: an effect that cannot be exported, by name.
+        """
+        from workbench.operations.measurement.export import exported_model
+
+        return ForceFunction(exported_model(self).program.source)
+
+    def to_statespace(self) -> StateSpace:
+        """The linear part of a driven mass, from the force on it (N) to its position (m) and velocity (m/s).
+
+            m x'' = F - d x' - k x + sum r m w^2 (y - x),    y'' + 2 D w y' + w^2 y = w^2 x
+
+        Drag d of `viscous`, stiffness k of `cable_spring`, and the modes y of `flexible_mode`, which carry the part r
+        of the mass. Dry friction and all other effects are left out.
+
+        Raises:
+            InputError: a rig without a mass.
+        """
+        from scipy.signal import StateSpace
+
+        model = self.fitted.model
+        mass = model.values.get("rig.mass", model.values.get("rig.inertia"))
+        if not mass:
+            raise InputError(f"to_statespace: {self.problem.kind} has no mass")
+        modes: list[Any] = []
+        for effect in model.effects:
+            if effect.is_mode and effect.time_domain is not None:
+                given = {p.name: model.values[f"{effect.name}.{p.name}"] for p in effect.parameters}
+                modes.append(effect.time_domain(effect.values(**given)))
+        own = mass * (1.0 - sum(mode.mass_ratio for mode in modes))
+        a = np.zeros((2 + 2 * len(modes), 2 + 2 * len(modes)))
+        a[0, 1] = 1.0
+        a[1, 0] = -model.values.get("cable_spring.stiffness", 0.0) / own
+        a[1, 1] = -model.values.get("viscous.coefficient", 0.0) / own
+        for k, mode in zip(range(2, len(a), 2), modes):
+            w = 2.0 * np.pi * mode.frequency
+            a[k, k + 1] = 1.0
+            a[k + 1, [0, k, k + 1]] = w**2, -(w**2), -2.0 * mode.damping * w
+            a[1, [0, k]] += np.array([-1.0, 1.0]) * mode.mass_ratio * mass * w**2 / own
+        b = np.zeros((len(a), 1))
+        b[1] = 1.0 / own
+        return StateSpace(a, b, np.eye(2, len(a)), np.zeros((2, 1)))
 
     @property
     def free_values(self) -> list[dict[str, Any]]:
