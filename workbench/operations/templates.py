@@ -5,16 +5,18 @@ from __future__ import annotations
 import csv
 import io
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from importlib.metadata import distribution
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.effects.catalogue import library, valid_name
-from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.names import identifier
 from stagecad.parameters.units import from_si, to_si
+from workbench.operations.measurement.demonstration import fresh_demo
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -127,3 +129,49 @@ def _cell(value: Any, kept: str, unit: str) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return f"{from_si(to_si(value, kept), unit):.10g}" if isinstance(value, float) else str(value)
+
+
+EXAMPLES = {
+    "demo": "A slide whose records contain two hidden effects; the model knows Coulomb and viscous friction",
+    "own_effect": "A bellows, which the library does not contain: an effect in a Python file beside the records",
+    "own_rig": "A voice coil: a kind of rig in a declaration file beside the records, logged as a spreadsheet writes",
+    "emps": "A ball-screw axis in closed loop, a public benchmark",
+    "reciprocating_tribometer": "Presliding and slip over 0.24 mm of stroke, a public record",
+    "two_axis_stage": "A machine of one's own: two slides at right angles",
+    "ball_screw_slide": "A machine of one's own, with a part and a check in Python",
+    "improved_stage": "The stage of the thesis as the optimisation improves it",
+}
+"""What each packaged example shows."""
+
+
+def examples(experiments: bool = False) -> list[str]:
+    """Names of the examples, or of those with an experiment, whose records are on this computer."""
+    return [name for name in EXAMPLES if name == "demo" or _files(name, experiments)]
+
+
+def copy_example(name: str, target: Path) -> Path:
+    """Copy an example to `target`, or to the next free name; returns the folder."""
+    if name not in examples():
+        raise InputError(f"no example '{name}'{nearest(name, examples())}")
+    if name == "demo":
+        return fresh_demo(target)
+    number, free = 1, target
+    while free.exists():
+        number += 1
+        free = target.with_name(f"{target.name}_{number}")
+    for path in _files(name):
+        atomic_write_bytes(free / path.relative_to(shared_folder() / "examples" / name), path.read_bytes())
+    return free
+
+
+def _files(name: str, experiment: bool = False) -> list[Path]:
+    """Files of an example; none unless all of its records are there."""
+    folder = shared_folder() / "examples" / name
+    stated = folder / "experiment.toml"
+    if not stated.is_file():
+        files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
+        return [] if experiment else files
+    records = [folder / record["file"] for record in tomllib.loads(stated.read_text("utf-8")).get("record", ())]
+    if not all(record.is_file() and record.parent == folder for record in records):
+        return []
+    return sorted(path for path in folder.iterdir() if path.is_file() and path.name != "make_records.py")

@@ -11,7 +11,7 @@ from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ROW
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
-from workbench.operations.templates import table_text, template, write_machine, write_new
+from workbench.operations.templates import EXAMPLES, copy_example, table_text, template, write_machine, write_new
 
 
 class Templates(click.Group):
@@ -86,6 +86,15 @@ def hardware(run: Run, kind: str) -> None:
     click.echo(f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"')
     for slot in kinds[kind].slots[:1]:
         click.echo(f"and the name of a row as {slot}.{ROW}")
+
+
+@command.command("example")
+@click.argument("name")
+def example(name: str) -> None:
+    """NAME/: a copy of a packaged example (demo, own_effect, own_rig, two_axis_stage, ball_screw_slide, ...)."""
+    folder = copy_example(name, Path(name))
+    _written(folder)
+    click.echo(f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'")
 
 
 @command.command("machine")

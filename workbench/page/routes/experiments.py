@@ -22,6 +22,8 @@ from workbench.operations.measurement.experiment import consent as consent_to
 from workbench.operations.measurement.experiment import python_files
 from workbench.operations.measurement.new_experiment import propose as propose_experiment
 from workbench.operations.measurement.new_experiment import record_rows, write_experiment
+from workbench.operations.templates import EXAMPLES, copy_example
+from workbench.operations.templates import examples as examples_of
 from workbench.page.project import Project, plain_name
 from workbench.page.routes.machine import Body, Text
 
@@ -155,17 +157,13 @@ def new_experiment(request: Request, body: ExperimentBody) -> dict[str, Any]:
 @router.get("/examples")
 def examples() -> list[dict[str, str]]:
     """Experiments that can be copied into the project: the demonstration, and the examples of the project."""
-    from workbench.page.examples import EXAMPLES, available
-
-    return [{"name": name, "meaning": EXAMPLES[name]} for name in available()]
+    return [{"name": name, "meaning": EXAMPLES[name]} for name in examples_of(experiments=True)]
 
 
 @router.post("/examples/{name}")
 def example(request: Request, name: str) -> dict[str, Any]:
     """Copy an example into a folder of its name in the project, or into the next free one."""
-    from workbench.page.examples import copied
-
-    return {"name": copied(name, project_of(request).inside(plain_name(name))).name}
+    return {"name": copy_example(name, project_of(request).inside(plain_name(name))).name}
 
 
 @router.get("/experiment/{name:path}/code")
