@@ -57,9 +57,9 @@ def test_ball_screw_slide_of_three_parts(slide: None, capsys: pytest.CaptureFixt
     assert thread["kind"] == "overlap"
     assert thread["common_volume"] == pytest.approx(3.141592653589793 / 4 * (16**2 - 14**2) * 80e-9, rel=1e-6)
     assert {one["kind"] for one in found["interference"]} <= {"overlap", "contact", "gap"}
-    rows = Path("build/bill_of_materials.csv").read_text("utf-8").splitlines()
+    rows = Path("build/parts/bill_of_materials.csv").read_text("utf-8").splitlines()
     assert len(rows) == 5 and "BS 16x5" in rows[2]
-    assert "PRODUCT" in Path("build/assembly.step").read_text("ascii")
+    assert "PRODUCT" in Path("build/parts/assembly.step").read_text("ascii")
     one = _document(capsys, "parts", "screw", "--out", "one")
     assert list(one["parts"]) == ["screw"] and not Path("one/assembly.step").exists()
     # Without the permission the thread is a clash.

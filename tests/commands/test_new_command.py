@@ -98,6 +98,6 @@ def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(caps
     stroke = next(one for one in json.loads(capsys.readouterr().out) if one["name"] == "piezo stroke of the drive")
     assert stroke["limit"]["value"] == pytest.approx(38e-6) and stroke["verdict"] == "passes"
     assert stagecad(["parts", "piezo", "assembly"]) == 0
-    assert ",P-1," in Path("build/bill_of_materials.csv").read_text("utf-8")
+    assert ",P-1," in Path("build/parts/bill_of_materials.csv").read_text("utf-8")
     assert stagecad(["new", "hardware", "bolts"]) == 2
     assert "no such kind of table; allowed: materials, piezos, screws" in capsys.readouterr().err

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, ViolationsError, one_line
@@ -41,6 +42,12 @@ class Run:
     json_target: str | None
     rules: bool = True
     """whether the design must satisfy the rules; a command that repairs a design has none"""
+    out_is_given: bool = True
+    """whether `--out` names the folder; else the files of a kind go to a folder of their own in the default one"""
+
+    def folder(self, kind: str) -> Path:
+        """Folder of the files of a kind."""
+        return self.out if self.out_is_given else self.out / kind
 
     @functools.cached_property
     def design(self) -> Design:
@@ -229,7 +236,8 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     def wrapper(
         params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
     ) -> Any:
-        run = Run(params, overrides, out, json_target, rules=not getattr(function, "without_rules", False))
+        given = click.get_current_context().get_parameter_source("out") is not ParameterSource.DEFAULT
+        run = Run(params, overrides, out, json_target, not getattr(function, "without_rules", False), given)
         try:
             if params is not None or overrides:
                 # A mistake in them is reported by every command, also by one that reads little of the design.

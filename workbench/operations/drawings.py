@@ -217,9 +217,11 @@ def sheet_files(sheet: BuiltSheet) -> tuple[str, ...]:
 
 
 def _write_parameters(design: Design, folder: Path, sheets: Sequence[BuiltSheet]) -> list[str]:
-    """Write the parameters beside the sheets, under the names that their title blocks give: `holder_c7088e19.toml`."""
+    """Write the parameters below the sheets, under the names that their title blocks give: `holder_c7088e19.toml`."""
     text = design.to_toml()
-    paths = dict.fromkeys(folder / sheet.folder / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets)
+    paths = dict.fromkeys(
+        folder / sheet.folder / "parameters" / f"{sheet.part}_{sheet.digest}.toml" for sheet in sheets
+    )
     for path in paths:
         if not path.is_file() or path.read_text("utf-8") != text:
             atomic_write_text(path, text)

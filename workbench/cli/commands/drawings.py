@@ -62,14 +62,15 @@ def command(
     run = run.with_design(design)
     if trust:
         trust_files(run)
+    folder = run.folder("drawings")
     with run.reporting() as report:
-        made = drawings(design, names, run.out, report)
+        made = drawings(design, names, folder, report)
     if flat:
         for sheet in made.document["sheets"].values():
             sheet["files"] += write_flat(sheet["files"])
     if run.json_target is None:
         show(run, made.lines())
-        run.echo(f"{len(made.document['changed'])} of {made.document['files']} files written to {run.out}")
+        run.echo(f"{len(made.document['changed'])} of {made.document['files']} files written to {folder}")
     if lint:
         for name, hit in made.hits:
             run.note(f"{name}: {hit}")
@@ -80,7 +81,7 @@ def command(
 
 def _draw_part(run: Run, design: Design, path: Path, *, trust: bool, lint: bool, flat: bool) -> int:
     """Sheets, STEP AP242 and mass of the parts of the user's file."""
-    documents = draw_file(path, design, trust, run.out)
+    documents = draw_file(path, design, trust, run.folder("drawings"))
     hits = 0
     for document in documents:
         document["files"] += write_flat(document["files"]) if flat else []

@@ -43,7 +43,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     store = ArtefactStore()
     _fill(run, store, simulations)
     design, made = run.design.values, parts(run.design)
-    document, changed, count = made.write_changed(run.out)
+    document, changed, count = made.write_changed(run.out / "parts")
     run.echo(f"parts: {len(changed)} of {count} files written")
     machine = made.machine
     pictures = with_repair(store, lambda: _pictures(run, store, machine))
@@ -52,7 +52,7 @@ def command(run: Run, simulations: bool, trust: bool) -> int:
     pairs, found = len(interferences), len(clashes(interferences))
     run.echo(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
     with run.reporting() as report:
-        drawn = drawings(run.design, (), run.out, report)
+        drawn = drawings(run.design, (), run.out / "drawings", report)
     hits, sheets = len(drawn.hits), drawn.document
     run.echo(f"drawings: {len(sheets['changed'])} of {sheets['files']} files written, {hits} lint hits")
     masses = machine.checked_masses

@@ -23,11 +23,11 @@ def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
         trust_files(run)
     with run.reporting(note=KERNEL) as report:
         made = parts(run.design, names, report)
-    document, changed, count = made.write_changed(run.out)
+    document, changed, count = made.write_changed(folder := run.folder("parts"))
     if run.json_target is None:
         show(run, made.lines())
         moving = f"moving body {document['moving_body']['mass']['value']:.3f} kg; " if "moving_body" in document else ""
-        run.echo(f"{moving}{len(changed)} of {count} files written to {run.out}")
+        run.echo(f"{moving}{len(changed)} of {count} files written to {folder}")
     for pair in document.get("interference", ()):
         if pair["kind"] == CLASH:
             run.note(f"clash: {pair['first']} and {pair['second']} share {1e9 * pair['common_volume']:.3g} mm^3")
