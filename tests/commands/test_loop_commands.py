@@ -106,20 +106,6 @@ def test_nothing_of_a_comparison_is_written_but_below_out(tmp_path: Path) -> Non
     assert written == ["compare_overlay.svg", "compare_where.svg", "report.html", "sections"]
 
 
-def test_suggest_prints_a_list_of_motions_and_writes_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = fresh_copy(tmp_path / "rig")
-    assert cli.run(["suggest", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert document[-1]["motion"] == "space-filling"
-    rates = [m["deviations_squared_per_second"] for m in document[:-1]]
-    assert rates == sorted(rates, reverse=True)
-    first = document[0]
-    assert first["separates"][0]["effects"][0] == "stribeck"
-    table = pd.read_csv(first["file"])
-    assert table["time [s]"].iloc[-1] == pytest.approx(first["seconds"], rel=1e-3)
-    assert first["motion"] in (tmp_path / "out" / "rig" / "report.html").read_text(encoding="utf-8")
-
-
 def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from benchmarks.generators.hidden_effect import Plan, make_case
 

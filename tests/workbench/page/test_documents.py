@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 from starlette.testclient import TestClient
 
@@ -102,7 +103,13 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
 def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> None:
     slide(tmp_path / "rig", FORCE, '"coulomb"', held_out=True)
     found = _job(client, "/api/experiment/rig/suggest")["document"]
-    _compared(found, _command(tmp_path, "suggest", "rig", "--no-figures"))
+    document = _command(tmp_path, "suggest", "rig", "--out", "build")
+    _compared(found, document)
+    rates = [motion["deviations_squared_per_second"] for motion in document[:-1]]
+    assert rates == sorted(rates, reverse=True) and document[-1]["motion"] == "space-filling"
+    assert document[0]["motion"] in (tmp_path / "build" / "rig" / "report.html").read_text("utf-8")
+    table = pd.read_csv(tmp_path / document[0]["file"])
+    assert table["time [s]"].iloc[-1] == pytest.approx(document[0]["seconds"], rel=1e-3)
     assert all((folder / "build" / "rig" / "suggest" / Path(row["file"]).name).is_file() for row in found)
 
 
