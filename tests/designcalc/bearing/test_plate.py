@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.generators.planar_stage import free_plate
 from designcalc.bearing.plate import Plate, StandingBody, SupportedPlate
 from stagecad.parameters.errors import InputError
-from tests.sim.stage.planar_model import free_plate
 
 STAGE = Plate(0.230, 0.270, 0.012, 68.9e9, 0.33, 2700.0)
 PADS = [((-0.025, 0.115), 73.98e6), ((0.025, 0.115), 73.98e6), ((0.0, -0.115), 93.40e6)]

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
-from planar_model import Planar, Ritz, free_plate, mindlin_springs, planar_run, shapes
 from scipy.linalg import eigvalsh
 from stage_machines import FOUR_PADS, example, ideal_piezos
 
+from benchmarks.generators.planar_stage import Planar, Ritz, free_plate, mindlin_springs, planar_run, shapes
 from designcalc.bearing.plate import Plate, SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.pads import pad_positions, pad_spring_stiffness

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.generators.friction_drive_rig import Truth, write_experiment
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.free_curves import LEAST_KNOTS, PRIOR_SCALE, free_curves, with_curve
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem, load_problem
-from tests.sysid.prediction.friction_drive_rig import Truth, write_experiment
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 

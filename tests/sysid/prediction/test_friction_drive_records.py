@@ -4,8 +4,8 @@ import json
 from dataclasses import replace
 
 import pytest
-from friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experiment
 
+from benchmarks.generators.friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experiment
 from sim.effects.catalogue import find
 from stagecad.parameters.errors import InputError
 from sysid.estimation.misfit import misfit

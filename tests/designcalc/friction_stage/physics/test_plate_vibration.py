@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
+from benchmarks.generators.planar_stage import free_plate, shapes
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.pulsed import peak_of_mean, pressed_force, pulse_harmonics
@@ -21,7 +22,6 @@ from designcalc.friction_stage.physics.plate_vibration import (
 from designcalc.friction_stage.physics.position_loop import dynamic_budget
 from designcalc.friction_stage.physics.stage_plate import TIP, give_at_tip, payload_height, payload_places, stage_plate
 from stagecad.parameters.load import load_design
-from tests.sim.stage.planar_model import free_plate, shapes
 
 QUIET = ("bearing.damping_ratio=0.000001", "stage.damping_ratio=0.000001")
 
