@@ -85,7 +85,7 @@ def test_checks_sweeps_tolerances_and_searches(slide: None, capsys: pytest.Captu
     assert changed["feasible"] is True and [one["key"] for one in changed["changes"]] == ["screw.length"]
 
 
-def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, capsys) -> None:
     # Too short for the sensor bracket of the packaged machine, which this one does not have.
     assert stagecad(["params", "--set", "screws.bar.length=5mm", "screws.bar.length"]) == 0
     with Path("stage.toml").open("a", encoding="utf-8") as file:

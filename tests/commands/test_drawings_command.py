@@ -119,7 +119,7 @@ def texts_of(folder: Path, sheet: str) -> str:
 
 
 def test_title_block_and_revision_table_of_the_command(
-    drawn: tuple[Path, Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    drawn: tuple[Path, Path, dict[str, Any]], tmp_path, monkeypatch
 ) -> None:
     monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
     earlier = tmp_path / "issue_a.toml"
@@ -144,9 +144,7 @@ def test_title_block_and_revision_table_of_the_command(
     assert "changed:" not in shown
 
 
-def test_a_design_changed_by_set_is_titled_so(
-    drawn: tuple[Path, Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_design_changed_by_set_is_titled_so(drawn: tuple[Path, Path, dict[str, Any]], tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
     changed = "magnet.edge_chamfer=0.4 mm"
     assert run(["drawings", "magnet", "--set", changed, "--lint", "--out", str(tmp_path)]) == 0
@@ -155,9 +153,7 @@ def test_a_design_changed_by_set_is_titled_so(
     assert load_design(path).magnet.edge_chamfer == 0.4
 
 
-def test_nothing_is_drawn_twice(
-    drawn: tuple[Path, Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nothing_is_drawn_twice(drawn: tuple[Path, Path, dict[str, Any]], monkeypatch, capsys) -> None:
     folder, cache, _ = drawn
     monkeypatch.setenv("STAGECAD_CACHE", str(cache))
     monkeypatch.setattr("drawings.artefacts.tasks.parallel_map", None)

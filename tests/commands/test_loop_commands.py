@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 
 import workbench
+from benchmarks.generators.hidden_effect import Plan, make_case
+from benchmarks.generators.make_demo_records import demo_records
 from workbench import cli
 from workbench.operations.measurement.demonstration import free_folder, fresh_copy
 
@@ -82,8 +84,6 @@ def test_a_folder_or_link_that_the_demo_did_not_make_is_left_alone(tmp_path: Pat
 
 
 def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
-    from benchmarks.generators.make_demo_records import demo_records
-
     for name, text in demo_records().items():
         path = tmp_path / name
         path.write_text(text, encoding="utf-8")
@@ -107,8 +107,6 @@ def test_nothing_of_a_comparison_is_written_but_below_out(tmp_path: Path) -> Non
 
 
 def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from benchmarks.generators.hidden_effect import Plan, make_case
-
     make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
     assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())

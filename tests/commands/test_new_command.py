@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from designcalc.checks.run import OWN
+from sim.effects.custom import load_custom
+from stagecad.consent import give_consent
 from workbench.cli import run as stagecad
 
 
@@ -39,8 +42,6 @@ def test_part_is_drawn_after_consent(capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_check_of_a_project_runs_after_consent(capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
-    from designcalc.checks.run import OWN
-
     assert stagecad(["new", "machine", "mill"]) == 0
     monkeypatch.chdir("mill")
     capsys.readouterr()
@@ -57,11 +58,7 @@ def test_check_of_a_project_runs_after_consent(capsys: pytest.CaptureFixture[str
 
 
 def test_effect_of_the_template_is_read(capsys: pytest.CaptureFixture[str]) -> None:
-    from sim.effects.custom import load_custom
-
     assert stagecad(["new", "effect", "bellows"]) == 0
-    from stagecad.consent import give_consent
-
     give_consent((Path("bellows.py"),))
     assert [one.name for one in load_custom(Path("bellows.py"))] == ["bellows"]
 

@@ -57,9 +57,7 @@ def test_of_two_runs_at_once_each_is_whole_or_did_nothing(rig: Path) -> None:
     assert "# so far" in text
 
 
-def test_a_run_that_is_stopped_leaves_everything_as_it_was(
-    rig: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_that_is_stopped_leaves_everything_as_it_was(rig: Path, monkeypatch, capsys) -> None:
     assert run(["add", str(rig), "viscous"]) == 0
     before = {path: path.read_bytes() for path in rig.rglob("*") if path.is_file()}
 

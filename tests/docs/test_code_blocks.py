@@ -17,7 +17,9 @@ from typing import Any
 import cadquery
 import pytest
 
+from drawings.sheets.overrides import read_overrides
 from stagecad.parameters.load import load_design
+from stagecad.parameters.machine_declaration import read_machine
 from sysid.experiment.columns.settings import read_channel_settings
 from sysid.experiment.readers.format import read_format
 from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
@@ -50,15 +52,11 @@ def _rig_kinds(text: str, folder: Path) -> None:
 
 
 def _drawings(text: str, folder: Path) -> None:
-    from drawings.sheets.overrides import read_overrides
-
     (folder / "sheets.toml").write_text(text)
     assert len(read_overrides(folder / "sheets.toml", ["stage"])) == 1
 
 
 def _design_changes(text: str, folder: Path) -> None:
-    from stagecad.parameters.machine_declaration import read_machine
-
     machine = tomllib.loads(text)["machine"]
     assert len(read_machine(machine, "stage.toml", load_design()).mates) == len(machine["mates"])
 

@@ -16,6 +16,7 @@ from designcalc.checks.analysis.report import counted, shown_margin
 from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules.registry import violations
+from stagecad.solids.assembly.built_machine import body_masses
 from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment.experiment import load_experiment, trust_experiment
@@ -129,7 +130,7 @@ def test_the_example_reads_the_published_files(name: str, tmp_path: Path) -> Non
             np.testing.assert_allclose(values, other.channels[channel][first : first + size], rtol=1e-6, atol=1e-9)
 
 
-def test_emps_is_asymmetric_as_published(tmp_path: Path) -> None:
+def test_emps_is_asymmetric_as_published(tmp_path) -> None:
     # Published relative errors of the force, 4.0834 % symmetric with offset and 3.1117 % asymmetric: a ratio of 0.762.
     # Compared in the band that the noise of the sensors allows; the ripple of the drive is not part of it.
     rigs = [_rig(EMPS, tmp_path / name) for name in ("symmetric", "asymmetric")]
@@ -152,7 +153,7 @@ def test_emps_is_asymmetric_as_published(tmp_path: Path) -> None:
     assert backward == pytest.approx(240.4, rel=0.08)
 
 
-def test_tribometer_needs_presliding_then_a_bias(tmp_path: Path) -> None:
+def test_tribometer_needs_presliding_then_a_bias(tmp_path) -> None:
     # Quick fits of eight equal elements, by another solver, left 1.24, 0.158 and 0.122 N on the held-out record.
     rig = _rig(TRIBOMETER, tmp_path / "eight")
     channel = "friction_force"
@@ -231,8 +232,6 @@ def test_margins_that_do_not_depend_on_masses_are_those_of_the_report() -> None:
 
 @pytest.mark.slow
 def test_margins_with_the_masses_of_its_solids_are_those_of_the_report() -> None:
-    from stagecad.solids.assembly.built_machine import body_masses
-
     for file, column in (("start.toml", 1), ("stage.toml", 2)):
         design = load_design(FOLDER / file)
         checks = run_checks(design, body_masses(design))
@@ -242,9 +241,7 @@ def test_margins_with_the_masses_of_its_solids_are_those_of_the_report() -> None
 
 
 @pytest.mark.slow
-def test_it_is_built_and_its_sheets_have_no_lint_hits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_it_is_built_and_its_sheets_have_no_lint_hits(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert stagecad(["parts", "--params", str(FOLDER / "stage.toml"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["moving_body"]["mass"]["value"] > 2

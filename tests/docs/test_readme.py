@@ -78,9 +78,7 @@ def test_readme_names_commands() -> None:
     assert len(_commands(ROOT / "README.md")) > 10
 
 
-def test_python_of_the_readme_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_python_of_the_readme_runs(tmp_path, monkeypatch, capsys) -> None:
     (block,) = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE | re.DOTALL)
     shutil.copytree(ROOT / "examples" / "own_effect", tmp_path / "rig")
     trust_experiment(tmp_path / "rig")

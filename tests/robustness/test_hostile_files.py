@@ -121,9 +121,7 @@ def test_a_reader_that_waits_is_ended(tmp_path: Path, monkeypatch: pytest.Monkey
     assert "is not read within" in refusal(tmp_path / "a.npz")
 
 
-def test_a_small_file_of_too_many_rows_is_refused_while_it_is_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_small_file_of_too_many_rows_is_refused_while_it_is_read(tmp_path, monkeypatch) -> None:
     rows = b"time [s],x [m]\n" + b"1,1\n" * 60_000
     for name, content in (("a.csv", rows), ("a.csv.gz", gzip.compress(rows)), ("b.csv", rows.replace(b"\n", b"\r"))):
         (tmp_path / name).write_bytes(content)

@@ -95,9 +95,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_killed_at_random_moments(
-    tmp_path: Path, name: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_killed_at_random_moments(tmp_path, name: str, capfd: pytest.CaptureFixture[str], monkeypatch) -> None:
     case, random, found = CASES[name], np.random.default_rng([7, KILLS]), Counter[str]()
     template = _template(tmp_path, case)
     # Once in this process, which loads the modules that the forks inherit.

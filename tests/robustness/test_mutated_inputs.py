@@ -15,7 +15,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pyarrow
 import pytest
+from pyarrow import parquet
+from scipy.io import savemat
 
 from stagecad.parameters.errors import LONGEST, InputError
 from stagecad.parameters.file import packaged_text
@@ -127,16 +130,11 @@ def _csv() -> str:
 
 
 def _parquet(folder: Path) -> bytes:
-    import pyarrow
-    from pyarrow import parquet
-
     parquet.write_table(pyarrow.table(COLUMNS), folder / "valid.parquet")
     return (folder / "valid.parquet").read_bytes()
 
 
 def _mat(folder: Path) -> bytes:
-    from scipy.io import savemat
-
     savemat(folder / "valid.mat", COLUMNS)
     return (folder / "valid.mat").read_bytes()
 
@@ -162,9 +160,7 @@ LONG = {
 
 @pytest.mark.parametrize("kind", LONG)
 @pytest.mark.parametrize("place", ["force [N]", "time [s]", "0.01,"])
-def test_long_texts_take_no_time_that_grows_with_the_square_of_their_length(
-    tmp_path: Path, kind: str, place: str
-) -> None:
+def test_long_texts_take_no_time_that_grows_with_the_square_of_their_length(tmp_path, kind: str, place: str) -> None:
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("SUFFIX", "csv"))
     (tmp_path / "fit.csv").write_text(_csv().replace(place, f"{LONG[kind]},", 1))
     began = time.process_time()
@@ -186,9 +182,7 @@ def test_many_parameter_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(21, 21 + PARTS))
-def test_many_experiments_and_records(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, seed: int
-) -> None:
+def test_many_experiments_and_records(tmp_path, capsys, monkeypatch, seed: int) -> None:
     if sys.platform != "win32":
         monkeypatch.setattr(isolated, "subprocess", SimpleNamespace(run=_forked_reader, DEVNULL=None))
     found = experiments(tmp_path, count(50_000 // PARTS), seed, 0.1)

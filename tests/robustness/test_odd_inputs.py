@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stagecad.parameters import resolve
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import design_from_text, load_design
 from stagecad.solids.artefacts.part import kernel_errors
@@ -70,8 +71,6 @@ def test_a_long_chain_of_formulas_is_computed_and_a_ring_is_named(count: int) ->
 
 
 def test_a_chain_of_formulas_has_its_value() -> None:
-    from stagecad.parameters import resolve
-
     text = chain(12, closed=False).replace("20 mm", "30 mm")
     values = []
     for deepest in (40, 3):
@@ -159,9 +158,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_comparison_ends_in_a_document_with_its_warning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
-) -> None:
+def test_a_comparison_ends_in_a_document_with_its_warning(tmp_path, capsys, name: str) -> None:
     force, noise, said = CASES[name]
     slide(tmp_path / "rig", force, '"coulomb", "viscous"', held_out=True, noise=noise)
     assert run(["compare", str(tmp_path / "rig"), "--no-figures", "--json"]) == 0

@@ -3,7 +3,9 @@
 import json
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
@@ -174,9 +176,6 @@ def test_the_job_of_a_killed_server_is_listed_as_ended(tmp_path: Path) -> None:
 
 def test_many_previews_leave_the_other_requests_their_threads(client: TestClient) -> None:
     """As many as there are threads, each of which would hold one."""
-    from concurrent.futures import ThreadPoolExecutor
-    from threading import Event
-
     session, go, waiting = client.app.app.state.machine, Event(), Event()  # type: ignore[attr-defined]
 
     def preview(*_: Any) -> dict[str, Any]:

@@ -4,9 +4,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pyarrow
 import pytest
 
 from stagecad import Experiment, InputError
+from workbench.operations.measurement.experiment import columns_of
 
 TIME = np.arange(400) * 0.01
 VELOCITY = 0.03 * np.sin(7.0 * TIME)
@@ -55,8 +57,6 @@ def test_a_missing_time_is_named() -> None:
 
 def gaps(data: Any) -> np.ndarray:
     """Forces of a table, gaps as NaN."""
-    from workbench.operations.measurement.experiment import columns_of
-
     return columns_of(data, "a")["friction_force [N]"]
 
 
@@ -81,8 +81,6 @@ def test_masked_values_and_missing_ones_are_gaps() -> None:
 
 
 def test_other_libraries_tables() -> None:
-    import pyarrow
-
     np.testing.assert_array_equal(gaps(pyarrow.Table.from_pandas(frame())), FORCE)
 
 

@@ -18,9 +18,7 @@ def test_a_private_folder_is_closed_to_others(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("planted", ["root", "kernels"])
-def test_a_cache_that_another_user_owns_is_passed_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, planted: str
-) -> None:
+def test_a_cache_that_another_user_owns_is_passed_over(tmp_path, monkeypatch, planted: str) -> None:
     shared = tmp_path / "shared"
     (shared / "kernels").mkdir(parents=True)
     owner = {"root": shared, "kernels": shared / "kernels"}[planted]
@@ -56,9 +54,7 @@ def test_what_others_could_write_is_not_used(tmp_path: Path, monkeypatch: pytest
 
 @pytest.mark.skipif(sys.platform == "win32" or os.getuid() != 0, reason="only root can give a folder away")
 @pytest.mark.parametrize("given", ["root", "kernels", "target of a link", "link"])
-def test_a_cache_given_to_another_user_is_passed_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str
-) -> None:
+def test_a_cache_given_to_another_user_is_passed_over(tmp_path, monkeypatch, given: str) -> None:
     shared, real = tmp_path / "shared", tmp_path / "real"
     shared.mkdir(mode=0o755)
     real.mkdir(mode=0o700)
@@ -85,9 +81,7 @@ def test_a_link_of_this_user_leads_to_a_closed_cache(tmp_path: Path, monkeypatch
     assert (real / "kernels").stat().st_mode & 0o777 == 0o700
 
 
-def test_a_cache_whose_folders_others_may_rename_is_passed_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cache_whose_folders_others_may_rename_is_passed_over(tmp_path, monkeypatch) -> None:
     shared = tmp_path / "shared"
     shared.mkdir()
     monkeypatch.setenv("STAGECAD_CACHE", str(shared))

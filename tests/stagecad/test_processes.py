@@ -9,7 +9,9 @@ import time
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from stagecad.parameters.errors import InputError
 from stagecad.processes import TimeLimit, fork_map, inside_worker, parallel_map, processors
@@ -80,9 +82,6 @@ def pid_of(n: int) -> int:
 
 
 def threads_of(n: int) -> set[int]:
-    import numpy as np
-    from threadpoolctl import threadpool_info
-
     np.linalg.solve(np.eye(3), np.ones(3))
     return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
 

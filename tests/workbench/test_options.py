@@ -67,9 +67,7 @@ def test_a_full_disk_is_one_line(words):
         (OSError("libllvmlite.so: failed to map segment"), "libllvmlite.so: failed to map segment"),
     ],
 )
-def test_one_line(
-    error: Exception, line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_line(error: Exception, line: str, monkeypatch, capsys) -> None:
     def failing(*arguments: object) -> None:
         raise error
 

@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 
 from benchmarks.generators.hidden_effect import Plan, make_case
+from benchmarks.generators.hidden_effect.axis import SPRING, AxisTruth, simulate_axis
+from benchmarks.generators.hidden_effect.motions import Motion
 
 ROWS = 4000
 
@@ -37,9 +39,6 @@ def test_a_hidden_effect_is_brought_to_its_level(level: str, low: float, high: f
 
 def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> None:
     """A mass pulled slowly by a spring: it stands until the spring's force reaches the Coulomb force."""
-    from benchmarks.generators.hidden_effect.axis import SPRING, AxisTruth, simulate_axis
-    from benchmarks.generators.hidden_effect.motions import Motion
-
     rows, speed, stiffness, coulomb = 2000, 1e-3, 2000.0, 2.0
     time = np.arange(rows) * 1e-3
     zero, one = np.zeros(rows), np.ones(rows)
@@ -75,7 +74,6 @@ LAWS = {
 def test_a_step_of_fifty_microseconds_is_fine_enough(name: str) -> None:
     """Sixteen times finer steps change the record by little of what the effect does to it."""
     from benchmarks.generators.hidden_effect.axis import SPRING, SUBSTEPS, AxisTruth, simulate_axis
-    from benchmarks.generators.hidden_effect.motions import Motion
 
     rows = 400
     time = np.arange(rows) * 1e-3

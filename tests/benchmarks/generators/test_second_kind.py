@@ -79,9 +79,7 @@ def test_the_work_of_the_spring_is_dissipated_or_stored() -> None:
     [("flexible_mode", "spring-pull"), ("magnetic_cogging", "force-drive"), ("stribeck", "force-drive"),
      ("drive_lag", "force-drive"), ("presliding", "spring-pull"), ("backlash", "spring-pull")],
 )  # fmt: skip
-def test_a_tenth_of_the_time_step_changes_little_of_what_the_effect_does(
-    name: str, rig: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_tenth_of_the_time_step_changes_little_of_what_the_effect_does(name: str, rig: str, monkeypatch) -> None:
     effect = next(h for h in hidden.NAMED if h.name == name and rig in h.rigs)
     rng = np.random.default_rng(1)
     m = replace(draw_machine(rng, rig, curve=False), rows=1500)
@@ -202,7 +200,7 @@ def test_the_same_seed_gives_the_same_case_and_the_classes_their_shares() -> Non
 
 @pytest.mark.parametrize(("rig", "style"), [(RIGS[0], 1), (RIGS[1], 2), (RIGS[2], 2), (RIGS[3], 0)])
 def test_the_projects_reader_accepts_the_files_and_finds_the_stated_noise(
-    rig: str, style: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rig: str, style: int, tmp_path, monkeypatch
 ) -> None:
     effect = next(h for h in hidden.NAMED if h.name in ("constant_bias", "gain_mismatch") and rig in h.rigs)
     monkeypatch.setitem(machines.MOST_ROWS, rig, 4000)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 
 from benchmarks.generators.planar_stage import free_plate
 from designcalc.bearing.plate import Plate, StandingBody, SupportedPlate
@@ -68,8 +69,6 @@ def test_modes_and_compliance_agree():
 
 def test_what_is_kept_of_an_outline_gives_the_same_modes_and_deflections():
     """Modes from those of the free plate against those of all degrees of freedom; forces on assembled matrices."""
-    from scipy.sparse.linalg import splu
-
     plate = Plate(0.231, 0.272, 0.011, 68.9e9, 0.33, 2900.0)
     body = StandingBody(tuple((x, y) for x in (-0.04, 0.04) for y in (-0.05, 0.05)), 1.2, 0.04)
     one = SupportedPlate(plate, PADS, [((0.01, 0.0), 0.2)], [body])

@@ -7,7 +7,9 @@ from scipy.linalg import solve_continuous_lyapunov
 from designcalc.checks.check import DesignInputs
 from designcalc.errors import dynamic_budget as db
 from designcalc.errors.thermal import floor_motion
+from designcalc.friction_stage.physics.loads import load, moved_mass
 from designcalc.friction_stage.physics.position_loop import BANDS, dynamic_budgets, position_loop, suspension
+from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 
@@ -100,9 +102,6 @@ def test_a_resting_stage_is_held_by_tip_and_pads():
     """Stiffness of the presliding curve at rest by a small step on it; and a loop that its resonance makes unstable."""
     r = DesignInputs(load_design(None, ()))
     held, step = suspension(r), 1e-12
-    from designcalc.friction_stage.physics.loads import load, moved_mass
-    from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness
-
     force = 0.06 * load(r) * (1 - (1 - step / 0.5e-6) ** 2)
     whole = force / step + holding_stiffness(r)
     assert (2 * np.pi * held.resonance) ** 2 * moved_mass(r) == pytest.approx(whole, rel=1e-4)

@@ -246,7 +246,7 @@ def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Bui
 
 
 def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(
-    machine: BuiltMachine, design: Design, pictures: dict[str, Picture]
+    machine: BuiltMachine, design, pictures: dict[str, Picture]
 ) -> None:
     below = pictures["from below"]
     tall = replace(

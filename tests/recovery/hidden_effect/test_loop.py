@@ -59,7 +59,7 @@ def _over_noise(stage: dict[str, Any]) -> float:
     ],
 )
 def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
-    cli: Cli, tmp_path: Path, rig: str, effect: str, seed: int
+    cli: Cli, tmp_path, rig: str, effect: str, seed: int
 ) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=True, rows=ROWS), seed)
     before = (tmp_path / "rig" / "fit.csv").read_bytes()
@@ -92,7 +92,7 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
     ],
 )
 def test_where_nothing_is_hidden_the_model_is_called_adequate(
-    cli: Cli, tmp_path: Path, rig: str, nuisance: str, seed: int
+    cli: Cli, tmp_path, rig: str, nuisance: str, seed: int
 ) -> None:
     _experiment(tmp_path / "rig", Plan(rig, nuisance=nuisance, idle=True, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
@@ -110,7 +110,7 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate(
     ],
 )
 def test_an_effect_of_no_library_is_called_unexplained_and_located(
-    cli: Cli, tmp_path: Path, rig: str, effect: str, seed: int
+    cli: Cli, tmp_path, rig: str, effect: str, seed: int
 ) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=False, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
@@ -170,9 +170,7 @@ def test_a_small_inertia_on_a_spring_is_no_kilogram(tmp_path: Path, columns: tup
 
 
 @pytest.mark.parametrize("effect,parameter,seed", [("drive_lag", "time_constant", 3), ("drive_delay", "delay", 7)])
-def test_with_the_lag_or_delay_added_what_is_left_is_noise(
-    tmp_path: Path, effect: str, parameter: str, seed: int
-) -> None:
+def test_with_the_lag_or_delay_added_what_is_left_is_noise(tmp_path, effect: str, parameter: str, seed: int) -> None:
     case = make_case(Plan("force-drive", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(seed))
     case.write(tmp_path)
 

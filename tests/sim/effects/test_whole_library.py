@@ -9,6 +9,8 @@ import pytest
 from sim import compose, simulate
 from sim.effects.catalogue import ORDER, find, library
 from sim.effects.effect import Axis, Effect
+from sim.experiments.friction_models import Friction
+from sim.experiments.passivity import audit
 from sim.integration import drive
 from sim.integration.compiled import kernels
 from stagecad.parameters.errors import InputError
@@ -204,9 +206,6 @@ def _given(law: Effect) -> dict[str, float]:
 
 def test_lugre_is_the_known_exception_to_passivity():
     """Named here and in docs/causal_friction_model.md: a start from near break-away gives heat back."""
-    from sim.experiments.friction_models import Friction
-    from sim.experiments.passivity import audit
-
     assert audit(Friction(), "lugre", "start").least_heat < -1e-5
     assert audit(Friction(), "lugre_causal", "start").least_heat >= 0.0
 

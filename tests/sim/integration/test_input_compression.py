@@ -6,7 +6,7 @@ import pytest
 from sim.effects.catalogue import compose
 from sim.integration import drive
 from sim.integration.drive import SHARE, compressed, force_at
-from sim.integration.plan import Surroundings
+from sim.integration.plan import Surroundings, plan_of
 from sim.integration.simulate import simulate
 
 NO_SURROUNDINGS = Surroundings(np.full((1, 2), np.nan))
@@ -71,8 +71,6 @@ def test_the_force_shown_is_that_of_the_record():
 
 
 def test_a_drive_with_a_play_is_left_as_it_is():
-    from sim.integration.plan import plan_of
-
     given = logged_pull(1e-8)
     with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, NO_SURROUNDINGS)
     assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given

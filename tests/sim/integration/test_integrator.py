@@ -1,8 +1,10 @@
 """The integrator against closed solutions: order, tolerance, corners, jumps, failures; and the cache of kernels."""
 
 import math
+import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from sim.integration import drive, integrator
 from sim.integration.compiled import kernels, views
 from sim.integration.drive import Drive
 from sim.integration.simulate import SimulationError, simulate
+from sim.numerics import compilation
 from stagecad.parameters.errors import InputError
 
 NO_FORCE = drive.force([0.0, 1.0], [0.0, 0.0])
@@ -156,8 +159,6 @@ def test_too_many_steps_is_a_failure_with_its_place():
 
 
 def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
-    from dataclasses import replace
-
     slow = replace(find("stribeck"), name="my_stribeck", level=lambda a, p: find("stribeck").level(a, p), slopes={})
     assert kernels.effect_kernel(find("stribeck")).compiled
     assert not kernels.effect_kernel(slow).compiled
@@ -199,10 +200,6 @@ def test_the_cache_is_keyed_by_the_source_of_the_law(tmp_path, monkeypatch):
 
 
 def test_kernels_long_unused_are_removed_when_new_ones_are_made(tmp_path, monkeypatch):
-    import os
-
-    from sim.numerics import compilation
-
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path))
     compilation.cache_folder.cache_clear()
     try:
@@ -218,8 +215,6 @@ def test_kernels_long_unused_are_removed_when_new_ones_are_made(tmp_path, monkey
 
 
 def test_the_cache_falls_back_where_it_cannot_be_written(tmp_path, monkeypatch):
-    from sim.numerics import compilation
-
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")
     monkeypatch.setenv("STAGECAD_CACHE", str(blocked))

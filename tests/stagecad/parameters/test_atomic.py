@@ -40,9 +40,7 @@ def test_a_new_file_follows_the_umask(tmp_path: Path) -> None:
     assert (tmp_path / "new.txt").stat().st_mode & 0o777 == 0o640
 
 
-def test_the_data_are_flushed_before_the_rename_and_the_folder_after_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_data_are_flushed_before_the_rename_and_the_folder_after_it(tmp_path, monkeypatch) -> None:
     path = tmp_path / "experiment.toml"
     path.write_text("old")
     seen: list[tuple[str, str]] = []

@@ -107,9 +107,7 @@ def test_a_message_is_one_printable_line_of_bounded_length() -> None:
 
 
 @pytest.mark.parametrize("name", ["\x1b]0;owned\x07", "a\nb", "\u202e"])
-def test_control_characters_never_reach_the_terminal(
-    name: str, capsys: pytest.CaptureFixture[str], tmp_path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_control_characters_never_reach_the_terminal(name: str, capsys, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "stage.toml").write_text(f'extends = "thesis"\n[stage]\nmaterial = {name!r}\n', "utf-8")
     for words in (["check"], ["compare", name], ["calc", name], [name], ["params", "--set", f"stage.{name}=1"]):

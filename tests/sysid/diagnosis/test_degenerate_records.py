@@ -141,7 +141,7 @@ def _experiment(folder: Path) -> None:
     )
 
 
-def test_records_of_different_rates_share_one_filter(tmp_path: Path) -> None:
+def test_records_of_different_rates_share_one_filter(tmp_path) -> None:
     # A filter narrower than the rows of the slow record would pass no acceleration at all.
     _driven(tmp_path, STEP, "fit.csv", 6000)
     _driven(tmp_path, 32 * STEP, "validate.csv", 400)

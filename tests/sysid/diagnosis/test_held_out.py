@@ -132,9 +132,7 @@ def _written(folder: Path, mirror: float, later: float, unit: str) -> Problem:
 
 
 @pytest.mark.parametrize("mirror,later,unit", [(-1.0, 0.0, "m"), (1.0, 100.0, "m"), (1.0, 0.0, "mm")])
-def test_loss_does_not_depend_on_direction_start_time_or_unit(
-    tmp_path: Path, mirror: float, later: float, unit: str
-) -> None:
+def test_loss_does_not_depend_on_direction_start_time_or_unit(tmp_path, mirror: float, later: float, unit: str) -> None:
     losses = []
     for name, arguments in (("one", (1.0, 0.0, "m")), ("other", (mirror, later, unit))):
         problem = _written(tmp_path / name, *arguments)

@@ -149,7 +149,7 @@ def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_pat
     assert twice == pytest.approx(0.75 * (0.4 * record.full_filter.width) ** 2, rel=1e-6)
 
 
-def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path: Path) -> None:
+def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path) -> None:
     # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
     problem = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
     found = fit_stated_model(problem).fitted

@@ -88,7 +88,7 @@ def test_pitch_and_phase_are_found_on_the_grid(tmp_path: Path) -> None:
     assert np.sin(values["magnetic_cogging.phase"]) == pytest.approx(np.sin(0.7), abs=0.05)
 
 
-def test_start_with_a_negative_drag_is_at_the_bound(tmp_path: Path) -> None:
+def test_start_with_a_negative_drag_is_at_the_bound(tmp_path) -> None:
     # Friction that falls with the speed asks for a negative drag; physics does not have it.
     problem = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), '"coulomb"')
     found = scores(problem, "quadratic_drag")[0]
@@ -112,7 +112,7 @@ def test_effect_without_amplitude_is_scored_at_finite_size(tmp_path: Path) -> No
     assert found.fitted.model.values["sensor_lag.time_constant"] == pytest.approx(tau, abs=0.5 * STEP)
 
 
-def test_score_of_a_direction_of_the_base_model_is_zero(tmp_path: Path) -> None:
+def test_score_of_a_direction_of_the_base_model_is_zero(tmp_path) -> None:
     # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     assert scores(problem, "load_dependent_friction") == []

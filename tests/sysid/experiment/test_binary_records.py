@@ -7,7 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+import pyarrow
 import pytest
+from pyarrow import parquet
+from scipy.io import savemat
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers import base, isolated
@@ -17,16 +20,11 @@ T = np.arange(200) * 0.01
 
 
 def _mat(path: Path, **given: np.ndarray) -> bytes:
-    from scipy.io import savemat
-
     savemat(path, given, do_compression=True)
     return path.read_bytes()
 
 
 def _parquet(path: Path, **given: np.ndarray) -> bytes:
-    import pyarrow
-    from pyarrow import parquet
-
     parquet.write_table(pyarrow.table(given), path)
     return path.read_bytes()
 
@@ -67,9 +65,6 @@ def test_only_the_columns_asked_for_are_read(tmp_path: Path) -> None:
 
 
 def test_columns_of_one_name_are_told_apart(tmp_path: Path) -> None:
-    import pyarrow
-    from pyarrow import parquet
-
     parquet.write_table(pyarrow.Table.from_arrays([pyarrow.array(T), pyarrow.array(-T)], ["a", "a"]), tmp_path / "f.pq")
     found = open_record_file(tmp_path / "f.pq", "f.pq").columns([1, 0])
     assert np.array_equal([column.values for column in found], [-T, T])

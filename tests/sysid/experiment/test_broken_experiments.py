@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.io import savemat
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment, trust_experiment
@@ -95,8 +96,6 @@ def test_a_damaged_parquet_file(tmp_path, content):
 
 
 def test_a_mat_file_without_vectors_or_of_another_version(tmp_path):
-    from scipy.io import savemat
-
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.mat"))
     savemat(tmp_path / "fit.mat", {"comment": "nothing measured", "gain": 3.0})
     with pytest.raises(InputError, match=r"fit\.mat: contains no vector of numbers"):

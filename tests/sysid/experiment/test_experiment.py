@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import sysid.prediction.problem as module
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment, trust_experiment
+from sysid.experiment.record import load_records
 from sysid.prediction.problem import load_problem
 from workbench.cli import run
 
@@ -131,8 +133,6 @@ def test_a_record_may_override_the_noise_and_continue_another(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_every_practice_experiment_and_both_rigs_read():
-    from sysid.experiment.record import load_records
-
     folders = [path.parent for path in SHARED.glob("*/*/experiment.toml")]
     assert len(folders) >= 42
     for folder in folders:
@@ -180,9 +180,7 @@ def named(folder: Path, custom: str) -> None:
 
 
 @pytest.mark.parametrize("command", ["compare", "diagnose", "suggest", "ladder", "simulate", "add"])
-def test_no_command_runs_the_code_without_consent(
-    rig: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
+def test_no_command_runs_the_code_without_consent(rig: Path, tmp_path, capsys, command: str) -> None:
     words = [command, str(rig), *(["viscous"] if command == "add" else []), "--out", str(tmp_path / "out")]
     assert run(words) == 2
     said = capsys.readouterr().err
@@ -190,9 +188,7 @@ def test_no_command_runs_the_code_without_consent(
     assert not (tmp_path / "flag").exists()
 
 
-def test_a_consent_is_for_the_content_of_the_file(
-    rig: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_consent_is_for_the_content_of_the_file(rig: Path, tmp_path, capsys) -> None:
     words = ["ladder", str(rig), "--out", str(tmp_path / "out")]
     assert run([*words, "--trust"]) == 0
     assert f"trusted as it is now: {rig / 'mine.py'}" in capsys.readouterr().err
@@ -210,8 +206,6 @@ def test_a_consent_is_for_the_content_of_the_file(
 
 
 def test_a_file_changed_between_reading_and_fitting_does_not_run(rig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import sysid.prediction.problem as module
-
     def changing(experiment: object) -> list[object]:
         (rig / "mine.py").write_text("raise RuntimeError('ran')")
         return records(experiment)

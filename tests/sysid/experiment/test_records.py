@@ -1,10 +1,16 @@
 """Records as arrays: formats, units, signs, windows, gaps, rates, and what is held out."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
+import pyarrow
 import pytest
+from pyarrow import parquet
+from scipy.io import savemat
 
+from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
 
@@ -95,10 +101,6 @@ def test_gaps_stay_gaps_whatever_they_are_written_as(tmp_path):
 
 
 def test_parquet_and_mat_give_the_same_record_as_csv(tmp_path):
-    import pyarrow
-    from pyarrow import parquet
-    from scipy.io import savemat
-
     gaps = F.copy()
     gaps[5] = np.nan
     _csv(tmp_path, "time [s],position [mm],friction_force [N]", T, 1e3 * X, gaps)
@@ -123,11 +125,6 @@ def test_parquet_and_mat_give_the_same_record_as_csv(tmp_path):
 
 
 def test_integers_in_parquet_are_numbers_and_texts_are_refused(tmp_path):
-    import pyarrow
-    from pyarrow import parquet
-
-    from stagecad.parameters.errors import InputError
-
     def write(force):
         count = np.arange(100)
         table = pyarrow.table({"time [s]": count, "position [um]": count, "friction_force [N]": force})
@@ -148,9 +145,6 @@ def test_cells_quoted_padded_or_in_other_columns_do_not_hurt(tmp_path):
 
 
 def test_reading_loads_no_pandas(tmp_path):
-    import subprocess
-    import sys
-
     _csv(tmp_path, "time [s],position [m],friction_force [N]", T, X, F)
     _load(tmp_path, 'file = "fit.csv"')
     code = (

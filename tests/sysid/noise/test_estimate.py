@@ -10,6 +10,7 @@ import pytest
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
+from sysid.experiment.rigs import RIGS
 from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_warnings, with_quantisation
 from sysid.noise.repeats import find_quantisation_step
 
@@ -246,8 +247,6 @@ def test_real_rigs():
 @pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_practice_records_whose_noise_is_given():
-    from sysid.experiment.rigs import RIGS
-
     ratios = []
     for folder in sorted((SHARED / "practice").glob("case*")):
         experiment = load_experiment(folder)

@@ -103,9 +103,7 @@ def folder_of(folder: Path) -> Path:
         ("fit N/A", "normal_load", r"channels\.normal_load\.scale = 'fit N/A': it can be fitted of drive_force"),
     ],
 )
-def test_a_scale_that_cannot_be_fitted_is_refused_in_one_line(
-    tmp_path: Path, scale: str, channel: str, message: str
-) -> None:
+def test_a_scale_that_cannot_be_fitted_is_refused_in_one_line(tmp_path, scale: str, channel: str, message: str) -> None:
     folder = _write(tmp_path, scale, channel=channel)
     if channel != "drive_force":
         text = (folder / "experiment.toml").read_text().replace("[[record]]", DRIVE, 1)

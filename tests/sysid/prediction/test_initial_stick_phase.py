@@ -43,9 +43,7 @@ def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Problem:
 
 @pytest.mark.parametrize("law,stretch", [("presliding", "stretch"), ("presliding:dahl", None)])
 @pytest.mark.parametrize("begin", [-1.0, -0.4, 0.0, 0.7])
-def test_the_first_force_is_the_one_that_was_measured(
-    tmp_path: Path, law: str, stretch: str | None, begin: float
-) -> None:
+def test_the_first_force_is_the_one_that_was_measured(tmp_path, law: str, stretch: str | None, begin: float) -> None:
     problem = record(tmp_path, bristle(moved(), begin), moved())
     model = with_effect(problem.start, find(law), problem.scales)
     values = {f"{law}.force": LEVEL, **({f"{law}.stretch": STRETCH} if stretch else {})}

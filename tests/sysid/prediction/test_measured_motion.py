@@ -61,7 +61,7 @@ def _slow_shear(folder: Path, speed: float, noise: float, correlation: float = 0
     [(26e-9, 166e-9, 0.0, 0), (26e-9, 16e-9, 0.0, 0), (5e-9, 166e-9, 0.0, 0), (26e-9, 166e-9, 0.0, 300)],
 )
 def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
-    tmp_path: Path, speed: float, noise: float, correlation: float, rest: int
+    tmp_path, speed: float, noise: float, correlation: float, rest: int
 ) -> None:
     found = _slow_shear(tmp_path, speed, noise, correlation, rest)
     values, record = found.base.fitted.model.values, found.problem.fit_records[0]
@@ -118,9 +118,7 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     "factor,late,warned", [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True), (30.0 / np.pi, 0, True)]
 )
-def test_a_velocity_that_contradicts_the_position_is_reported(
-    tmp_path: Path, factor: float, late: int, warned: bool
-) -> None:
+def test_a_velocity_that_contradicts_the_position_is_reported(tmp_path, factor: float, late: int, warned: bool) -> None:
     rng = np.random.default_rng(6)
     time = 1e-3 * np.arange(4000)
     velocity = 0.02 * np.cos(2 * np.pi * 1.7 * time) + 0.01 * np.cos(2 * np.pi * 4.1 * time)

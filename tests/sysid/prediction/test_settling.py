@@ -41,7 +41,7 @@ def _slide(folder: Path, position: np.ndarray) -> Problem:
     return _problem(folder, "velocity-drive", {"position [m]": position, "friction_force [N]": force})
 
 
-def test_a_record_is_scored_from_its_first_reversal_on(tmp_path: Path) -> None:
+def test_a_record_is_scored_from_its_first_reversal_on(tmp_path) -> None:
     # Reversals at 0.1 s and every half second after that.
     position = 1e-3 * np.cos(2.0 * np.pi * (TIME - 0.1))
     assert _scored(_slide(tmp_path, position).fit_records[0]) == pytest.approx(100, abs=2)

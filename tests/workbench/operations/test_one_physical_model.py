@@ -113,9 +113,7 @@ def test_the_tip_of_the_checks_is_the_simulated_one():
     assert f"min({up / 1e3:.4g} kHz, {rocking / 1e3:.4g} kHz)/3" in stated
 
 
-def test_an_experiment_takes_the_stiffness_with_a_note(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch, caplog) -> None:
     run = Run(None, (), Path("build"), None)
     monkeypatch.setattr(
         workbench.operations.measurement.design_values, "_inputs", lambda design: DesignInputs(design.values)

@@ -10,11 +10,12 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress
 
+import workbench.cli.commands.parts as command
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.outputs import DamagedError, write_stored
-from stagecad.solids.artefacts.part import CRASHED
+from stagecad.solids.artefacts.part import CRASHED, build_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from sysid.diagnose import diagnose
 from workbench import cli
@@ -53,9 +54,7 @@ def test_a_diagnosis_knows_from_the_first_step_how_many_it_counts(tmp_path: Path
     assert steps[-1] == ("", total, total)
 
 
-def test_what_cannot_be_counted_shows_that_it_runs_on_a_terminal_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_counted_shows_that_it_runs_on_a_terminal_alone(tmp_path, monkeypatch, capsys) -> None:
     folder = str(fresh_copy(tmp_path / "rig"))
     assert cli.run(["compare", folder, "--no-figures"]) == 0
     assert "fitting the model" not in capsys.readouterr().err
@@ -89,8 +88,6 @@ def test_the_packaged_design_is_a_fault_of_the_program(design: Design) -> None:
 
 
 def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    import workbench.cli.commands.parts as command
-
     def refused(*arguments: object) -> None:
         raise PartError("tip", load_design(None, ["tip.hub_diameter=24 mm"]), "failed")
 
@@ -101,7 +98,6 @@ def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, capsys
 
 @pytest.mark.slow
 def test_the_kernel_refuses_a_magnet_that_its_chamfers_consume(tmp_path) -> None:
-    from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
 
     design = load_design(None, ["magnet.edge_chamfer=4 mm"], rules=False)

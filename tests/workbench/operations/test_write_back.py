@@ -58,9 +58,7 @@ def in_stage_file() -> dict[str, Any]:
     return tomllib.loads(Path("stage.toml").read_text())["friction"]
 
 
-def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(
-    rig: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: Path, capsys) -> None:
     Path("stage.toml").write_text(STAGE)
     assert run(["add", str(rig), "--write-back", "friction.coulomb", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -111,7 +109,7 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, caps
 
 @pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
 def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
-    rig: Path, capsys: pytest.CaptureFixture[str], wanted: str, said: str
+    rig: Path, capsys, wanted: str, said: str
 ) -> None:
     Path("stage.toml").write_text(STAGE)
     assert run(["add", str(rig), "--write-back", "friction.coulomb", "--write-back", wanted]) == 2
@@ -121,9 +119,7 @@ def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
     assert Path("stage.toml").read_text() == STAGE
 
 
-def test_a_value_at_its_bound_is_not_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_value_at_its_bound_is_not_written(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     settings = '[model.parameters]\n"viscous.coefficient" = {low = "9 N*s/m", start = "9.5 N*s/m"}\n'
     rig = write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"], settings)
@@ -133,9 +129,7 @@ def test_a_value_at_its_bound_is_not_written(
     assert Path("stage.toml").read_text() == STAGE
 
 
-def test_a_value_that_is_not_written_stops_the_addition_before_its_rung(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_value_that_is_not_written_stops_the_addition_before_its_rung(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     settings = '[model.parameters]\n"viscous.coefficient" = {low = "9 N*s/m", start = "9.5 N*s/m"}\n'
     rig = write_rig(tmp_path / "slide", ["coulomb", "viscous"], settings)
@@ -169,9 +163,7 @@ def fitted_viscous(rig: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, A
     return json.loads(capsys.readouterr().out)["parameters"].get("viscous.coefficient")
 
 
-def test_the_designs_deviation_is_a_prior_of_the_fit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_designs_deviation_is_a_prior_of_the_fit(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     settings = '[model.parameters]\n"viscous.coefficient" = "design"\n'
     rig = write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"], settings)
@@ -190,9 +182,7 @@ def test_the_designs_deviation_is_a_prior_of_the_fit(
     assert both["std"] == pytest.approx(known / np.sqrt(2.0), rel=0.2)
 
 
-def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     settings = (
         '[model.parameters]\n"viscous.coefficient" = {start = "design", fixed = true}\n"coulomb.force" = "design"\n'
@@ -205,9 +195,7 @@ def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(
     assert settings_now["viscous.coefficient"] == {"start": "design", "fixed": True}
 
 
-def test_what_the_design_does_not_say_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     settings = '[model.parameters]\n"constant_bias.force" = "design"\n'
     rig = write_rig(tmp_path / "slide", ["coulomb", "constant_bias"], settings)

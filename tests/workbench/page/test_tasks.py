@@ -35,7 +35,7 @@ def _common(rig: Path, folder: str) -> dict[str, Any]:
     }
 
 
-def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch) -> None:
     # The figures of the report take longer than all the rest.
     monkeypatch.setattr(
         "workbench.operations.measurement.compare.Comparison.write_report", lambda *rest: rig / "report.html"

@@ -3,9 +3,12 @@
 Loads of 33.2 N are those with a dead weight of 3 N in place of the magnets.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz_stress import peak_mises
@@ -89,10 +92,6 @@ def test_numbers_of_the_checks(packaged):
 
 def test_the_bed_has_its_own_poisson_ratio():
     """308.7 N/um where the ratio of the rail alone gives 310.6."""
-    from dataclasses import replace
-
-    from designcalc.bearing.bolted_rail import total_stiffness
-
     way = rail(inputs())
     M, tau = 38.1 / 9.525, 14.3 / 9.525
     assert float(total_stiffness(way, M, tau)) == pytest.approx(308.7e6, rel=1e-3)

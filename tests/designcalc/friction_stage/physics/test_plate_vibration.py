@@ -21,6 +21,7 @@ from designcalc.friction_stage.physics.plate_vibration import (
 )
 from designcalc.friction_stage.physics.position_loop import dynamic_budget
 from designcalc.friction_stage.physics.stage_plate import TIP, give_at_tip, payload_height, payload_places, stage_plate
+from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, contact_stiffness, stack_stiffness, usable_ellipse
 from stagecad.parameters.load import load_design
 
 QUIET = ("bearing.damping_ratio=0.000001", "stage.damping_ratio=0.000001")
@@ -194,11 +195,4 @@ def test_the_pulsation_is_taken_where_the_payload_moves_most():
 
 
 def _pulse(r: DesignInputs) -> tuple[float, float, float]:
-    from designcalc.friction_stage.physics.tip_dynamics import (
-        PIEZOS,
-        contact_stiffness,
-        stack_stiffness,
-        usable_ellipse,
-    )
-
     return usable_ellipse(r)[1], contact_stiffness(r, tip_load(r)).rate, PIEZOS * stack_stiffness(r)

@@ -3,7 +3,6 @@
 import io
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -162,7 +161,7 @@ def test_measures_on_the_parts_are_the_designs(machine: BuiltMachine, design: De
 
 
 def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
-    machine: BuiltMachine, design: Design, store: ArtefactStore, tmp_path: Path
+    machine: BuiltMachine, design, store, tmp_path
 ) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
     assert find_machine(thicker, ArtefactStore(tmp_path)) is None
@@ -223,7 +222,7 @@ def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
     assert not {*OF_TEETH, *OF_END_STOPS} & set(count(machine.assembly.instances))
 
 
-def test_three_actuators_stand_at_their_pockets(design: Design, machine: BuiltMachine) -> None:
+def test_three_actuators_stand_at_their_pockets(design, machine: BuiltMachine) -> None:
     # A two-axis design has a travel of its own; only where the actuators stand is of interest here.
     full = replace(design, actuator=replace(design.actuator, fitted=3))
     standing = by_name(assemble(machine.parts, full))

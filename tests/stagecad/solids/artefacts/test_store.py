@@ -218,9 +218,7 @@ def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: Artefa
     assert (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
 
 
-def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(
-    store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(store, monkeypatch) -> None:
     entry = store.make("part", Plan(), MODULES, Maker())
     store.drop(entry)
     seen: list[bytes] = []

@@ -60,7 +60,7 @@ def test_a_part_number_that_a_spreadsheet_would_calculate_is_text(machine: Built
 
 
 def test_command_writes_files_document_and_manifest(
-    cached: ArtefactStore, machine: BuiltMachine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    cached: ArtefactStore, machine: BuiltMachine, tmp_path, capsys
 ) -> None:
     assert run(["parts", "--out", str(tmp_path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -90,11 +90,7 @@ def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore,
 
 
 def test_command_makes_again_what_is_damaged_in_the_cache(
-    machine: BuiltMachine,
-    store: ArtefactStore,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    machine: BuiltMachine, store, tmp_path, monkeypatch, capsys
 ) -> None:
     # A cache of its own: other tests read the common one meanwhile.
     shutil.copytree(store.folder, tmp_path / "cache", ignore=shutil.ignore_patterns(".*"), copy_function=os.link)
@@ -109,9 +105,7 @@ def test_command_makes_again_what_is_damaged_in_the_cache(
     assert "damaged" in capsys.readouterr().err
 
 
-def test_unknown_part_names_the_nearest(
-    cached: ArtefactStore, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_unknown_part_names_the_nearest(cached: ArtefactStore, tmp_path, capsys) -> None:
     assert run(["parts", "stag", "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1

@@ -1,5 +1,6 @@
 """Nothing runs into anything that is not meant to meet it, at the ends and the middle of travel and height."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -43,8 +44,6 @@ def test_fits_have_the_clearance_of_their_diameters(found: list[Interference], d
 
 
 def test_threads_overlap_by_their_ring(found: list[Interference], design: Design) -> None:
-    import math
-
     screw, drill = design.screws.way, design.threads.unc_3_8_tap_drill
     ring = math.pi / 4.0 * (screw.diameter**2 - drill**2) * design.derived.way_screw_engagement
     overlap = at_rest(found, "base", "way_screw_left_1").common_volume

@@ -2,6 +2,7 @@
 
 import math
 
+import cadquery as cq
 import pytest
 
 from stagecad.solids.assembly.pair_measurement import common_volume, common_volumes, least_distance, relative_frame
@@ -14,8 +15,6 @@ TURNED = ((C, -S, 0.0), (S, C, 0.0), (0.0, 0.0, 1.0))
 @pytest.fixture(scope="module")
 def solids():
     """A plate of 40 x 40 x 10 with a bore of 12 through its middle, and a pin of 10 x 30 along z."""
-    import cadquery as cq
-
     plate = cq.Solid.makeBox(40, 40, 10, cq.Vector(-20, -20, 0)).cut(cq.Solid.makeCylinder(6, 10))
     pin = cq.Solid.makeCylinder(5, 30)
     return plate.Solids()[0], pin
@@ -44,8 +43,6 @@ def test_common_volume_of_a_pin_in_a_plate(solids) -> None:
 @pytest.fixture(scope="module")
 def drilled():
     """A plate of 200 x 40 x 10 with 20 holes of 6 mm, 9 mm apart."""
-    import cadquery as cq
-
     holes = cq.Workplane().box(200, 40, 10, centered=False).faces(">Z").workplane(origin=(0, 20, 0))
     return holes.pushPoints([(10 + 9 * k, 0) for k in range(20)]).hole(6).solids().val()
 
@@ -56,8 +53,6 @@ RING = math.pi * (3.5**2 - 3.0**2) * 10
 
 @pytest.mark.parametrize("holes", [(0,), (3, 0, 19), tuple(range(20))])
 def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]) -> None:
-    import cadquery as cq
-
     pin = cq.Solid.makeCylinder(3.5, 30)
     others = [(pin, Frame(shift=(10.0 + 9 * hole, 20.0, -5.0))) for hole in holes]
     beside = (pin, Frame(shift=(10.0, 60.0, -5.0)))
@@ -66,8 +61,6 @@ def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]
 
 
 def test_common_volumes_of_one_that_is_cut_into_several_pieces(drilled) -> None:
-    import cadquery as cq
-
     # Two grooves of 2 mm leave five layers, of which three are the plate's and two are air.
     layers = [cq.Solid.makeBox(200, 40, 2, cq.Vector(0, 0, z)) for z in (0.0, 4.0, 8.0)]
     solid = cq.Compound.makeCompound(layers)
@@ -77,8 +70,6 @@ def test_common_volumes_of_one_that_is_cut_into_several_pieces(drilled) -> None:
 
 
 def test_common_volumes_of_overlapping_others_are_those_of_each_alone(drilled) -> None:
-    import cadquery as cq
-
     pin = cq.Solid.makeCylinder(3.5, 30)
     near = [(pin, Frame(shift=(19.0 + by, 20.0, -5.0))) for by in (0.0, 0.2, 1.5)]
     alone = [common_volume(drilled, other, frame) for other, frame in near]

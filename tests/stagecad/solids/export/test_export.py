@@ -12,6 +12,8 @@ import cadquery as cq
 import numpy as np
 import pytest
 import trimesh
+from OCP.Bnd import Bnd_Box
+from OCP.BRepBndLib import BRepBndLib
 
 from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
@@ -129,9 +131,6 @@ def test_geometry_against_closed_forms() -> None:
 
 @pytest.mark.parametrize("name", ["stage", "base", "tip", "height_pin_2", "spring"])
 def test_the_box_of_a_part_is_that_of_the_kernel(machine: BuiltMachine, name: str) -> None:
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
     whole = Bnd_Box()
     BRepBndLib.AddOptimal_s(machine.parts[name].solid.wrapped, whole, False, False)
     whole.SetGap(0.0)

@@ -4,7 +4,9 @@ The table in docs/records.md is made by `python -m tests.sysid.experiment.reader
 """
 
 import os
+import random
 import sys
+import tempfile
 from collections import Counter
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -196,9 +198,6 @@ def test_the_table_of_the_documentation_names_every_habit() -> None:
 
 def table(count: int = 2000) -> str:
     """Rows for docs/records.md: how many of the files with a habit were read, of `count` random combinations."""
-    import random
-    import tempfile
-
     random_ = random.Random(1)
     choices = {
         "delimiter": {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "blanks": " "},
