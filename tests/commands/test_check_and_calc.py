@@ -181,12 +181,6 @@ def test_check_prints_a_list_and_fails_where_the_thesis_does(capsys, tmp_path):
     assert "## Differences from the thesis" in (tmp_path / "checks" / "checks.md").read_text()
 
 
-def test_check_follows_set(capsys, tmp_path):
-    words = ("check", "--no-solids", "--out", str(tmp_path), "--set", "actuator.stroke_amplitude=8.5 um")
-    _, checks = document(capsys, *words)
-    assert next(c for c in checks if c["name"] == "piezo stroke of the drive")["verdict"] == "passes"
-
-
 def test_check_sweeps_with_a_figure(capsys, tmp_path):
     words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
     status, found = document(capsys, *words)

@@ -63,17 +63,12 @@ def test_adding_in_memory_leaves_the_experiment_and_grows_a_ladder(slide: Experi
     assert addition.parameters.loc["coulomb.force", "value"] == pytest.approx(4.0, rel=0.02)
 
 
-def test_adding_to_a_folder_writes_its_rung(slide: Experiment, tmp_path) -> None:
+def test_an_addition_to_a_folder_writes_its_rung_and_is_taken_back(slide: Experiment, tmp_path) -> None:
     folder = slide.save(tmp_path / "rig")
-    found = stagecad.add(folder, "stribeck")
+    added = stagecad.add(folder, "stribeck")
+    assert added.experiment.in_files and len(added.experiment.stated.effects) == 3
+    assert added.to_json()["file"] == str(tmp_path / "rig" / "ladder" / "001.json")
     assert (tmp_path / "rig" / "ladder" / "001.json").exists()
-    assert found.experiment.in_files and len(found.experiment.stated.effects) == 3
-    assert found.to_json()["file"] == str(tmp_path / "rig" / "ladder" / "001.json")
-
-
-def test_an_addition_to_a_folder_is_taken_back(slide: Experiment, tmp_path) -> None:
-    folder = slide.save(tmp_path / "rig")
-    stagecad.add(folder, "stribeck")
     found = stagecad.undo(tmp_path / "rig")
     assert found.rung == 0 and found.effects == ("coulomb", "viscous") == found.experiment.stated.effects
     assert found.kept.is_file() and found.kept.parent.name == "undone"

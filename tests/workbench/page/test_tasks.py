@@ -11,7 +11,6 @@ import pytest
 from stagecad.parameters.errors import InputError
 from workbench.page.curves import BLOCK, extremes, read_blocks, read_curves, sampled, write_curves
 from workbench.page.tasks import measurement
-from workbench.page.tasks.optimisation import optimize
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"
 
@@ -59,26 +58,6 @@ def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch)
     assert np.quantile(np.abs(change), 0.5) == pytest.approx(0.1, rel=0.05)
     assert change.min() < -0.09 and change.max() > 0.09
     assert found["over_noise"]["fit"]["drive_force"] > 2.0 * same["over_noise"]["fit"]["drive_force"]
-
-
-@pytest.mark.slow
-def test_an_optimisation_gives_changes_that_the_page_can_make(tmp_path: Path) -> None:
-    steps: list[str] = []
-    found = optimize(
-        None,
-        "",
-        # Violates a rule, so that no solids are required.
-        {"stage.thickness": "6.1 mm"},
-        {"stage.thickness": "6 mm:30 mm"},
-        ["sag of the drive surface over the travel"],
-        30,
-        str(tmp_path),
-        lambda step, done, total: steps.append(step),
-    )
-    assert found["document"]["feasible"] and found["required"] == 1 and found["fronts"] == []
-    assert list(found["changes"]) == ["stage.thickness"]
-    assert 10.0 < float(found["changes"]["stage.thickness"].removesuffix("mm")) < 30.0
-    assert any("designs" in step for step in steps)
 
 
 def test_extremes_keep_a_spike_of_one_sample_among_a_million(tmp_path: Path) -> None:
