@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stagecad.parameters.units import format_quantity
-from sysid.signals.masks import runs
+from sysid.signals.masks import dilated, runs
 
 EQUAL = 3
 """Equal values in a row from which a run of them is one: noise of some steps repeats a value twice, seldom thrice."""
@@ -20,8 +20,17 @@ FROZEN = 10
 """Equal values in a row that are a standing sensor, where hardly any others repeat."""
 SELDOM = 0.1
 """Share of the other rows in such runs up to which a sensor resolves its noise, so that a run of equals tells."""
+BESIDE = 5
+"""Rows on both sides of a clipped one that are left out with it: near the limit each row's own noise decides whether it
+is clipped, so those that are not are too small on average."""
 FAR = 10.0
 """Distance of a dropped value from its neighbours, over the robust deviation of the steps from row to row."""
+ALIKE = 0.2
+"""Difference of those neighbours, over their distance from the dropped value, up to which they agree."""
+FEW = 3
+"""Largest number of dropped rows in a row."""
+MOVES = 0.1
+"""Part of the largest velocity from which an axis moves."""
 
 
 @dataclass(frozen=True)
@@ -56,22 +65,26 @@ def faults_of(
         time: s, (n,).
         values: SI, (n,) by channel, NaN in gaps.
         units: SI unit by channel.
-        measured: channels of sensors; rests of a position are no faults.
+        measured: channels of sensors; of other channels only positions are looked at, for dropped values.
     """
     faults: list[Fault] = []
-    moving = _moving(values, measured)
-    for channel in measured:
-        if channel not in values or np.isfinite(values[channel]).sum() < 4 * FROZEN:
+    moving = _moving(values)
+    for channel, signal in values.items():
+        in_place = "position" in channel
+        if not (channel in measured or in_place) or np.isfinite(signal).sum() < 4 * FROZEN:
             continue
-        signal = values[channel]
         found = {"dropped": _dropped(signal)}
-        if not channel.startswith("position"):
-            found["clipped"] = _clipped(signal)
-            found["frozen"] = _frozen(signal, moving) & ~found["clipped"]
+        # An axis may rest, at an end of its travel too: only its logged velocity shows that a position is wrong.
+        velocity = np.abs(values.get("velocity", np.zeros(signal.size)))
+        moves = velocity > MOVES * np.nanmax(velocity) if in_place else moving
+        if channel in measured:
+            clipped = _clipped(signal)
+            found |= {"clipped": clipped & (moves | (not in_place)), "frozen": _frozen(signal, moves) & ~clipped}
         for kind, rows in found.items():
             if rows.any():
                 text = _text(channel, kind, rows, time, signal, units[channel])
-                faults.append(Fault(channel, kind, rows, signal, text))
+                reach = BESIDE if kind == "clipped" else 0
+                faults.append(Fault(channel, kind, dilated(rows, reach) & np.isfinite(signal), signal, text))
     return faults
 
 
@@ -89,6 +102,7 @@ def _text(channel: str, kind: str, rows: np.ndarray, time: np.ndarray, signal: n
     if kind == "clipped":
         ends = [format_quantity(float(end), unit, 4) for end in np.unique(signal[rows])]
         what = f"'{channel}' is clipped at {' and '.join(ends)} ({place}): the sensor or its amplifier saturates"
+        return f"{what}; these rows and {BESIDE} on each side are left out"
     elif kind == "frozen":
         what = f"'{channel}' stands still while the axis moves ({place}): the sensor or the logger froze"
     else:
@@ -106,29 +120,20 @@ def _equal_runs(signal: np.ndarray) -> np.ndarray:
 
 
 def _clipped(signal: np.ndarray) -> np.ndarray:
-    """Rows in runs at the largest or the smallest value, where hardly any other value repeats."""
-    lengths = _equal_runs(signal)
-    low, high = np.nanmin(signal), np.nanmax(signal)
-    clipped = np.zeros(signal.size, dtype=bool)
-    for end in (low, high):
-        at_end = (signal == end) & (lengths >= EQUAL)
-        if at_end.sum() >= FROZEN:
-            clipped |= at_end
-    others = np.isfinite(signal) & (signal != low) & (signal != high)
-    if not clipped.any() or others.sum() < FROZEN:
+    """Rows at the largest or the smallest value where runs of it are common, but hardly any other value repeats."""
+    long = _equal_runs(signal) >= EQUAL
+    ends = [signal == end for end in (np.nanmin(signal), np.nanmax(signal))]
+    others = np.isfinite(signal) & ~np.logical_or(*ends)
+    clipped = np.logical_or(*(end & (np.sum(end & long) >= FROZEN) for end in ends))
+    if not clipped.any() or others.sum() < FROZEN or np.mean(long[others]) >= SELDOM * np.mean(long[~others]):
         return np.zeros(signal.size, dtype=bool)
-    seldom = np.mean(lengths[others] >= EQUAL) < SELDOM * np.mean(clipped[(signal == low) | (signal == high)])
-    return clipped if seldom else np.zeros(signal.size, dtype=bool)
+    return clipped
 
 
-def _moving(values: Mapping[str, np.ndarray], measured: Collection[str]) -> np.ndarray:
-    """Rows (n,) in which a position, or another channel where none is recorded, changes."""
-    size = next(iter(values.values())).size
-    moving = np.zeros(size, dtype=bool)
+def _moving(values: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Rows (n,) in which a position or velocity, or another channel where none is recorded, changes."""
     names = [name for name in values if "position" in name or name == "velocity"] or [*values]
-    for name in names:
-        moving |= np.concatenate([[False], np.abs(np.diff(values[name])) > 0.0])
-    return moving
+    return np.logical_or.reduce([np.abs(np.diff(values[name], prepend=values[name][:1])) > 0.0 for name in names])
 
 
 def _frozen(signal: np.ndarray, moving: np.ndarray) -> np.ndarray:
@@ -145,22 +150,23 @@ def _frozen(signal: np.ndarray, moving: np.ndarray) -> np.ndarray:
 
 
 def _dropped(signal: np.ndarray) -> np.ndarray:
-    """Single rows, all with one value, far from both neighbours, which agree with each other."""
-    before, after = np.roll(signal, 1), np.roll(signal, -1)
+    """Rows, at most `FEW` in a row, with one value far from the rows before and after them, which agree."""
+    dropped = np.zeros(signal.size, dtype=bool)
+    steps = np.abs(np.diff(signal))
+    scale = 1.4826 * float(np.nanmedian(steps)) if np.isfinite(steps).any() else 0.0
+    if scale == 0.0:
+        return dropped
     with np.errstate(invalid="ignore"):
-        steps = np.abs(np.diff(signal))
-        scale = 1.4826 * float(np.nanmedian(steps)) if np.isfinite(steps).any() else 0.0
-        far = np.minimum(np.abs(signal - before), np.abs(signal - after)) > FAR * max(scale, 1e-300)
-        alike = np.abs(after - before) < 0.2 * np.abs(signal - 0.5 * (before + after))
-    single = far & alike
-    single[[0, -1]] = False
-    common = signal[single]
-    if common.size == 0 or scale == 0.0:
-        return np.zeros(signal.size, dtype=bool)
-    levels, counts = np.unique(common, return_counts=True)
-    level = levels[np.argmax(counts)]
+        jumps = np.flatnonzero(steps > FAR * scale) + 1
     # One value that returns is a mark of the logger; zero is one at its first appearance.
-    return single & (signal == level) if counts.max() >= EQUAL or level == 0.0 else np.zeros(signal.size, dtype=bool)
+    levels, counts = np.unique(signal[jumps], return_counts=True)
+    for level in {0.0, *levels[counts >= EQUAL].tolist()}:
+        for start, stop in runs(signal == level):
+            if 0 < start and stop < signal.size and stop - start <= FEW:
+                before, after = signal[start - 1], signal[stop]
+                far = min(abs(level - before), abs(level - after)) > FAR * scale
+                dropped[start:stop] |= far and abs(after - before) < ALIKE * abs(level - 0.5 * (before + after))
+    return dropped
 
 
 OTHER_SCALE = 100.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.experiment.quality import faults_of, scale_warnings, without_faults
+from sysid.experiment.quality import BESIDE, faults_of, scale_warnings, without_faults
+from sysid.signals.masks import dilated
 
 TIME = np.arange(4000) * 1e-3
 UNITS = {"position": "m", "friction_force": "N"}
@@ -31,7 +32,7 @@ def test_clipped_values(limit: float) -> None:
     channels["friction_force"] = np.clip(channels["friction_force"], -limit, limit)
     found = _faults(channels)
     assert set(found) == {"clipped"}
-    assert np.mean(found["clipped"][over]) > 0.9 and not np.any(found["clipped"][~over])
+    assert np.mean(found["clipped"][over]) > 0.9 and not np.any(found["clipped"][~dilated(over, BESIDE)])
 
 
 def test_frozen_values() -> None:
@@ -50,7 +51,44 @@ def test_dropped_values(value: float, rows: list[int]) -> None:
     np.testing.assert_array_equal(np.flatnonzero(found["dropped"]), rows)
 
 
+@pytest.mark.parametrize("rows", [[700, 701], [100, 101, 102, 900, 2600]])
+def test_dropped_values_in_a_row_and_of_an_imposed_position(rows: list[int]) -> None:
+    for channel in ("friction_force", "position"):
+        channels = _channels()
+        channels[channel] = channels[channel] + 0.2 * (channel == "position")
+        channels[channel][rows] = 0.0
+        np.testing.assert_array_equal(np.flatnonzero(_faults(channels)["dropped"]), rows)
+
+
+@pytest.mark.parametrize("kind", ["frozen", "clipped"])
+def test_a_position_that_stands_while_the_velocity_does_not(kind: str) -> None:
+    channels = _channels()
+    position = channels["position"] + 1e-6 * np.random.default_rng(3).standard_normal(TIME.size)
+    velocity = np.gradient(channels["position"], TIME)
+    position = np.minimum(position, 0.03) if kind == "clipped" else np.where(abs(TIME - 1.0) < 0.05, 0.04, position)
+    for logged, kinds in ((velocity, {kind}), (np.zeros(TIME.size), set())):
+        values = {"position": position, "velocity": logged}
+        faults = faults_of(TIME, values, {"position": "m", "velocity": "m/s"}, ["position"])
+        assert {fault.kind for fault in faults} == kinds
+
+
+def test_what_is_kept_beside_clipped_rows_has_no_bias() -> None:
+    """Coulomb and viscous friction of the rows that are left, in standard deviations of the least-squares fit."""
+    errors = []
+    for seed in range(40):
+        channels = _channels(0.1, seed=seed)
+        velocity = np.gradient(channels["position"], TIME)
+        channels["friction_force"] = np.clip(channels["friction_force"], -5.5, 5.5)
+        kept = without_faults(channels, faults_of(TIME, channels, UNITS, ["friction_force"]))["friction_force"]
+        rows = np.isfinite(kept)
+        columns = np.column_stack([np.sign(velocity), velocity])[rows]
+        found = np.linalg.lstsq(columns, kept[rows], rcond=None)[0]
+        errors.append((found - [3.0, 20.0]) / (0.1 * np.sqrt(np.diag(np.linalg.inv(columns.T @ columns)))))
+    assert np.all(np.abs(np.mean(errors, axis=0)) < 3.0 / np.sqrt(40.0))
+
+
 QUIET = {
+    "binary noise": _channels() | {"position": np.sign(np.sin(0.7 + np.cumsum(np.arange(4000.0) ** 1.3)))},
     "noise": _channels(),
     "no noise": _channels(0.0),
     "coarse counts": _channels(0.01, 0.2),
