@@ -10,11 +10,15 @@ from itertools import product
 
 import numpy as np
 
+from sysid.diagnosis.known_quantities import contradicted_known
 from sysid.estimation.misfit import ChannelMisfit
+from sysid.experiment.experiment import Experiment
 from sysid.experiment.quality import scale_warnings
 from sysid.experiment.questions import unanswered_questions
 from sysid.experiment.record import Record
+from sysid.noise.autocorrelation import Series
 from sysid.noise.estimate import noise_warnings
+from sysid.noise.mains import HARMONICS, MAINS, hum_frequencies
 from sysid.prediction.force_balance.measured_motion import motion_warnings
 from sysid.prediction.problem import Problem
 from sysid.signals.masks import filled, runs
@@ -22,6 +26,18 @@ from sysid.signals.masks import filled, runs
 OUTLIER_FACTOR, OUTLIER_ROWS, MOST_OUTLIERS = 100.0, 3, 0.03
 """Distance from the median over that of the other values from which a few rows in a row are outliers, and the largest
 share of such rows."""
+
+ROWS_PER_PERIOD = 4
+"""Rows per period from which central differences give the velocity of a sinusoid within a third."""
+
+MOST_ROWS, LEAST_ROWS = 16_000, 64
+"""Rows of a record whose spectrum is looked at, and the least number of them."""
+
+REACTIONS = ("friction_force", "spring_force", "normal_load", "temperature")
+"""Channels that are neither a motion nor a drive."""
+
+LINE = 20.0
+"""Power over the median power from which a frequency is a line: exceeded by noise once in a million frequencies."""
 
 OPPOSITE = -0.5
 """Correlation from which two signals that should have the same sign have opposite signs."""
@@ -39,22 +55,56 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
     """One line for each contradiction."""
     balances = [spec.balance for spec in problem.experiment.records if spec.balance is not None]
     zero = {channel for balance in balances for channel in balance.kind.zero_channels}
-    measured = [c for c in problem.experiment.rig.declaration.measured_channels if c not in zero]
     errors = {channel: error for channel, error in errors.items() if channel not in zero}
     found = motion_warnings([*problem.fit_records, *problem.validate_records])
+    found += contradicted_known(problem)
     found += noise_warnings(
         problem.noise, {c: (m.over_sensor_noise or m.over_noise, m.size) for c, m in errors.items()}
     )
-    found += _identical_records(problem.records)
-    found += scale_warnings([(record.name, record.channels, record.units) for record in problem.records])
-    found += dict.fromkeys(f"{record.name}: {fault.text}" for record in problem.records for fault in record.faults)
-    found += unanswered_questions(problem.experiment.text)
-    for record in problem.records:
-        found += _constant_channels(record, measured)
-        found += _outliers(record, measured)
-        found += _opposite_signs(record)
-        found += _exchanged_tip(record)
-        found += _exchanged_force(record)
+    return [*found, *record_warnings(problem.experiment, problem.records)]
+
+
+def record_warnings(experiment: Experiment, records: Sequence[Record]) -> list[str]:
+    """One line for each contradiction that the records show by themselves, before any fit."""
+    zero = {channel for spec in experiment.records if spec.balance for channel in spec.balance.kind.zero_channels}
+    measured = [channel for channel in experiment.rig.declaration.measured_channels if channel not in zero]
+    found = _identical_records(records)
+    found += scale_warnings([(record.name, record.channels, record.units) for record in records])
+    found += dict.fromkeys(f"{record.name}: {fault.text}" for record in records for fault in record.faults)
+    found += unanswered_questions(experiment.text)
+    for record in records:
+        for check in (_constant_channels, _outliers, _coarse_sampling):
+            found += check(record, measured)
+        for check in (_opposite_signs, _exchanged_tip, _exchanged_force):
+            found += check(record)
+    return found
+
+
+def _coarse_sampling(record: Record, measured: Sequence[str]) -> list[str]:
+    """Sinusoids with fewer than `ROWS_PER_PERIOD` rows per period, and hum above half the sampling rate."""
+    found, rate = [], 1.0 / record.step
+    rows = slice(0, 2 * (min(record.size, MOST_ROWS) // 2))
+    for channel, values in record.channels.items():
+        bridged = filled(values[rows])[0]
+        power = np.abs(np.fft.rfft(np.hanning(bridged.size) * (bridged - np.mean(bridged)))) ** 2
+        # The power of noise has an exponential distribution: a bin of it is hardly ever so far above the median.
+        lines = np.where(power > LINE * np.median(power), power, 0.0)
+        lines[: 2 * lines.size // ROWS_PER_PERIOD] = 0.0
+        if channel not in REACTIONS and bridged.size >= LEAST_ROWS and lines.sum() > 0.5 * power.sum():
+            frequency = float(np.argmax(lines)) * rate / bridged.size
+            found.append(
+                f"{record.name}: '{channel}' has {rate / frequency:.2g} rows per period of its strongest motion, at "
+                f"{frequency:.3g} Hz; one at {rate - frequency:.3g} Hz would look the same: record more rows per second"
+            )
+        if channel in measured and record.uniform and rate < 2.0 * MAINS[-1] * HARMONICS[-1]:
+            series = Series(record.time[rows], values[rows], record.step)
+            for line in hum_frequencies(series):
+                if line > 0.5 * rate:
+                    found.append(
+                        f"{record.name}: the hum of the mains at {line:.4g} Hz is above half the sampling rate of "
+                        f"{rate:.4g} Hz, and appears in '{channel}' as a motion at "
+                        f"{abs(line - rate * round(line / rate)):.3g} Hz; filter it before sampling"
+                    )
     return found
 
 

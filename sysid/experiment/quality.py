@@ -162,7 +162,7 @@ def _dropped(signal: np.ndarray) -> np.ndarray:
     levels, counts = np.unique(signal[jumps], return_counts=True)
     for level in {0.0, *levels[counts >= EQUAL].tolist()}:
         for start, stop in runs(signal == level):
-            if 0 < start and stop < signal.size and stop - start <= FEW:
+            if start > 0 and stop < signal.size and stop - start <= FEW:
                 before, after = signal[start - 1], signal[stop]
                 far = min(abs(level - before), abs(level - after)) > FAR * scale
                 dropped[start:stop] |= far and abs(after - before) < ALIKE * abs(level - 0.5 * (before + after))

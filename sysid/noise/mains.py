@@ -74,10 +74,7 @@ def without_hum(series: Series, channel: str = "") -> WithoutHum:
     """Remove the hum of the mains from a channel; those of `EXCITATIONS` are not changed."""
     if channel in EXCITATIONS:
         return WithoutHum(series, 0.0)
-    known = np.flatnonzero(np.isfinite(series.values))
-    if known.size < 3 or known.size * series.step * MAINS[0] < LEAST_PERIODS:
-        return WithoutHum(series, 0.0)
-    lines = _lines(series, known)
+    lines, known = hum_frequencies(series), np.flatnonzero(np.isfinite(series.values))
     if not lines:
         return WithoutHum(series, 0.0)
     values, removed = series.values.copy(), 0.0
@@ -89,8 +86,11 @@ def without_hum(series: Series, channel: str = "") -> WithoutHum:
     return WithoutHum(replace(series, values=values), removed / known.size)
 
 
-def _lines(series: Series, known: np.ndarray) -> list[float]:
-    """Frequencies of the lines that exceed the spectrum beside them, Hz."""
+def hum_frequencies(series: Series) -> list[float]:
+    """Frequencies of the lines of the mains that exceed the spectrum beside them, Hz."""
+    known = np.flatnonzero(np.isfinite(series.values))
+    if known.size < 3 or known.size * series.step * MAINS[0] < LEAST_PERIODS:
+        return []
     rate = 1.0 / series.step
     if rate <= 2.0 * 2.0 * DEVIATION:
         # Within its deviation, a line of the mains appears anywhere in so narrow a band.

@@ -82,26 +82,26 @@ def _hat_functions(known: Mapping[str, np.ndarray], time: np.ndarray) -> np.ndar
     found: list[np.ndarray] = []
     for name, values in known.items():
         if name not in MOVES:
-            found.append(_hats(values))
+            found.append(hats_of(values))
             continue
         rate = known.get("velocity") if name in ("position", "velocity") else None
         rate = _rate(values, time) if rate is None else rate
         rest = AT_REST * float(np.max(np.abs(rate)))
         ways = [rate > rest, rate < -rest, np.abs(rate) <= rest]
         if name != "velocity":
-            hats = _hats(values)
+            hats = hats_of(values)
             found += [hats * way for way in ways]
         if name == "position" and "velocity" in known:
             continue
-        found += [_hats(rate, SHARP)]
-        hats = _hats(_rate(rate, time))
+        found += [hats_of(rate, SHARP)]
+        hats = hats_of(_rate(rate, time))
         found += [hats * way for way in ways]
     if not found:
         return None
     return np.concatenate([hats[np.any(hats, axis=1)] for hats in found])
 
 
-def _hats(values: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
+def hats_of(values: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
     """Hat functions (k, n): on knots at `places` times the largest size, else halfway between even spacing and even
     population."""
     if places is not None:

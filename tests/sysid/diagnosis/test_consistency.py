@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sysid.compare import compare
-from sysid.diagnosis.consistency import consistency_warnings
+from sysid.diagnosis.consistency import consistency_warnings, record_warnings
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem, load_problem
@@ -132,3 +132,26 @@ def test_exchanged_columns_of_velocity_and_force(tmp_path: Path) -> None:
 def test_warnings_are_in_the_document(tmp_path: Path) -> None:
     found = compare(slide(tmp_path, -FORCE, '"coulomb"', held_out=True))
     assert comparison_json(found)["warnings"] == list(found.warnings) != []
+
+
+@pytest.mark.parametrize(("frequency", "warned"), [(70.0, True), (30.0, True), (20.0, False), (0.7, False)])
+def test_a_motion_above_half_the_sampling_rate(tmp_path: Path, frequency: float, warned: bool) -> None:
+    """Sampled at 100 Hz; a motion of 70 Hz is recorded as one of 30 Hz."""
+    problem = slide(tmp_path, FORCE, '"coulomb"')
+    time = np.arange(2000) * 0.01
+    noise = 1e-6 * np.random.default_rng(2).standard_normal(time.size)
+    position = 1e-3 * np.sin(2.0 * np.pi * frequency * time) + noise
+    record = replace(_record({"position": position, "friction_force": noise}), time=time, step=0.01)
+    found = record_warnings(problem.experiment, [record])
+    assert len(found) == warned and all("30 Hz; one at 70 Hz would look the same" in line for line in found)
+
+
+@pytest.mark.parametrize(("rate", "warned"), [(60.0, True), (45.0, True), (400.0, False)])
+def test_hum_above_half_the_sampling_rate(tmp_path: Path, rate: float, warned: bool) -> None:
+    problem = slide(tmp_path, FORCE, '"coulomb"')
+    time, random = np.arange(int(60 * rate)) / rate, np.random.default_rng(3)
+    position = 5e-3 * np.sin(2.0 * np.pi * 0.31 * time)
+    force = 0.1 * random.standard_normal(time.size) + 0.3 * np.sin(2.0 * np.pi * 50.03 * time + 1.0)
+    record = replace(_record({"position": position, "friction_force": force}), time=time, step=1.0 / rate)
+    found = record_warnings(problem.experiment, [record])
+    assert len(found) == warned and all("hum of the mains at 50" in line for line in found)

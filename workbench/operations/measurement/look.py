@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stagecad.parameters.units import format_quantity
+from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
-from sysid.experiment.quality import scale_warnings
-from sysid.experiment.questions import unanswered_questions
 from sysid.experiment.record import Record, load_whole_records
 from workbench.operations.result import Result, finite, frame
 
@@ -34,9 +33,7 @@ class Look(Result):
     @cached_property
     def warnings(self) -> list[str]:
         """What is wrong, one line each."""
-        faults = [f"{record.name}: {fault.text}" for record in self.records for fault in record.faults]
-        scales = scale_warnings([(record.name, record.channels, record.units) for record in self.records])
-        return [*faults, *scales, *unanswered_questions(self.experiment.text)]
+        return record_warnings(self.experiment, self.records)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each channel of each record: range, gaps, rows of each fault; SI."""
