@@ -72,10 +72,6 @@ class Reader(Protocol):
         """The columns at `indices`. InputError: a cell that is not a number, with its row and column."""
         ...
 
-    def row_number(self, path: Path, name: str, header: Header, row: int, settings: Format) -> int:
-        """Number under which a user finds row `row` (from 0) of the columns in the file."""
-        ...
-
 
 def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
     """Refuse a path that is not a file with something in it; `suffixes` are those of record files."""

@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, overload
+from typing import Any, Literal, NamedTuple
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.units import column_unit
@@ -44,37 +44,8 @@ _TIMES: tuple[Kind, ...] = ("date", "day_first", "clock", "half_day", "minutes",
 _VALUED: tuple[Kind, ...] = ("number", "quantity", *_TIMES)
 
 
-class Line(NamedTuple):
-    """A line that is neither blank nor a comment: its number in the file, from 1, and its text."""
-
-    number: int
-    text: str
-
-
 Row = tuple[int, list[str]]
 """Number of a line in the file, from 1, and its cells."""
-
-
-class _Rows(Sequence[Row]):
-    """The rows of lines, each split into cells when it is accessed: the cells of most lines are not needed."""
-
-    def __init__(self, lines: Sequence[Line], delimiter: str) -> None:
-        self._lines, self._delimiter = lines, delimiter
-
-    def __len__(self) -> int:
-        return len(self._lines)
-
-    @overload
-    def __getitem__(self, place: int) -> Row: ...
-    @overload
-    def __getitem__(self, place: slice) -> list[Row]: ...
-    def __getitem__(self, place: int | slice) -> Row | list[Row]:
-        if isinstance(place, slice):
-            return [self._row(line) for line in self._lines[place]]
-        return self._row(self._lines[place])
-
-    def _row(self, line: Line) -> Row:
-        return line.number, split(line.text, self._delimiter)
 
 
 @dataclass(frozen=True)
@@ -179,15 +150,14 @@ class _Way(NamedTuple):
 
 def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: str, complete: bool) -> Dialect:
     """The form of a file by its first lines."""
-    kept = [Line(k, text) for k, text in enumerate(lines, start=1) if not _LEFT_OUT.match(text)]
+    kept = [(k, text) for k, text in enumerate(lines, start=1) if not _LEFT_OUT.match(text)]
     kept = kept if complete else kept[:-1]
-    way = _best_way(kept, settings)
-    return _layout(lines, _Rows(kept, way.delimiter), way, encoding, settings, name)
+    way = _best_way([text for _, text in kept[-ROWS:]], settings)
+    return _layout(lines, [(k, split(text, way.delimiter)) for k, text in kept], way, encoding, settings, name)
 
 
-def _best_way(lines: Sequence[Line], settings: Format) -> _Way:
+def _best_way(sample: Sequence[str], settings: Format) -> _Way:
     ways: list[_Way] = []
-    sample = [line.text for line in lines[-ROWS:]]
     for delimiter in (settings.delimiter,) if settings.delimiter else DELIMITERS:
         rows = [split(text, delimiter) for text in sample]
         width = _width(rows)

@@ -57,10 +57,6 @@ class IsolatedReader:
             raise InputError(f"{name}: changed while it was read; run again")
         return [Column(array, *rest) for array, rest in zip(arrays, found["origins"], strict=True)]
 
-    def row_number(self, path: Path, name: str, header: Header, row: int, settings: Format) -> int:
-        """Rows are counted from 1."""
-        return row + 1
-
 
 _known: dict[tuple[str, str], Header] = {}
 """Headers by format and sha256 of a file, which is opened for its labels first, and for its columns later."""

@@ -62,7 +62,3 @@ class MemoryReader:
             check_finite(array, name, label)
             found.append(Column(array))
         return found
-
-    def row_number(self, path: Path | MemoryTable, name: str, header: Header, row: int, settings: Format) -> int:
-        """Rows are counted from 1."""
-        return row + 1

@@ -70,7 +70,8 @@ class RecordFile:
 
     def row_name(self, row: int) -> str:
         """Name under which a user finds row `row` (from 0) of the columns in the file."""
-        return f"row {self.reader.row_number(cast(Path, self.path), self.name, self.header, row, self.settings)}"
+        of_text = self.reader is csv and isinstance(self.path, Path)
+        return f"row {csv.row_number(self.path, self.name, self.header, row, self.settings) if of_text else row + 1}"
 
     @cached_property
     def sha256(self) -> str:

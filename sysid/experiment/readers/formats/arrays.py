@@ -85,11 +85,6 @@ def vector_places(
                 yield f"{path}.{k + 1}", lambda array, k=k, upright=upright: array[:, k] if upright else array[k]
 
 
-def row_number(path: Path, name: str, header: Header, row: int, settings: Format) -> int:
-    """Rows are counted from 1."""
-    return row + 1
-
-
 def missing_library(name: str, library: str) -> InputError:
     """The error for a format whose library is not installed."""
     return InputError(f"{name}: reading this format needs {library}: pip install 'stagecad[formats]'")

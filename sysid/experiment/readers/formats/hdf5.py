@@ -16,12 +16,9 @@ from sysid.experiment.readers.formats.arrays import (
     damaged,
     header_of,
     missing_library,
-    row_number,
     vector_places,
     vectors,
 )
-
-__all__ = ["is_hdf5", "read_columns", "read_header", "row_number"]
 
 ELSEWHERE = "is stored in another file, which is not read; copy it into this one (h5repack)"
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"

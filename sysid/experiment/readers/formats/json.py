@@ -10,9 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sysid.experiment.readers.formats.arrays import damaged, readers_of, row_number, vectors
-
-__all__ = ["read_columns", "read_header", "row_number"]
+from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
 
 
 @lru_cache(maxsize=1)

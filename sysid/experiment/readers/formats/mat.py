@@ -12,9 +12,7 @@ import numpy as np
 from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.formats import hdf5
-from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, row_number, vectors
-
-__all__ = ["read_columns", "read_header", "row_number"]
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, vectors
 
 
 def read_header(path: Path, name: str, settings: Format) -> Header:

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sysid.experiment.readers.formats.arrays import damaged, readers_of, row_number, vectors
-
-__all__ = ["read_columns", "read_header", "row_number"]
+from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
 
 
 def _load(path: Path, name: str) -> dict[str, np.ndarray]:

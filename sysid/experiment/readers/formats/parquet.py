@@ -9,9 +9,7 @@ from typing import Any
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import MOST_ROWS, Column, Header, check_finite, to_numpy
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import damaged, row_number
-
-__all__ = ["read_columns", "read_header", "row_number"]
+from sysid.experiment.readers.formats.arrays import damaged
 
 
 def read_header(path: Path, name: str, settings: Format) -> Header:

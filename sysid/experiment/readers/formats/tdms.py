@@ -10,9 +10,7 @@ import numpy as np
 
 from sysid.experiment.readers.base import Column, Header
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library, row_number
-
-__all__ = ["read_columns", "read_header", "row_number"]
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit")
 
