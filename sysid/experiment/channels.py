@@ -152,7 +152,7 @@ def choose_columns(
         raise InputError(f"{file}: no channel has a column; how many rows it has is not known")
     used = {column.index: channel for channel, terms in chosen.items() for column, _ in terms}
     for column in columns:
-        if column.index not in used and column.name and column.name not in chosen:
+        if column.index not in {*used, *header.dates} and column.name and column.name not in chosen:
             what = "is not used by this kind of rig" if column.name in rig.all_channels else "is not known"
             notes.append(f"column '{column.label.strip()}' {what}; left out")
     if untimed:

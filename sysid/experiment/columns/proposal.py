@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -414,17 +415,14 @@ MOST_MARKS = 5
 def read_numbers(opened: RecordFile) -> Numbers:
     """The columns of a file that hold numbers; words without a digit among the numbers are taken for gaps."""
     columns: dict[int, np.ndarray] = {}
-    reasons: dict[int, str] = {}
+    reasons = dict.fromkeys(opened.header.dates, "the date of the time of day in another column, with which it is read")
     missing: list[str] = []
-    indices = [index for index, label in enumerate(opened.header.labels) if label.strip()]
-    try:
-        return Numbers(dict(zip(indices, (c.values for c in opened.columns(indices)), strict=True)), {})
-    except InputError:
-        pass
+    indices = [index for index, label in enumerate(opened.header.labels) if label.strip() and index not in reasons]
+    with suppress(InputError):
+        return Numbers(dict(zip(indices, (c.values for c in opened.columns(indices)), strict=True)), reasons)
     for index in indices:
         if opened.header.labels[index] in opened.header.texts:
             reasons[index] = f"holds text, such as '{opened.header.texts[opened.header.labels[index]]}'"
-            continue
         trial, marks = opened, list(missing)
         while index not in columns and index not in reasons:
             try:

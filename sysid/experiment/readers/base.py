@@ -31,6 +31,7 @@ class Header:
         units: by label, where the file has them apart from the labels.
         remarks: how the file is read where it is not the plain form of its format, for one line to the user.
         texts: the first cell, by label, of columns that hold text.
+        dates: columns of dates, which are read with the time of day of another column.
         numbered: the file has no labels; they are made of the columns' numbers.
         layout: where the reader finds the columns.
     """
@@ -39,6 +40,7 @@ class Header:
     units: Mapping[str, str] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     texts: Mapping[str, str] = field(default_factory=dict)
+    dates: tuple[int, ...] = ()
     numbered: bool = False
     layout: Any = None
 

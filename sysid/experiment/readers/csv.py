@@ -62,7 +62,7 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
     units |= {found.labels[k]: "s" for k in found.stamps}
     units |= {found.labels[k]: unit for k, unit in found.spelled.items() if unit}
     remarks = (*(["gzip"] if gzipped else []), *found.remarks)
-    return Header(found.labels, units, remarks, found.texts, found.numbered, found)
+    return Header(found.labels, units, remarks, found.texts, tuple(found.dates.values()), found.numbered, found)
 
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -85,14 +85,19 @@ def _fast_columns(
     path: Path, name: str, dialect: Dialect, wanted: Sequence[int], spelled: Mapping[int, str], settings: Format
 ) -> dict[int, Column] | None:
     """The columns by index as pyarrow reads them; None where a row or a cell needs a look."""
+    from pyarrow import compute
+
     table = _arrow_table(path, dialect, wanted, spelled)
     if table is None:
         return None
     found: dict[int, Column] = {}
+    days = {index: table.column(f"c{dialect.dates[index]}") for index in wanted if index in dialect.dates}
     for index in wanted:
         cells = table.column(f"c{index}")
         table = table.drop_columns([f"c{index}"])
-        if index in spelled and index not in dialect.stamps:
+        if index in days:
+            cells = compute.binary_join_element_wise(days[index], cells, " ")  # type: ignore[attr-defined]
+        elif index in spelled and index not in dialect.stamps:
             cells = respelled_column(cells, dialect.form, dialect.gaps, spelled[index])
         column = None
         # A text among the time stamps may stand below the numbers: the slow reader knows.
@@ -119,6 +124,8 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: 
 
     names = [f"c{place}" for place in range(dialect.width)]
     texts = {*dialect.stamps, *spelled}
+    indices = [*indices, *(dialect.dates[k] for k in indices if k in dialect.dates)]
+    texts |= {*dialect.dates.values()}
     types = {f"c{k}": pyarrow.string() if k in texts else pyarrow.float64() for k in indices}
     types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in {*indices} - texts}
     try:
@@ -232,7 +239,7 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
     for row, cells in _data_rows(path, name, dialect, settings, notes):
         for index in indices:
             if index in texts:
-                texts[index].append(cells[index])
+                texts[index].append(" ".join(cells[k] for k in (dialect.dates.get(index), index) if k is not None))
             else:
                 numbers[index].append(_number_of(cells[index], name, row, index, dialect))
     import pyarrow

@@ -19,28 +19,21 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.units import column_unit
 from sysid.experiment.readers.format import DELIMITERS, Format
 from sysid.experiment.readers.numbers import GAPS, NumberForm, is_hexadecimal
+from sysid.experiment.readers.time_stamps import STAMPS
 
 COMMENTS = ("#", "%", "//")
 
 ROWS = 200
 """Lines at the end of the head from which width and kinds of the columns are taken."""
 
-_STAMPS = {
-    "date": re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?"),
-    "day_first": re.compile(r"\d{1,2}\.\d{1,2}\.\d{4}[ T]\d{1,2}:\d\d:\d\d([.,]\d+)?"),
-    "clock": re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?"),
-    "half_day": re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?\s?[AaPp]\.?[Mm]\.?"),
-    "minutes": re.compile(r"\d{1,4}:\d\d[.,]\d+"),
-}
-"""Forms of time stamps that have one meaning, by kind: ISO 8601, day.month.year, 24 hours, 12 hours, minutes."""
 _QUANTITY = re.compile(r"(?P<number>.*?[\d.,])\s*(?P<unit>[A-Za-zµμ°Ω%][^\s,;]*)")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
 _LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 """A line that is blank or a comment."""
 
-Kind = Literal["number", "quantity", "date", "day_first", "clock", "half_day", "minutes", "stamp", "gap", "text"]
-_TIMES: tuple[Kind, ...] = ("date", "day_first", "clock", "half_day", "minutes", "stamp")
+Kind = Literal["number", "quantity", "date", "day", "clock", "minutes", "stamp", "gap", "text"]
+_TIMES: tuple[Kind, ...] = ("date", "day", "clock", "minutes", "stamp")
 _VALUED: tuple[Kind, ...] = ("number", "quantity", *_TIMES)
 
 
@@ -63,6 +56,7 @@ class Dialect:
         first_row: number of the first row of numbers.
         width: cells of a row.
         stamps: columns of time stamps, and their kinds.
+        dates: columns of times of day, and those of their dates, which are read with them.
         gaps: cells that mark a gap.
         texts: first cell, by label, of columns of text.
         remarks: on what is not plain CSV, for the user.
@@ -79,6 +73,7 @@ class Dialect:
     first_row: int
     width: int
     stamps: Mapping[int, str]
+    dates: Mapping[int, int]
     gaps: tuple[str, ...]
     texts: dict[str, str]
     remarks: tuple[str, ...]
@@ -113,7 +108,7 @@ def kind_of_cell(cell: str, form: NumberForm, settings: Format) -> Kind:
         return "gap"
     if form.value(cell) is not None:
         return "number"
-    for kind, pattern in _STAMPS.items():
+    for kind, pattern in STAMPS.items():
         if pattern.fullmatch(cell):
             return kind  # type: ignore[return-value]
     if settings.time_format is not None and _has_format(cell, settings.time_format):
@@ -216,12 +211,16 @@ def _layout(
     start = settings.first_row or max(header[0], units[0]) + 1
     if not header[0] and not settings.first_row:
         start = _first_of_numbers(rows, first, columns, form, settings)
-    by_column = {k: kind for k, kind in enumerate(columns) if kind in _TIMES}
+    days = [k for k, kind in enumerate(columns) if kind == "day"]
+    dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
+    by_column = {k: "date" if k in dates else kind for k, kind in enumerate(columns) if kind in _TIMES}
+    by_column = {k: kind for k, kind in by_column.items() if k not in dates.values()}
     # Rows above the header are never read; the header of a plain file is its first line.
     plain = next((k for k, text in enumerate(lines, start=1) if text.strip()), 1)
     remarks = _remarks(way, encoding, header[0], units[0], start, plain)
     remarks += [remark] if remark else []
-    remarks += ["time stamps in " + ", ".join(f"'{labels[k]}'" for k in by_column)] if by_column else []
+    dated = [f"'{labels[dates[k]]}' and '{labels[k]}'" if k in dates else f"'{labels[k]}'" for k in by_column]
+    remarks += [f"time stamps in {', '.join(dated)}"] if by_column else []
     spelled = _spelled(data, columns, form)
     if behind := sorted({unit for unit in spelled.values() if unit}):
         remarks.append(f"units behind the numbers: {', '.join(behind)}")
@@ -237,6 +236,7 @@ def _layout(
         first_row=start,
         width=width,
         stamps=by_column,
+        dates=dates,
         gaps=(*GAPS, *settings.missing),
         texts={
             labels[k]: cells[k]

@@ -112,6 +112,43 @@ def test_times(tmp_path: Path, form: str) -> None:
     np.testing.assert_allclose(time, TIME, atol=1e-6)
 
 
+MIDNIGHT = datetime(2024, 7, 30, 23, 59, 59, 800_000)
+DATED = {
+    "US": "%m/%d/%Y %I:%M:%S.%f %p",
+    "slashes, day first": "%d/%m/%Y %H:%M:%S.%f",
+    "month by name": "%d-%b-%Y %H:%M:%S.%f",
+    "German 12 hours": "%d.%m.%Y %I:%M:%S.%f %p",
+    "year first": "%Y/%m/%d %H:%M:%S.%f",
+    "milliseconds behind a colon": "%Y-%m-%d %H:%M:%S:%f",
+    "two columns": "%Y-%m-%d;%H:%M:%S.%f",
+    "two columns, US": "%m/%d/%Y;%I:%M:%S.%f %p",
+    "two columns, day first": "%d.%m.%Y;%H:%M:%S,%f",
+}
+
+
+@pytest.mark.parametrize("name", DATED)
+def test_dates_and_dates_beside_times(tmp_path: Path, name: str) -> None:
+    """Over midnight, so that a date in a column of its own is needed, and over a day's pause."""
+    time = np.where(TIME < 0.3, TIME, TIME + 2 * 86400.0)
+    stamps = [(MIDNIGHT + timedelta(seconds=t)).strftime(DATED[name]) for t in time.tolist()]
+    rows = [f"{stamp};{x:.4f};{f:.4f}" for stamp, x, f in zip(stamps, POSITION, FORCE)]
+    split = ";" in DATED[name]
+    file = _write(tmp_path, rows, f"{'Date;' * split}Time;position [mm];friction_force [N]")
+    opened = open_record_file(file, file.name)
+    column = opened.columns([int(split)])[0]
+    np.testing.assert_allclose(column.values, time, atol=1e-8)
+    channels = [one.channel for one in propose(opened, read_numbers(opened)).columns]
+    assert channels == [None] * split + ["time", "position", "friction_force"]
+
+
+def test_a_date_of_which_the_day_is_not_known_is_asked_for(tmp_path: Path) -> None:
+    one_day = ["07/08/2024 10:00:00", "07/08/2024 10:00:01", "07/08/2024 10:00:02"]
+    assert _columns(_write(tmp_path, [f"{stamp};{k};{k}" for k, stamp in enumerate(one_day)]))[0].tolist() == [0, 1, 2]
+    two_days = [*one_day, "08/08/2024 10:00:03"]
+    with pytest.raises(InputError, match="which of the numbers is the day"):
+        _columns(_write(tmp_path, [f"{stamp};{k};{k}" for k, stamp in enumerate(two_days)]))
+
+
 def test_minutes_and_seconds(tmp_path: Path) -> None:
     rows = [
         f"{int((59.9 + t) // 60)}:{(59.9 + t) % 60:06.3f};{x:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)
