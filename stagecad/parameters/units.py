@@ -81,13 +81,16 @@ SYMBOLS: dict[str, tuple[float, Dimension]] = {
     "gf": (_GRAM_FORCE, _FORCE),
     "kgf": (1e3 * _GRAM_FORCE, _FORCE),
     "tf": (1e6 * _GRAM_FORCE, _FORCE),
+    "kip": (1e3 * _POUND_FORCE, _FORCE),
     "daN": (10.0, _FORCE),
+    "dyn": (1e-5, _FORCE),
     "rev": (2 * math.pi, _ANGLE),
     "gon": (math.pi / 200, _ANGLE),
     "deg": (math.pi / 180, _ANGLE),
     "arcmin": (math.pi / 10800, _ANGLE),
     "arcsec": (math.pi / 648000, _ANGLE),
     "rpm": (math.pi / 30, tuple(a - t for a, t in zip(_ANGLE, _TIME))),
+    "krpm": (100.0 * math.pi / 3, tuple(a - t for a, t in zip(_ANGLE, _TIME))),
     "degC": (1.0, _TEMPERATURE),
     "%": (1e-2, DIMENSIONLESS),
     "ppm": (1e-6, DIMENSIONLESS),
@@ -103,8 +106,8 @@ for _symbol, _size, _dimension, _prefixes in _PREFIXED:
         SYMBOLS[_prefix + _symbol] = (1.0 if _prefix + _symbol == "kg" else _size * _PREFIX[_prefix], _dimension)
 
 _WRITTEN_OUT = {
-    "s": ("sec", "secs", "second", "seconds", "sek"),
-    "ms": ("msec", "msecs", "millisecond", "milliseconds"),
+    "s": ("sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"),
+    "ms": ("msec", "msecs", "millisec", "millisecond", "milliseconds"),
     "us": ("usec", "microsecond", "microseconds"),
     "min": ("minute", "minutes"),
     "h": ("hr", "hrs", "hour", "hours"),
@@ -121,15 +124,18 @@ _WRITTEN_OUT = {
     "A": ("amp", "amps", "ampere", "amperes"),
     "T": ("tesla",),
     "Hz": ("hertz", "cps"),
-    "rad": ("radian", "radians"),
+    "rad": ("rads", "radian", "radians"),
     "rev": ("turn", "turns", "revolution", "revolutions", "rotation", "rotations"),
     "ft": ("foot", "feet"),
+    "mil": ("mils", "thou"),
+    "kip": ("kips", "klbf", "klb"),
     "kgf": ("kp", "kilopond"),
     "gf": ("pond",),
     "deg": ("degree", "degrees"),
     "degC": ("celsius", "centigrade"),
     "K": ("kelvin", "kelvins"),
     "%": ("percent", "pct"),
+    "count": ("counts", "cts", "cnt", "tick", "ticks", "inc", "incs", "increments", "pulse", "pulses", "steps", "lsb"),
 }
 """Other spellings of a unit; many resemble a wrong symbol more than the right one."""
 

@@ -10,7 +10,7 @@ from functools import cache
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
-from sysid.experiment.columns.settings import ChannelSettings, ColumnSetting
+from sysid.experiment.columns.settings import RATED, ChannelSettings, ColumnSetting, Scale
 from sysid.experiment.columns.units import column_unit
 from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
@@ -124,9 +124,10 @@ def choose_columns(
     settings: ChannelSettings,
     units: Mapping[str, str],
     where: str,
+    rated: Mapping[str, Scale],
     untimed: bool = False,
 ) -> tuple[dict[str, Source], dict[str, bool], list[str]]:
-    """Assign the columns of a file to the channels of the rig."""
+    """Assign the columns of a file to the channels of the rig; columns in percent are parts of the `rated` values."""
     columns = [parse_label(index, label) for index, label in enumerate(header.labels)]
     notes: list[str] = []
     names = {column.name for column in columns}
@@ -159,7 +160,9 @@ def choose_columns(
         sources["time"] = Source("time", (), "s")
     for channel, terms in chosen.items():
         declared = rig.declared(channel)
-        converted = [_term(declared, column, setting, header, units, file) for column, setting in terms]
+        converted = [
+            _term(declared, column, setting, rated.get(channel), header, units, file) for column, setting in terms
+        ]
         if len({unit for _, unit, _ in converted}) > 1:
             unlike = " and ".join(unit for _, unit, _ in converted)
             raise InputError(f"{terms[0][1].where}: the columns of '{channel}' are {unlike}, which cannot be added")
@@ -245,7 +248,13 @@ def _written_otherwise(column: Column, wanted: str, declared: Channel) -> Column
 
 
 def _term(
-    declared: Channel, column: Column, setting: ColumnSetting, header: Header, units: Mapping[str, str], file: str
+    declared: Channel,
+    column: Column,
+    setting: ColumnSetting,
+    rated: Scale | None,
+    header: Header,
+    units: Mapping[str, str],
+    file: str,
 ) -> tuple[Term, str, bool | None]:
     """A column of a channel, the SI unit it is converted to, and whether the axis is rotary (None if not known)."""
     channel, place = declared.name, f"{file}: column '{column.label.strip()}'"
@@ -265,25 +274,31 @@ def _term(
             f'[channels] {channel} = {{column = {_key(column, header)}, unit = "{declared.unit}"}} in the experiment'
         )
     unit = column_unit(stated) or stated if stated else "count"
-    if setting.scale is None:
+    scale = setting.scale or (rated if unit == "%" else None)
+    if scale is None and unit == "%":
+        raise InputError(
+            f"{place} is in percent; state its rated value (100 %), such as [rig.known] {RATED}{channel} = "
+            f'"1 {declared.unit}"'
+        )
+    if scale is None:
         si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
         factor, offset = conversion(unit, si_unit)
         if setting.increments:
             offset = 0.0
         return Term(column, unit, sign * factor, sign * offset, increments=bool(setting.increments)), si_unit, is_rotary
     try:
-        dimension = tuple(a + b for a, b in zip(unit_dimension(unit), setting.scale.dimension, strict=True))
+        dimension = tuple(a + b for a, b in zip(unit_dimension(unit), scale.dimension, strict=True))
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
     for si_unit, is_rotary in ((declared.unit, False), (torque, True)):
         if dimension == unit_dimension(si_unit):
-            factor = sign * to_si(1.0, unit) * setting.scale.value
-            deviation = (setting.scale.std or 0.0) / abs(setting.scale.value)
+            factor = sign * to_si(1.0, unit) * scale.value
+            deviation = (scale.std or 0.0) / abs(scale.value)
             told = None if declared.unit == torque else is_rotary
-            text, summed = setting.scale.text if deviation else "", bool(setting.increments)
+            text, summed = scale.text if deviation else "", bool(setting.increments)
             return Term(column, unit, factor, 0.0, deviation, text, summed), si_unit, told
     raise InputError(
-        f"{setting.where}: '{unit}' times scale = '{setting.scale.text}' is no '{declared.unit}'"
+        f"{setting.where or place}: '{unit}' times scale = '{scale.text}' is no '{declared.unit}'"
         + (f" or '{torque}'" if torque != declared.unit else "")
     )
 

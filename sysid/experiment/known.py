@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_uncertain
+from sysid.experiment.columns.settings import RATED
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 
@@ -49,11 +50,11 @@ class Known:
 
 def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
     """Whether the axis is rotary according to the unit of each known value that determines it, by place in the file."""
-    table.allow(kind.known)
+    table.allow((*kind.known, *(RATED + channel for channel in kind.channels)))
     if "mass" in table.data and "inertia" in table.data:
         raise InputError(f"{table.where()}: 'mass' and 'inertia' are both given; one of them is required")
     axes = []
-    for key, value in table.data.items():
+    for key, value in _quantities(table):
         declared = kind.known[key]
         if value == "design" or declared.unit == declared.rotary_unit:
             continue
@@ -70,10 +71,15 @@ def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
     return axes
 
 
+def _quantities(table: TomlTable) -> list[tuple[str, Any]]:
+    """The entries without the rated values of channels (`columns.settings.rated_values`)."""
+    return [(key, value) for key, value in table.data.items() if not key.startswith(RATED)]
+
+
 def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValues | None) -> dict[str, Known]:
     """The known values in SI; `inertia` is filed under `mass`."""
     known: dict[str, Known] = {}
-    for key, value in table.data.items():
+    for key, value in _quantities(table):
         declared = kind.known[key]
         if key == "inertia" and not rotary:
             raise InputError(f"{table.where(key)}: the axis is linear; write mass = '1 kg'")

@@ -11,6 +11,8 @@ from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.channels import Source, choose_columns
 from sysid.experiment.columns.settings import (
     ChannelSettings,
+    Scale,
+    rated_values,
     read_channel_settings,
     read_record_settings,
     units_by_key,
@@ -77,12 +79,13 @@ def read_record_specs(
     axes: list[tuple[str, bool]] = []
     settings = read_format(top.table("format"))
     common = read_channel_settings(top.table("channels"), kind)
+    rated = rated_values(top.table("rig").table("known"), kind)
 
     def source_of(written: str) -> Path | MemoryTable:
         return file.parent / written if in_memory is None else in_memory[written]
 
     for table in tables:
-        spec, turns = _read_spec(table, kind, source_of, settings, common)
+        spec, turns = _read_spec(table, kind, source_of, settings, common, rated)
         records.append(replace(spec, name=_unique_name(table, spec.file, [record.name for record in records])))
         axes += turns
     if all(record.role != "fit" for record in records):
@@ -96,6 +99,7 @@ def _read_spec(
     source_of: Callable[[str], Path | MemoryTable],
     settings: Format,
     common: ChannelSettings,
+    rated: Mapping[str, Scale],
 ) -> tuple[RecordSpec, list[tuple[str, bool]]]:
     """One record, not yet named, and whether the units of its columns are those of a rotary axis."""
     table.allow(("file", "role", "name", "channels", "columns", "units", "sign", "from", "to", "continues", "noise"))
@@ -107,7 +111,9 @@ def _read_spec(
     channels = read_record_settings(table, kind, common)
     units = units_by_key(table.table("units"))
     untimed = settings.sample_rate is not None
-    sources, rotary, notes = choose_columns(opened.header, kind, shown_name, channels, units, table.where(), untimed)
+    sources, rotary, notes = choose_columns(
+        opened.header, kind, shown_name, channels, units, table.where(), rated, untimed
+    )
     if opened.header.remarks:
         notes.insert(0, f"read as: {', '.join(opened.header.remarks)}")
     start, stop = (_bound(table, key) if key in table.data else None for key in ("from", "to"))

@@ -18,6 +18,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import unit_dimension
 from sysid.experiment.channels import parse_label
 from sysid.experiment.columns.units import column_unit
+from sysid.experiment.readers.numbers import is_hexadecimal
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rigs import CHANNELS, RigKind
@@ -25,13 +26,14 @@ from sysid.experiment.rigs import CHANNELS, RigKind
 WORDS: dict[str, str] = {
     "time": "time t zeit timestamp stamp sec secs seconds datetime clock elapsed uhrzeit temps heure tempo tiempo hora",
     "pull_position": "pull puller",
-    "velocity": "velocity vel v speed dq qd qdot xdot omega geschwindigkeit drehzahl rpm vitesse velocità velocita "
+    "velocity": "velocity vel vl v speed dq qd qdot xdot omega geschwindigkeit drehzahl rpm vitesse velocità velocita "
     "velocidad",
-    "position": "position pos x q qm angle theta phi displacement disp encoder enc weg stroke laser lvdt winkel lage "
-    "pfad course déplacement deplacement posizione corsa spostamento posición posicion desplazamiento",
+    "position": "position pos fpos rpos apos pl x q qm angle theta phi displacement disp encoder enc weg stroke laser "
+    "lvdt winkel lage pfad bahn course déplacement deplacement posizione corsa spostamento posición posicion "
+    "desplazamiento posição posicao positie",
     "spring_force": "spring feder ressort molla muelle",
     "friction_force": "friction tangential reibung reibkraft frottement attrito fricción friccion rozamiento",
-    "drive_force": "drive motor current actuator strom courant corrente corriente",
+    "drive_force": "drive motor current il actuator strom courant corrente corriente",
     "normal_load": "normal fn fz load preload pressure druck normalkraft charge carico carga",
     "temperature": "temperature temp temperatur température temperatura",
     "force": "force f torque tau moment kraft drehmoment ft fx effort couple forza coppia fuerza par",
@@ -42,21 +44,22 @@ Spanish. `force` and `voltage` are not yet channels: which ones they are depends
 
 SETPOINT = (
     "soll sollwert set setpoint sp cmd command commanded ref reference target demand demanded desired des req "
-    "requested vorgabe consigne cons commande référence riferimento comando obiettivo consigna referencia"
+    "requested goal nominal rpos apos vorgabe consigne cons commande référence riferimento comando comandata comandato "
+    "obiettivo consigna referencia objetivo gewenst"
 )
 """Words of a value that is asked for, in the same languages."""
 MEASURED = (
-    "ist istwert act actual meas measured fb fbk feedback enc encoder sensor retour réel reel mesure mesuré mesurée "
-    "reale effettivo misura misurata real medida medido"
+    "ist istwert act actual present meas measured fb fbk fpos feedback enc encoder sensor retour "
+    "réel reel mesure mesuré mesurée reale effettiva effettivo misura misurata real medida medido gemeten"
 )
 """Words of a value that is measured."""
-FLAGS = "enable enabled flag flags status state ok valid ready error alarm fault mode bit trigger freigabe"
+FLAGS = "enable enabled flag flags status state ok valid ready error alarm fault mode range bit trigger freigabe"
 """Words of a column that is a state, not a quantity."""
 DATES = "date datum data fecha"
 _FORCE_SENSOR = re.compile(
     r"load[\s_-]*cell|kraft(mess)?dose|wägezelle|capteur de force|cella di carico|célula de carga"
 )
-_COMPOUND = re.compile(r"^(soll|ist)(?=\w{3})")
+_COMPOUND = re.compile(r"^(?:soll|ist)(?=\w{3})|(?<=\w{3})(?:soll|ist)(?:wert)?$")
 
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
@@ -98,6 +101,7 @@ class Proposal:
         scale: unit of the scale that is needed; None if the unit is that of the channel.
         question: what the user should decide; empty if it is certain.
         increments: whether each cell is the change from the row before.
+        percent: whether the scale is a rated value, of which the cells are percent.
         reason: why it is left out.
     """
 
@@ -109,6 +113,7 @@ class Proposal:
     question: str = ""
     increments: bool = False
     reason: str = ""
+    percent: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,6 +162,12 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
             reasons[index] = reason
             continue
         guesses[index] = guess._replace(why="by its numbers: days, as spreadsheets write dates") if serial else guess
+    if any(guess.meaning == "time" for guess in guesses.values()):
+        for index in [
+            k for k, guess in guesses.items() if guess.meaning != "time" and np.all(np.diff(columns[k]) == 1)
+        ]:
+            reasons[index] = "it counts the rows"
+            del guesses[index]
     _by_numbers(guesses, columns)
     chosen, question = (kind, "") if kind else _kind({guess.meaning for guess in guesses.values()})
     rig = find_rig(chosen, "--kind")
@@ -213,7 +224,7 @@ def _words(name: str) -> list[str]:
     """The words of a name, in small letters: `posCmd`, `Sollweg` and `pos_cmd` have two."""
     parts = re.sub(r"(?<=[a-zäöü])(?=[A-ZÄÖÜ])", " ", name.strip())
     words = [word for word in re.split(r"[\W\d_]+", parts.casefold()) if word]
-    return [part for word in words for part in _COMPOUND.sub(r"\1 ", word).split()]
+    return [part for word in words for part in _COMPOUND.sub(r" \g<0> ", word).split()]
 
 
 def _any(words: Sequence[str], spoken: str) -> bool:
@@ -358,6 +369,9 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
         reasons[index] = f"column {first + 1} is taken for '{channel}'"
         if guess.rank <= guesses[first].rank:
             found[first] = (channel, f"or is column {index + 1} '{channel}'?")
+    load = next((k for k, (channel, _) in found.items() if channel == "normal_load" and guesses[k].why), None)
+    if force in rig.measured_channels and load is not None and force not in [channel for channel, _ in found.values()]:
+        found[load] = (force, "it is the only force: or is it the normal load?")
     for index, guess in guesses.items():
         left = [name for name in rig.own if name not in {channel for channel, _ in found.values()}]
         own = next((name for name in left if guess.unit and _fits(guess.unit, rig.own[name].unit)), None)
@@ -386,7 +400,7 @@ def _proposal(
     scale = scale.format(si=declared.si_unit(rotary))
     asked = f"what is its rated value (100 %) in {scale}?" if unit == "%" else f"what is its scale in {scale}?"
     question = "; ".join(part for part in (question, asked) if part)
-    return Proposal(index + 1, label, channel, None, scale, question)
+    return Proposal(index + 1, label, channel, None, scale, question, percent=unit == "%")
 
 
 def _fits(unit: str, si: str) -> bool:
@@ -422,7 +436,12 @@ def read_numbers(opened: RecordFile) -> Numbers:
         return Numbers(dict(zip(indices, (c.values for c in opened.columns(indices)), strict=True)), reasons)
     for index in indices:
         if opened.header.labels[index] in opened.header.texts:
-            reasons[index] = f"holds text, such as '{opened.header.texts[opened.header.labels[index]]}'"
+            cell = opened.header.texts[opened.header.labels[index]]
+            hint = (
+                "; if these are time stamps, name their form: [format] time_format" if re.search(r"\d\D", cell) else ""
+            )
+            hint = "; counts in hexadecimal digits are not read" if is_hexadecimal(cell) else hint
+            reasons[index] = f"holds text, such as '{cell}'{hint}"
         trial, marks = opened, list(missing)
         while index not in columns and index not in reasons:
             try:

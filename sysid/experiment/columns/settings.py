@@ -15,6 +15,10 @@ FITTED = "fit"
 """A scale that the fit finds, with its unit behind: `"fit N*m/A"`; in the fit it begins at one of that unit."""
 
 
+RATED = "rated_"
+"""Before the name of a channel, in `[rig.known]`: what 100 % of its column are."""
+
+
 @dataclass(frozen=True)
 class Scale:
     """A factor from the quantity in a column to that of its channel, SI.
@@ -121,6 +125,14 @@ def read_record_settings(
     return merged
 
 
+def rated_values(known: TomlTable, kind: RigKind) -> dict[str, Scale]:
+    """What 100 % of the columns are, by channel: the entries `rated_CHANNEL` of `[rig.known]`."""
+    rated = {key.removeprefix(RATED): read_scale(known, key) for key in known.data if key.startswith(RATED)}
+    for channel in rated:
+        _check_channel(known.where(RATED + channel), channel, kind)
+    return rated
+
+
 def units_by_key(table: TomlTable) -> dict[str, str]:
     """`units` of a record: by channel or by name of a column."""
     return {key: table.text(key) for key in table.data}
@@ -152,9 +164,8 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
     if stated := _stated(inner, channel):
         sign = _sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None
         return ColumnSetting(sign=sign, where=where, stated=stated)
-    for key in ("unit", "scale"):
-        if isinstance(inner.data.get(key), str) and inner.text(key).lstrip().startswith("?"):
-            raise InputError(f"{inner.where(key)}: {shown(inner.data[key])} is still a question; write what it is")
+    if isinstance(inner.data.get("unit"), str) and inner.text("unit").lstrip().startswith("?"):
+        raise InputError(f"{inner.where('unit')}: {shown(inner.data['unit'])} is still a question; write what it is")
     column = inner.data.get("column")
     if isinstance(column, int) and not isinstance(column, bool):
         column = _column_number(column, inner.where("column"))
@@ -164,7 +175,7 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
         column=column,
         unit=inner.text("unit") if "unit" in inner.data else None,
         sign=_sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None,
-        scale=_scale(inner) if "scale" in inner.data else None,
+        scale=read_scale(inner) if "scale" in inner.data else None,
         where=where,
         increments=inner.flag("increments") if "increments" in inner.data else None,
     )
@@ -205,22 +216,25 @@ def _sign(table: TomlTable, key: str, value: object) -> int:
     return int(value)
 
 
-def _scale(table: TomlTable) -> Scale:
-    written = table.data["scale"]
+def read_scale(table: TomlTable, key: str = "scale") -> Scale:
+    """The factor under `key`: a quantity, perhaps with its uncertainty, or one that is fitted."""
+    written = table.data[key]
+    if isinstance(written, str) and written.lstrip().startswith("?"):
+        raise InputError(f"{table.where(key)}: {shown(written)} is still a question; write what it is")
     if isinstance(written, str) and (written.strip() == FITTED or written.strip().startswith(f"{FITTED} ")):
         unit = written.strip().removeprefix(FITTED).strip()
         try:
             return Scale(to_si(1.0, unit), unit_dimension(unit), written, math.inf)
         except InputError as error:
-            raise InputError(f"{table.where('scale')}: {error}") from None
+            raise InputError(f"{table.where(key)}: {error}") from None
     try:
         value, std, dimension = parse_any(written)
     except InputError as error:
-        raise InputError(f"{table.where('scale')}: {error}") from None
+        raise InputError(f"{table.where(key)}: {error}") from None
     if not math.isfinite(value) or value == 0.0:
-        raise InputError(f"{table.where('scale')}: {shown(written)} must be a finite number other than zero")
+        raise InputError(f"{table.where(key)}: {shown(written)} must be a finite number other than zero")
     if std is not None and not std > 0.0:
-        raise InputError(f"{table.where('scale')}: {shown(written)}: the uncertainty must be above zero")
+        raise InputError(f"{table.where(key)}: {shown(written)}: the uncertainty must be above zero")
     return Scale(value, dimension, str(written), std)
 
 

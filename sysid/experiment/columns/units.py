@@ -15,15 +15,14 @@ _SPELLINGS = {
     "kNm": "kN*m",
     "Ncm": "N*cm",
     "Nmm": "N*mm",
-    "counts": "count",
-    "cts": "count",
     "bits": "bit",
     "Ohm": "ohm",
     "lb": "lbf",
     "lbs": "lbf",
 }
-_WHOLE: dict[str, str] = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM", "Upm"), "rpm")
-_WHOLE |= {"rps": "rev/s", "RPS": "rev/s", "U/s": "rev/s", "r/s": "rev/s"}
+_WHOLE = dict.fromkeys(("1/min", "min^-1", "min-1", "r/min", "rev/min", "u/min", "umdr/min", "upm"), "rpm")
+_WHOLE |= dict.fromkeys(("tr/min", "t/min", "giri/min"), "rpm")
+_WHOLE |= {"rps": "rev/s", "u/s": "rev/s", "r/s": "rev/s", "tr/s": "rev/s", "ips": "in/s"}
 _MASS_TIMES_LENGTH = re.compile(
     r"(?P<mass>kg|g|oz|lbs?)\*(?P<length>in|ft|mm|cm|m)|(?P<first>in|ft)\*(?P<last>oz|lbs?)"
 )
@@ -36,10 +35,13 @@ def column_unit(text: str) -> str | None:
     written = text.strip()
     if not written:
         return None
+    if written.casefold() in _WHOLE:
+        return _WHOLE[written.casefold()]
+    if written.startswith("%"):
+        # Of full scale or of a rated value.
+        return "%"
     if _known(written) and not _MASS_TIMES_LENGTH.fullmatch(written):
         return written
-    if written in _WHOLE:
-        return _WHOLE[written]
     plain = re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", re.sub(r"(?<=[A-Za-z0-9])\s*[.·× -]\s*(?=[A-Za-z])", "*", written))
     plain = re.sub(r"[A-Za-z%]+", lambda match: _symbol(match[0]), plain)
     if (torque := _MASS_TIMES_LENGTH.fullmatch(plain)) is not None:

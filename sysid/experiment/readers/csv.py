@@ -20,7 +20,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header, to_numpy
 from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, kind_of_cell, split, unit_of_cell
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.numbers import is_hexadecimal, respelled_column
+from sysid.experiment.readers.numbers import SCPI_OVERLOAD, is_hexadecimal, respelled_column
 from sysid.experiment.readers.text import (
     SingleBlanks,
     encoding_of,
@@ -78,6 +78,8 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
     if found is None:
         found = dict(zip(wanted, _columns_slowly(path, name, dialect, wanted, settings)))
+    for column in found.values():
+        column.values[np.abs(column.values) >= SCPI_OVERLOAD] = np.nan
     return [found[index] for index in indices]
 
 
@@ -199,10 +201,12 @@ def _data_rows(
     """Every row of numbers with its number in the file. Rows that repeat the header, and text or a cut row below the
     numbers, are left out with a note."""
     held: list[tuple[int, list[str]]] = []
-    repeated = 0
+    repeated = wider = 0
     labels = [label.strip() for label in dialect.labels]
     headers = [cells for cells in (labels, [*filter(None, labels)], [*dialect.units]) if dialect.header_row and cells]
     for row, cells in _rows(path, name, dialect):
+        if len(cells) > dialect.width and all(dialect.form.value(cell) is None for cell in cells[dialect.width :]):
+            wider, cells = wider + 1, cells[: dialect.width]
         if cells in headers:
             repeated += 1
         elif len(cells) != dialect.width or _is_text(cells, dialect, settings):
@@ -216,6 +220,8 @@ def _data_rows(
             yield row, cells
     if repeated:
         notes.append(f"{repeated} row{'s' * (repeated > 1)} repeat{'s' * (repeated == 1)} the header; left out")
+    if wider:
+        notes.append(f"{wider} row{'s have' if wider > 1 else ' has'} cells beyond the last column; left out")
     if held and len(held[0][1]) > dialect.width and not _is_text(held[0][1], dialect, settings):
         raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
     if held:
@@ -225,7 +231,9 @@ def _data_rows(
 
 
 def _is_text(cells: Sequence[str], dialect: Dialect, settings: Format) -> bool:
-    """Whether no filled cell of a row is a number or a time."""
+    """Whether no filled cell of a row is a number or a time, or the first one is a word in a column of numbers."""
+    if dialect.form.value(cells[0]) is None and dialect.labels[0] not in dialect.texts:
+        return kind_of_cell(cells[0], dialect.form, settings) == "text"
     if any(dialect.form.value(cell) is not None for cell in cells):
         return False
     return {kind_of_cell(cell, dialect.form, settings) for cell in cells} - {"gap"} == {"text"}
@@ -285,6 +293,6 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
         hint = (
             f"; its unit is '{other}', the column's '{unit}'" if unit else f"; its unit '{other}' is in one cell only"
         )
-    elif value is None and not re.search(r"\d", cell.replace("#", "")):
+    elif value is not None or cell.startswith("#") or not re.search(r"\d", cell):
         hint = f'{hint}; if {shown(cell)} marks a gap: [format] missing = ["{cell}"]'
     raise InputError(f"{name}: row {row}, column '{dialect.labels[index].strip()}': {shown(cell)} {problem}{hint}")

@@ -32,8 +32,8 @@ _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 """A line that is blank or a comment."""
 
-Kind = Literal["number", "quantity", "date", "day", "clock", "minutes", "stamp", "gap", "text"]
-_TIMES: tuple[Kind, ...] = ("date", "day", "clock", "minutes", "stamp")
+Kind = Literal["number", "quantity", "date", "day", "compact", "clock", "minutes", "stamp", "gap", "text"]
+_TIMES: tuple[Kind, ...] = ("date", "day", "compact", "clock", "minutes", "stamp")
 _VALUED: tuple[Kind, ...] = ("number", "quantity", *_TIMES)
 
 
@@ -182,7 +182,7 @@ def _form(cells: Sequence[str], decimal: str, delimiter: str, settings: Format) 
         return NumberForm(decimal, settings.thousands.strip(), blanks)
     other = "," if decimal == "." else "."
     first, last = re.escape(other), re.escape(decimal)
-    shown = re.compile(rf"\D?\d{{1,3}}(?:(?:{first}\d{{3}})+{last}\d+|(?:{first}\d{{3}}){{2,}}).*")
+    shown = re.compile(rf"\D?\d{{1,3}}(?:(?:{first}\d{{2,3}})*{first}\d{{3}}{last}\d+|(?:{first}\d{{3}}){{2,}}).*")
     return NumberForm(decimal, other if any(shown.fullmatch(cell) for cell in cells) else "", blanks)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-MINUS = "−–‒﹣－"
+MINUS = "−–‒‐‑﹣－"
 """Signs that are written for a minus: U+2212 and the dashes and full-width forms that keyboards give."""
 NO_BREAK = "\u00a0\u2009\u202f"
 """Blanks between groups of three digits, besides the plain one: no-break, thin, narrow no-break (CGPM 2003)."""
@@ -19,11 +19,16 @@ APOSTROPHES = "'’"
 GAPS = (
     *("", "nan", "NaN", "NAN", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL", "None", "none", "NaT"),
     *("nan(ind)", "-nan(ind)", "-nan(snan)", "1.#IND", "-1.#IND", "1.#QNAN", "-1.#QNAN", "1.#SNAN"),
+    *("1.#INF", "-1.#INF", "\\N", "(null)"),
     *("#N/A", "#N/A N/A", "#NA", "#NV", "#NUM!", "#ZAHL!", "#VALUE!", "#WERT!", "#DIV/0!", "#REF!", "<NA>"),
 )
 """Cells that mean 'no number' in the output of C libraries, spreadsheets and data frames."""
 
-_EXPONENT = r"(?:[eEdD][+-]?\d+)?"
+_EXPONENT = r"(?:[eEdDqQ][+-]?\d+)?"
+_BARE_EXPONENT = re.compile(r"(.*\d*\.\d*)([+-]\d{3})")
+"""Fortran leaves out the letter before an exponent of three digits."""
+SCPI_OVERLOAD = 9.9e37
+"""Instruments write this number for an overload, and one above it for 'not a number' (SCPI-1999, 7.2.1)."""
 _HEXADECIMAL = re.compile(r"0[xX][0-9a-fA-F]+|[0-9a-fA-F]{2,}[hH]")
 
 
@@ -60,9 +65,9 @@ class NumberForm:
     def grouped_pattern(self) -> str:
         """Regular expression (of RE2 too) of a number whose digits are grouped by one mark."""
         marks = (self.thousands, "[" + APOSTROPHES + "]", "[" + NO_BREAK + " " * self.blanks + "]")
-        forms = "|".join(
-            rf"\d{{1,3}}(?:{mark if mark.startswith('[') else re.escape(mark)}\d{{3}})+" for mark in marks if mark
-        )
+        patterns = [mark if mark.startswith("[") else re.escape(mark) for mark in marks if mark]
+        # Groups before the last may have two digits, as in India.
+        forms = "|".join(rf"\d{{1,3}}(?:{mark}\d{{2,3}})*{mark}\d{{3}}" for mark in patterns)
         return rf"[+-]?(?:{forms})(?:{re.escape(self.decimal)}\d*)?{_EXPONENT}"
 
     @cached_property
@@ -85,6 +90,8 @@ class NumberForm:
         text = cell.strip().strip('"').strip()
         for sign in MINUS:
             text = text.replace(sign, "-")
+        if text.endswith("-"):
+            text = f"-{text[:-1].rstrip()}"
         if re.match(r"[+-]\s", text):
             text = text[0] + text[1:].lstrip()
         if self._grouped.fullmatch(text):
@@ -93,7 +100,9 @@ class NumberForm:
             if "." in text:
                 return None
             text = text.replace(",", ".")
-        return re.sub("[dD]", "e", text) if re.fullmatch(self.pattern, text) else None
+        if bare := _BARE_EXPONENT.fullmatch(text):
+            text = f"{bare[1]}e{bare[2]}"
+        return re.sub("[dDqQ]", "e", text) if re.fullmatch(self.pattern, text) else None
 
 
 def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: str = "") -> Any | None:
@@ -107,6 +116,7 @@ def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: s
     if unit:
         cells = pc.replace_substring_regex(cells, rf"\s*{re.escape(unit)}$", "")
     cells = pc.replace_substring_regex(cells, f"[{MINUS}]", "-")
+    cells = pc.replace_substring_regex(cells, r"^([^-]*[^-\s])\s*-$", r"-\1")
     grouped = pc.match_substring_regex(cells, f"^(?:{form.grouped_pattern})$")
     for mark in form.marks:
         cells = pc.if_else(grouped, pc.replace_substring(cells, mark, ""), cells)
@@ -114,7 +124,7 @@ def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: s
         if pc.any(pc.match_substring(cells, ".")).as_py():
             return None
         cells = pc.replace_substring(cells, ",", ".")
-    cells = pc.replace_substring_regex(cells, "[dD]", "e")
+    cells = pc.replace_substring_regex(cells, "[dDqQ]", "e")
     if not pc.all(pc.match_substring_regex(cells, f"^{form.pattern}$")).as_py():
         return None
     try:

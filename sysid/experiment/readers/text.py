@@ -86,11 +86,16 @@ def read_head(path: Path, name: str) -> tuple[bytes, bool]:
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
     if data[:4] == b"PAR1":
         raise InputError(f"{name}: is a Parquet file; give it the suffix .parquet")
-    if b"\x00" in data[:4096] and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if b"\x00" in data[:4096] and not data.startswith((b"\xff\xfe", b"\xfe\xff")) and not _is_utf_16(data):
         raise InputError(f"{name}: holds binary data, no CSV text")
     if more and b"\n" not in data and b"\r" not in data:
         raise InputError(f"{name}: its first row is longer than {HEAD // 1024} kB; is it a file with columns?")
     return data, more
+
+
+def _is_utf_16(head: bytes) -> bool:
+    """Whether a text without a byte order mark has the bytes of ASCII letters in UTF-16."""
+    return len(head) > 1 and not any(head[1:200:2]) and all(head[0:200:2])
 
 
 def encoding_of(head: bytes, settings: Format, name: str) -> str:
@@ -107,6 +112,8 @@ def encoding_of(head: bytes, settings: Format, name: str) -> str:
     for mark, encoding in _MARKS:
         if head.startswith(mark):
             return encoding
+    if _is_utf_16(head):
+        return "utf-16-le"
     try:
         head.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -20,12 +20,13 @@ MONTHS |= {"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
 _DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4}|\d{1,2}[-. ]{1,2}\pL{3,9}\.?[-. ]\d{4}"
 _CLOCK = (
     r"(?P<h>\d{1,2}):(?P<m>\d\d)(?::(?P<s>\d\d)(?:[.,:](?P<f>\d+))?)?"
-    r"\s?(?P<half>[AaPp]\.?[Mm]\.?)?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
+    r"\s?(?P<half>[AaPp]\.?\s?[Mm]\.?)?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
 )
 _FORMS = {
     "date": rf"(?P<date>{_DATE})[ T,]\s*{_CLOCK}",
     "day": rf"(?P<date>{_DATE})",
-    "clock": _CLOCK.replace("?)?\\s", "?)\\s", 1),
+    "clock": r"(?:(?P<days>\d+)(?: days?,? |\.))?" + _CLOCK.replace("?)?\\s", "?)\\s", 1),
+    "compact": r"(?P<date>\d{8})[T_ ](?P<h>\d\d)(?P<m>\d\d)(?P<s>\d\d)(?:[.,](?P<f>\d+))?",
     "minutes": r"(?P<m>\d{1,4}):(?P<s>\d\d)[.,](?P<f>\d+)",
 }
 """Regular expressions of RE2 by kind of stamp; a time of day alone has seconds."""
@@ -92,7 +93,11 @@ def _counted(text: Any, kind: str) -> tuple[np.ndarray, float]:
     half = by_word("half", lambda words: [" ap".index(word[:1].lower() or " ") for word in words])
     hours = number("h", 24 if not half.any() else 12)
     hours = np.where(half > 0.0, hours % 12.0, hours) + 12.0 * (half == 2.0)
-    whole = DAY * by_word("date", _days) + 3600.0 * hours - by_word("zone", lambda words: [*map(_offset, words)])
+    whole = (
+        DAY * (by_word("date", _days) + number("days"))
+        + 3600.0 * hours
+        - by_word("zone", lambda words: [*map(_offset, words)])
+    )
     whole = whole + 60.0 * number("m", 59 if kind != "minutes" else 9999) + number("s", 60)
     part = number("f")
     return whole - whole[0] + (part - part[0]), float(whole[0] + part[0])
@@ -101,6 +106,7 @@ def _counted(text: Any, kind: str) -> tuple[np.ndarray, float]:
 def _days(words: list[str]) -> list[int]:
     """Days since 1970 of dates: with the year first, day.month.year, with a month's name, or with slashes, where the
     numbers show which is the day, or all are one date."""
+    words = [f"{word[:4]}-{word[4:6]}-{word[6:]}" if word.isdigit() else word for word in words]
     parts = [re.findall(r"\d+|[^\W\d_]+", word) for word in words]
     days = []
     for word, (one, two, three) in zip(words, parts):

@@ -17,6 +17,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
 from sysid.experiment.columns.proposal import Proposal as Column
 from sysid.experiment.columns.proposal import propose as propose_columns
+from sysid.experiment.columns.settings import RATED
 from sysid.experiment.questions import QUESTION
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
@@ -259,6 +260,9 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
         if name != ("mass" if proposal.rotary else "inertia"):
             unit = known.rotary_unit if proposal.rotary else known.unit
             lines.append(f'# {name} = "1 {unit}"' if unit else f'# {name} = "1"')
+    for column in proposal.columns:
+        if column.percent:
+            lines.append(f'{RATED}{column.channel} = "? {column.scale}"    # {QUESTION} what are 100 % of it?')
     lines += ["", "[model]", f"effects = {json.dumps(usual_effects(proposal.kind))}", ""]
     remarks = opened[0].header.remarks
     lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
@@ -300,7 +304,7 @@ def _channel_line(column: Column, numbered: bool) -> str:
     name = str(column.number) if numbered else '"' + column.label.replace("\\", "\\\\").replace('"', '\\"') + '"'
     entries = [f"column = {name}"]
     entries += [f'unit = "{column.unit}"'] if column.unit else []
-    entries += [f'scale = "? {column.scale}"'] if column.scale else []
+    entries += [f'scale = "? {column.scale}"'] if column.scale and not column.percent else []
     entries += ["increments = true"] if column.increments else []
     value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
     # A load or temperature of unknown unit is left out until the question is answered; no fit needs it.
