@@ -22,7 +22,7 @@ from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 from sysid.report import worst_channel
 from workbench.figures.curves import curve_of, worst_record
-from workbench.figures.identification import loops_figure, maps_figure, overlay_figure
+from workbench.figures.identification import loops_figure, maps_figure, overlay_figure, records_figure
 from workbench.figures.plot import save_figures
 from workbench.operations.measurement.add import Addition, Ladder, Restoration, ladder
 from workbench.operations.measurement.compare import Comparison
@@ -55,13 +55,15 @@ from workbench.operations.measurement.tables import (
 from workbench.operations.result import Reported, finite
 from workbench.report.checks import render
 
-SCHEMA = 6
+SCHEMA = 7
 REPORT = "report.html"
 """Name of the report in its folder."""
 WIDTH = 8.4
 """Inches of a figure of the report."""
 MOST_CORRELATED = 14
 """Parameters up to which the matrix of correlations is shown."""
+MOST_RECORDS = 6
+"""Records whose channels are drawn as logged."""
 MOST_OVERLAYS = 3
 """Channels of which an overlay is drawn."""
 STATES = {"missing-effect": "found", "adequate": "good"}
@@ -208,6 +210,7 @@ def _fitted(problem: Problem, model: Model, document: Mapping[str, Any], title: 
             for r in problem.records
         ],
         "noise": noise_text(problem),
+        "channels": records_figure(problem.records[:MOST_RECORDS], faults=True).svg("channels as logged"),
         "text": problem.experiment.text,
         "notes": list(problem.notes),
         "warnings": list(document["warnings"]),

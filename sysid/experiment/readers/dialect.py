@@ -108,11 +108,11 @@ def kind_of_cell(cell: str, form: NumberForm, settings: Format) -> Kind:
         return "gap"
     if form.value(cell) is not None:
         return "number"
+    if settings.time_format is not None and _has_format(cell, settings.time_format):
+        return "stamp"
     for kind, pattern in STAMPS.items():
         if pattern.fullmatch(cell):
             return kind  # type: ignore[return-value]
-    if settings.time_format is not None and _has_format(cell, settings.time_format):
-        return "stamp"
     return "quantity" if unit_of_cell(cell, form) else "text"
 
 

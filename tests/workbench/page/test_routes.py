@@ -276,3 +276,27 @@ def test_an_answer_within_a_limit_is_completed_by_the_next() -> None:
     assert second.pending == () and set(second.checks) == set(first.pending)
     # A page that knows nothing yet is answered with everything.
     assert len(live.update(changed, 0.0).checks) == base.count
+
+
+def test_faults_of_the_rows_and_their_picture_are_seen_before_any_fit(client: TestClient, folder: Path) -> None:
+    seconds = np.arange(1500) * 0.01
+    position, noise = 0.02 * np.sin(seconds), 0.01 * np.random.default_rng(1).standard_normal(1500)
+    force = np.clip(np.sign(np.cos(seconds)) + 0.8 * np.cos(seconds) + noise, -1.6, 1.6)
+    force[200] = 0.0
+    (folder / "seen").mkdir()
+    columns = np.column_stack([seconds, position, force])
+    head = "time [s],position [m],friction_force [N]"
+    np.savetxt(folder / "seen" / "fit.csv", columns, delimiter=",", header=head, comments="", fmt="%.7g")
+    (folder / "seen" / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    )
+    answer = client.get("/api/experiment/seen/look").json()
+    assert any("clipped at -1.6 N and 1.6 N" in line for line in answer["warnings"])
+    assert answer["figure"].startswith("<svg") and "clipped" in answer["figure"]
+    job = client.post("/api/experiment/seen/compare").json()
+    while job.get("state", "waiting") in ("waiting", "running"):
+        time.sleep(0.2)
+        job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
+    found = client.get(f"/api/jobs/{job['number']}/result").json()
+    assert set(answer["warnings"]) <= set(found["document"]["warnings"])

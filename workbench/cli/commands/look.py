@@ -18,7 +18,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     from workbench.operations.measurement.look import look
 
     with run.busy("reading the records"):
-        seen = look(experiment)
+        seen = look(experiment, run.design)
     for note in dict.fromkeys(note for record in seen.records for note in record.notes):
         run.note(f"note: {note}")
     for line in seen.lines():

@@ -12,11 +12,14 @@ from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.record import Record, load_whole_records
+from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from workbench.figures.plot import Plot
+    from workbench.operations.design import Design
 
 
 class Look(Result):
@@ -104,7 +107,7 @@ class Look(Result):
                 shown.append(f"  {row['channel']}: {' .. '.join(ends)}" + (f"; {', '.join(faults)}" if faults else ""))
         return shown
 
-    def plot(self) -> Figure:
+    def plot(self) -> Plot:
         """All raw channels over time, with the faults marked."""
         from workbench.figures.identification import records_figure
 
@@ -114,14 +117,16 @@ class Look(Result):
         return f"<Look at {len(self.records)} records: {len(self.warnings)} warnings>"
 
 
-def look(experiment: str | Path | Experiment) -> Look:
+def look(experiment: str | Path | Experiment, design: Design | None = None) -> Look:
     """Read every record of an experiment, and look at its rows.
 
     Args:
         experiment: the folder, its `experiment.toml`, or an experiment as read.
+        design: where the file states a value as `"design"`.
 
     Raises:
         InputError: one line with file, row and column.
     """
-    loaded = experiment if isinstance(experiment, Experiment) else load_experiment(experiment)
-    return Look(loaded, tuple(load_whole_records(loaded)))
+    if not isinstance(experiment, Experiment):
+        experiment = load_experiment(experiment, as_design_values(design))
+    return Look(experiment, tuple(load_whole_records(experiment)))

@@ -51,6 +51,16 @@ def ladder(request: Request, name: str) -> dict[str, Any]:
     )
 
 
+@router.get("/{name:path}/look")
+def look(request: Request, name: str) -> dict[str, Any]:
+    """The warnings of `stagecad look`, and its picture (SVG) of every channel as it is logged, before any fit."""
+    from workbench.operations.measurement.look import look as look_at
+
+    project = project_of(request)
+    seen = look_at(project.experiment(name), project.stated_design())
+    return {"warnings": seen.warnings, "figure": seen.plot().svg("channels as logged")}
+
+
 @router.post("/{name:path}/compare")
 def compare(request: Request, name: str) -> dict[str, Any]:
     """Start `stagecad compare`."""

@@ -52,7 +52,8 @@ class Measurement {
     this.maps = h('div', { class: 'maps' });
     this.statement = h('p', { class: 'statement' }, 'Choose an experiment, or drop record files on the page.');
     this.warnings = h('ul', { class: 'warnings warn' });
-    fill(this.middle, h('div', { class: 'finding' }, this.statement, this.warnings), this.overlay.element, h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual over each coordinate'), h('span', { class: 'dim' }, 'in deviations of the noise'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps));
+    this.raw = h('details', { class: 'raw', hidden: true }, h('summary', {}, 'Channels as logged'), this.picture = h('img', { alt: 'every channel over time, with its faults marked' }));
+    fill(this.middle, h('div', { class: 'finding' }, this.statement, this.warnings), this.raw, this.overlay.element, h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual over each coordinate'), h('span', { class: 'dim' }, 'in deviations of the noise'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps));
   }
 
   makeRight() {
@@ -110,7 +111,7 @@ class Measurement {
     this.found = this.shownJob = null;
     this.middle.classList.add('blank');
     fill(this.statement, '');
-    this.warnings.hidden = this.report.hidden = this.json.hidden = true;
+    this.warnings.hidden = this.report.hidden = this.json.hidden = this.raw.hidden = true;
     try {
       await this.readLadder();
     } catch (error) {
@@ -120,6 +121,7 @@ class Measurement {
       return;
     }
     if (!current()) return;
+    this.look(name).catch((error) => say(error.message, 'bad'));
     const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
     const active = mine.filter((job) => job.state === 'running' || job.state === 'waiting').at(-1);
     const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest').at(-1);
@@ -131,6 +133,21 @@ class Measurement {
     }
     this.showProgress(null);
     if (active) this.follow(active); else if (!this.found) this.start('compare');
+  }
+
+  /** The channels as they are logged, and what is wrong in them: seen before any fit. */
+  async look(name) {
+    const { warnings, figure } = await get(`/api/experiment/${path(name)}/look`);
+    if (this.name !== name) return;
+    this.picture.src = `data:image/svg+xml,${encodeURIComponent(figure)}`;
+    this.raw.hidden = false;
+    this.raw.open = !this.found;
+    if (!this.found) this.warn(warnings);
+  }
+
+  warn(texts) {
+    fill(this.warnings, texts.map((text) => h('li', {}, text)));
+    this.warnings.hidden = !texts.length;
   }
 
   /** The Python files of an experiment that may not run yet: their text, and the consent where the server takes one. */
@@ -244,8 +261,8 @@ class Measurement {
     this.overlay.show(job.number, view.overlays);
     drawMaps(this.maps, view.maps);
     fill(this.statement, view.statement);
-    fill(this.warnings, (view.document.warnings ?? []).map((text) => h('li', {}, text)));
-    this.warnings.hidden = !(view.document.warnings ?? []).length;
+    this.warn(view.document.warnings ?? []);
+    this.raw.open = false;
     if (job.task === 'diagnose') this.showDiagnosis(found); else this.showComparison(view);
     this.report.hidden = this.json.hidden = false;
     this.report.href = `/api/experiment/${path(this.name)}/report`;
