@@ -294,8 +294,10 @@ def test_faults_of_the_rows_and_their_picture_are_seen_before_any_fit(client: Te
     answer = client.get("/api/experiment/seen/look").json()
     assert any("clipped at -1.6 N and 1.6 N" in line for line in answer["warnings"])
     assert answer["figure"].startswith("<svg") and "clipped" in answer["figure"]
-    job = client.post("/api/experiment/seen/compare").json()
-    while job.get("state", "waiting") in ("waiting", "running"):
+    begun = client.post("/api/experiment/seen/compare", json={})
+    assert begun.status_code == 200, begun.text
+    job = begun.json()
+    while job["state"] in ("waiting", "running"):
         time.sleep(0.2)
         job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
     found = client.get(f"/api/jobs/{job['number']}/result").json()
