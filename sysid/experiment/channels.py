@@ -27,14 +27,7 @@ _OTHER_LABELS = (
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a file.
-
-    Args:
-        index: position in the file, from 0.
-        label: header as written.
-        name: text before the unit.
-        unit: text of the unit; none without one.
-    """
+    """One column of a file: its place from 0, its header as written, the text before the unit, and the unit, if any."""
 
     index: int
     label: str

@@ -18,7 +18,7 @@ from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rig_kinds.balance import balance_of
 from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
-from sysid.experiment.rigs import CHANNELS, RigKind, find_base
+from sysid.experiment.rigs import CHANNELS, RIGS, RigKind
 from sysid.experiment.settings import Setting, check_effects, read_settings
 from sysid.experiment.toml_table import TomlTable, quantity, read_toml, shown
 
@@ -60,14 +60,8 @@ OWN_KIND = "own"
 
 @dataclass(frozen=True)
 class Revision:
-    """One rung.
-
-    Args:
-        number: 0 for the model before anything was added.
-        path: its file.
-        model: `[model]` as plain data.
-        document: content of the file: `effects`, `added`, `parameters`, `before` and the other results of the fit.
-    """
+    """One rung: its number (0 before anything was added), its file, its `[model]` as plain data, and the content of the
+    file: `effects`, `added`, `parameters`, `before` and the other results of the fit."""
 
     number: int
     path: Path
@@ -82,14 +76,8 @@ class Revision:
 
 @dataclass(frozen=True)
 class Rig:
-    """The rig of an experiment.
-
-    Args:
-        kind: name of the kind of rig (`sysid.experiment.rigs`); of a declared kind, that of its base.
-        known: known quantities by key; `inertia` has the key `mass`.
-        rotary: whether the axis is rotary.
-        input_hold: interpolation of the logged input between rows: held, or linear.
-    """
+    """The rig of an experiment: the name of its kind (of a declared kind, that of its base), known quantities by key
+    (an inertia as `mass`), whether the axis is rotary, and how the logged input runs between rows."""
 
     kind: str
     known: Mapping[str, Known]
@@ -99,25 +87,16 @@ class Rig:
     @property
     def declaration(self) -> RigKind:
         """The kind of rig with its channels."""
-        return find_base(self.kind)
+        return RIGS[self.kind]
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """An experiment as read.
+    """An experiment as read; parameters are settings by `effect.parameter`, noise is a standard deviation by channel,
+    SI.
 
-    Args:
-        folder: folder of `experiment.toml`.
-        path: of `experiment.toml`.
-        rig: kind, known quantities, axis.
-        effects: the model's effects in order.
-        custom: the user's own effects: files, and effects declared in memory.
-        parameters: start, bounds, or fixed value by `effect.parameter`, SI.
-        records: the records.
-        noise: standard deviation by channel, SI.
-        text: content of the file, with its comments.
-        sha256: of the file's bytes.
-        revisions: of the model, where the experiment is not in files.
+    `custom` has the user's own effects, as files or declared in memory; `text` is the file with its comments, `sha256`
+    that of its bytes; an experiment that is not in files has its `revisions` here.
     """
 
     folder: Path
@@ -200,7 +179,7 @@ def read_experiment(
     measured = {channel for record in records for channel in record.sources} | kind.balance.keys()
     if kind.base:
         balance, known = balance_of(kind, known, rotary, name)
-        records, kind = tuple(replace(record, balance=balance) for record in records), find_base(kind.base)
+        records, kind = tuple(replace(record, balance=balance) for record in records), RIGS[kind.base]
     noise = _read_noise(top.table("noise"), kind, rotary)
     records = tuple(_with_noise(record, table, kind, rotary) for record, table in zip(records, top.tables("record")))
     model = top.table("model")

@@ -18,11 +18,11 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
-from sysid.experiment.experiment import Experiment, Revision
+from sysid.experiment.experiment import Experiment, Place, Revision
 from sysid.experiment.file_lock import file_lock
 from sysid.experiment.model_table import grown_model, json_data, model_hash, model_of, with_model
 from sysid.experiment.questions import Prior
@@ -32,14 +32,7 @@ LOCK_SECONDS = 10.0
 _RUNG = re.compile(r"(\d{3,})\.json")
 
 
-class Placed(Protocol):
-    """Folder and file of an experiment, as the ladder functions require."""
-
-    @property
-    def folder(self) -> Path: ...
-
-    @property
-    def path(self) -> Path: ...
+Placed = Experiment | Place
 
 
 @contextmanager

@@ -15,13 +15,7 @@ from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 
 @dataclass(frozen=True)
 class DesignValue:
-    """A value from the design, SI.
-
-    Args:
-        value: the value.
-        std: its standard deviation if the design states one, for the prior of the fit.
-        low, high: bounds of the value in the design.
-    """
+    """A value from the design, SI, its standard deviation if the design states one, and its bounds there."""
 
     value: float
     std: float | None = None
@@ -35,13 +29,7 @@ DesignValues = Mapping[str, float | DesignValue] | Callable[[str], float | Desig
 
 @dataclass(frozen=True)
 class Known:
-    """A known quantity of the rig, SI.
-
-    Args:
-        value: the number.
-        std: its standard deviation; None if not given.
-        origin: `given` (in the file) or `design`.
-    """
+    """A known quantity of the rig, SI, with its standard deviation if given, from the file or from the design."""
 
     value: float
     std: float | None = None

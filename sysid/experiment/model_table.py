@@ -46,7 +46,7 @@ def grown_model(
     """`model` with other effects, and with fitted values as starts."""
     grown = copy.deepcopy(dict(model))
     grown["effects"] = list(effects)
-    settings = _flat(grown.get("parameters", {}))
+    settings = flat_settings(grown.get("parameters", {}))
     settings = {key: value for key, value in settings.items() if key.rpartition(".")[0] in effects}
     for key, (value, unit) in starts.items():
         if key.rpartition(".")[0] not in effects:
@@ -75,13 +75,13 @@ def _is_prior(setting: Any) -> bool:
     return isinstance(start, str) and (start == "design" or any(mark in start for mark in ("+-", "+/-", "±")))
 
 
-def _flat(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Settings by dotted key, where nested tables (`coulomb.force = {...}`) are flattened."""
+def flat_settings(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Settings by dotted key, whether written as `"coulomb.force" = {...}` or as `coulomb.force = {...}`."""
     flat: dict[str, Any] = {}
     for key, value in parameters.items():
-        nested = isinstance(value, Mapping) and value and not {"start", "low", "high", "fixed"} & set(value)
-        if nested:
-            flat.update(_flat(value, f"{prefix}{key}."))
+        nested = isinstance(value, Mapping) and not {"start", "low", "high", "fixed"} & set(value)
+        if nested and any(isinstance(item, Mapping | str) for item in value.values()):
+            flat.update(flat_settings(value, f"{prefix}{key}."))
         else:
             flat[f"{prefix}{key}"] = value
     return flat

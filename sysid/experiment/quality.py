@@ -35,15 +35,8 @@ MOVES = 0.1
 
 @dataclass(frozen=True)
 class Fault:
-    """Rows of one channel that hold no value of their own.
-
-    Args:
-        channel: its name.
-        kind: `clipped`, `frozen` or `dropped`.
-        rows: mask (n,).
-        logged: what the file has there, SI, shape (n,).
-        text: one line for the user.
-    """
+    """Rows (n,) of one channel that hold no value of their own, `clipped`, `frozen` or `dropped`, what the file has
+    there, SI, and one line for the user."""
 
     channel: str
     kind: str

@@ -38,19 +38,8 @@ class Bound:
 class RecordSpec:
     """One `[[record]]` table with the columns of its channels.
 
-    Args:
-        name: `name` in the file, else the stem of `file`; unique.
-        file: as written.
-        path: of the file, or its table in memory.
-        role: `fit` or `validate`.
-        sources: channel to its columns.
-        settings: `[format]` of the experiment.
-        start, stop: window on the time column; None if unbounded.
-        continues: name of the record that this one continues.
-        noise: standard deviations of the noise of this record, SI.
-        notes: on unused columns.
-        balance: of a declared kind of rig, whose channels are computed of the columns.
-        where: position in the experiment file, for messages.
+    `name` is unique, `file` as written; `start` and `stop` bound the time; `continues` names the record that this one
+    continues; `noise` has standard deviations, SI; `balance` computes the channels of a declared kind of rig.
     """
 
     name: str

@@ -11,14 +11,8 @@ from stagecad.parameters.formula import Formula
 
 @dataclass(frozen=True)
 class Channel:
-    """A quantity that a record may contain, in SI units (temperature in degC).
-
-    Args:
-        name: the column's name.
-        unit: SI unit on a linear axis.
-        rotary_unit: SI unit on a rotary axis.
-        shows_axis: whether its unit determines if the axis is linear or rotary.
-    """
+    """A quantity that a record may contain, in SI units (temperature in degC) of a linear and of a rotary axis;
+    `shows_axis` is whether its unit determines which one it is."""
 
     name: str
     unit: str
@@ -142,64 +136,26 @@ class RigKind:
         return ALWAYS_ALLOWED + self.input_channels + self.measured_channels
 
 
+_FORCE = (("friction_force",),)
+_VOLTAGES = (("voltage_1",), ("voltage_2",))
+_SPRING = {"pull_stiffness": KnownQuantity("N/m", "N*m/rad")}
+_DRIVE_KNOWN = {
+    "mass": MASS,
+    **_TIP_KNOWN,
+    "normal_load": KnownQuantity("N", "N"),
+    "preload": KnownQuantity("N", "N"),
+    "piezo_gain": KnownQuantity("m/V", "m/V"),
+    "contact_stiffness": KnownQuantity("N/m", "N/m"),
+    "contact_damping": KnownQuantity("N*s/m", "N*s/m", positive=False),
+    "press": KnownQuantity("m", "m"),
+}
 RIGS: dict[str, RigKind] = {
     rig.name: rig
     for rig in (
-        RigKind(
-            "velocity-drive",
-            (("position", "velocity"),),
-            (),
-            (("friction_force",),),
-            (),
-            _AXIS_KNOWN,
-            sensed_inputs=("position",),
-        ),
-        RigKind(
-            "spring-pull",
-            (("pull_position",),),
-            (),
-            (("position", "spring_force"),),
-            (),
-            {**_AXIS_KNOWN, "pull_stiffness": KnownQuantity("N/m", "N*m/rad")},
-        ),
-        RigKind(
-            "force-drive",
-            (("drive_force",),),
-            (),
-            (("position", "velocity"),),
-            (),
-            _AXIS_KNOWN,
-            sensed_inputs=("drive_force",),
-        ),
-        RigKind(
-            "actuator-tip",
-            (("voltage_1",), ("voltage_2",)),
-            ("voltage_3",),
-            (("tip_x",), ("tip_y",)),
-            ("tip_z",),
-            _TIP_KNOWN,
-        ),
-        RigKind(
-            "friction-drive",
-            (("voltage_1",), ("voltage_2",)),
-            ("voltage_3",),
-            (("position",),),
-            ("position_y",),
-            {
-                "mass": MASS,
-                **_TIP_KNOWN,
-                "normal_load": KnownQuantity("N", "N"),
-                "preload": KnownQuantity("N", "N"),
-                "piezo_gain": KnownQuantity("m/V", "m/V"),
-                "contact_stiffness": KnownQuantity("N/m", "N/m"),
-                "contact_damping": KnownQuantity("N*s/m", "N*s/m", positive=False),
-                "press": KnownQuantity("m", "m"),
-            },
-        ),
+        RigKind("velocity-drive", (("position", "velocity"),), (), _FORCE, (), _AXIS_KNOWN, ("position",)),
+        RigKind("spring-pull", (("pull_position",),), (), (("position", "spring_force"),), (), _AXIS_KNOWN | _SPRING),
+        RigKind("force-drive", (("drive_force",),), (), (("position", "velocity"),), (), _AXIS_KNOWN, ("drive_force",)),
+        RigKind("actuator-tip", _VOLTAGES, ("voltage_3",), (("tip_x",), ("tip_y",)), ("tip_z",), _TIP_KNOWN),
+        RigKind("friction-drive", _VOLTAGES, ("voltage_3",), (("position",),), ("position_y",), _DRIVE_KNOWN),
     )
 }
-
-
-def find_base(name: str) -> RigKind:
-    """The kind called `name`, which is its own base."""
-    return RIGS[name]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
@@ -16,6 +15,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
 from sysid.experiment.known import DesignValues, design_value
+from sysid.experiment.model_table import flat_settings
 from sysid.experiment.rigs import CHANNELS, RigKind
 from sysid.experiment.toml_table import TomlTable, kind_of, shown
 
@@ -27,14 +27,8 @@ _KEYS = ("start", "low", "high", "fixed")
 
 @dataclass(frozen=True)
 class Setting:
-    """Setting of one parameter in the file, SI; None for entries that are not given.
-
-    Args:
-        start: initial value of the fit, or the fixed value.
-        low, high: bounds.
-        fixed: kept at `start`, not fitted.
-        std: standard deviation of the prior with mean `start` (from `start = "1.2 +- 0.1 N"`, or from the design).
-    """
+    """Setting of one parameter in the file, SI; None for what is not given. A fixed one is kept at `start`; `std` is
+    the standard deviation of a prior with mean `start` (from `start = "1.2 +- 0.1 N"`, or from the design)."""
 
     start: float | None = None
     low: float | None = None
@@ -89,7 +83,7 @@ def read_settings(
 ) -> dict[str, Setting]:
     """Read `[model.parameters]`; `design` has the values of settings given as `"design"`."""
     settings: dict[str, Setting] = {}
-    for key, value in _flat(table.data, effects):
+    for key, value in flat_settings(table.data).items():
         where = table.where(key)
         name, _, parameter_name = key.rpartition(".")
         if name not in effects:
@@ -103,27 +97,9 @@ def read_settings(
             parameter = effects[name].parameter(parameter_name)
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
-        settings[key] = _setting(
-            TomlTable(table.file, f"{table.name}.{key}", _as_table(value)), parameter, name, rig, rotary, design
-        )
+        entry = TomlTable(table.file, f"{table.name}.{key}", value if isinstance(value, dict) else {"start": value})
+        settings[key] = _setting(entry, parameter, name, rig, rotary, design)
     return settings
-
-
-def _flat(data: Mapping[str, Any], effects: Mapping[str, Effect]) -> list[tuple[str, Any]]:
-    """Settings by dotted key, whether written as `"coulomb.force" = {...}` or as `coulomb.force = {...}`."""
-    flat: list[tuple[str, Any]] = []
-    for key, value in data.items():
-        if isinstance(value, dict) and value and not set(value) & set(_KEYS):
-            nested = _flat(value, effects) if any(isinstance(item, dict | str) for item in value.values()) else []
-            if nested:
-                flat += [(f"{key}.{inner}", item) for inner, item in nested]
-                continue
-        flat.append((key, value))
-    return flat
-
-
-def _as_table(value: Any) -> Any:
-    return {"start": value} if not isinstance(value, dict) else value
 
 
 def _setting(

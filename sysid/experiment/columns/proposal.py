@@ -93,17 +93,10 @@ SAMPLE = 20_000
 class Proposal:
     """One column and what it is taken for.
 
-    Args:
-        number: of the column, from 1.
-        label: as written.
-        channel: what it is taken for; None if it is left out.
-        unit: as it will be written; None if the header has it in brackets, `?` if it is not known.
-        scale: unit of the scale that is needed; None if the unit is that of the channel.
-        question: what the user should decide; empty if it is certain.
-        increments: whether each cell is the change from the row before.
-        percent: whether the scale is a rated value, of which the cells are percent.
-        reason: why it is left out.
-    """
+    `number` counts from 1; `channel` is None if it is left out, for the stated `reason`. `unit` is as it will be
+    written, None if the header has it in brackets, `?` if it is not known; `scale` is the unit of a needed scale, of
+    which the cells may be `percent`. `question` is what the user should decide. Cells may be `increments` from row to
+    row. """
 
     number: int
     label: str
@@ -128,14 +121,9 @@ class ExperimentProposal:
 
 
 class Guess(NamedTuple):
-    """What a column is taken for, and why.
-
-    Args:
-        meaning: channel, `force`, `voltage`, or empty.
-        why: question to the user; empty if it is certain.
-        unit: None if it is not known.
-        rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not say.
-    """
+    """What a column is taken for (a channel, `force`, `voltage`, or empty), a question to the user where it is not
+    certain, its unit, and its rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not
+    say."""
 
     meaning: str
     why: str
@@ -409,13 +397,7 @@ def _fits(unit: str, si: str) -> bool:
 
 @dataclass(frozen=True)
 class Numbers:
-    """What a file holds.
-
-    Args:
-        columns: of numbers, (n,), by index.
-        reasons: why a column holds none, by index.
-        missing: cells that are taken for marks of a gap.
-    """
+    """Columns of numbers (n,) by index, why a column holds none, and the cells that are taken for marks of a gap."""
 
     columns: Mapping[int, np.ndarray]
     reasons: Mapping[int, str]

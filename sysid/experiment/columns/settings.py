@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import Dimension, parse_any, to_si, unit_dimension
@@ -21,14 +21,8 @@ RATED = "rated_"
 
 @dataclass(frozen=True)
 class Scale:
-    """A factor from the quantity in a column to that of its channel, SI.
-
-    Args:
-        value: the factor.
-        dimension: of the factor.
-        text: as written.
-        std: standard deviation of the factor, if given; infinite for one that is fitted without knowing it.
-    """
+    """A factor from the quantity in a column to that of its channel, SI, its text as written, and its standard
+    deviation: infinite for one that is fitted without knowing it."""
 
     value: float
     dimension: Dimension
@@ -49,14 +43,8 @@ class Stated:
 class ColumnSetting:
     """Settings of one column of a channel in the experiment; None is left to the file.
 
-    Args:
-        column: name in the header, or number from 1.
-        unit: of the cells.
-        sign: 1 or -1.
-        scale: from the column's quantity to the channel's.
-        where: place in the experiment file, for messages.
-        increments: whether a cell holds the change from the row before; the channel is their sum.
-        stated: in place of a column.
+    The column is a name, or a number from 1; its cells may be `increments` from row to row, whose sum is the channel. A
+    quantity `stated` stands in place of a column. `where` is the place in the experiment file, for messages.
     """
 
     column: str | int | None = None
@@ -69,17 +57,12 @@ class ColumnSetting:
 
     def over(self, other: ColumnSetting) -> ColumnSetting:
         """These settings, and those of `other` where these have none."""
-        sign = self.sign if self.sign is not None else other.sign
+        own = {name: value for name, value in vars(self).items() if value not in (None, "")}
         if self.stated is not None or (other.stated is not None and self.column is None):
-            return ColumnSetting(sign=sign, where=self.where or other.where, stated=self.stated or other.stated)
-        return ColumnSetting(
-            self.column if self.column is not None else other.column,
-            self.unit if self.unit is not None else other.unit,
-            sign,
-            self.scale if self.scale is not None else other.scale,
-            self.where or other.where,
-            self.increments if self.increments is not None else other.increments,
-        )
+            own = {"column": None, "unit": None, "scale": None, "increments": None, **own}
+        elif other.stated is not None:
+            own = {"stated": None, **own}
+        return replace(other, **own)
 
 
 ChannelSettings = Mapping[str, tuple[ColumnSetting, ...]]

@@ -45,21 +45,10 @@ Row = tuple[int, list[str]]
 class Dialect:
     """The form of a text file with columns.
 
-    Args:
-        encoding: of the text.
-        delimiter: between columns; a blank stands for any run of blanks and tabs.
-        form: of the numbers.
-        spelled: columns whose numbers are not written as Python writes them, and the unit behind each number.
-        labels: of the columns.
-        units: row of units, by column; empty without one.
-        header_row, units_row: numbers of the rows, from 1; 0 for none.
-        first_row: number of the first row of numbers.
-        width: cells of a row.
-        stamps: columns of time stamps, and their kinds.
-        dates: columns of times of day, and those of their dates, which are read with them.
-        gaps: cells that mark a gap.
-        texts: first cell, by label, of columns of text.
-        remarks: on what is not plain CSV, for the user.
+    Rows are numbered from 1, 0 for none; columns from 0. `spelled` has the columns whose numbers are not written as
+    Python writes them, with the unit behind each number, `stamps` those of time stamps by kind, and `dates` the column
+    of the date that is read with a time of day. `gaps` are cells that mark a gap, `texts` the first cell of columns of
+    text by label, `remarks` what is not plain CSV.
     """
 
     encoding: str

@@ -48,15 +48,7 @@ SUFFIXES = (*READERS, *(f"{suffix}.gz" for suffix in TEXT_SUFFIXES))
 
 @dataclass(frozen=True)
 class RecordFile:
-    """An open record file: its header, and its columns on demand.
-
-    Args:
-        path: the file, or a table in memory.
-        name: shown in messages.
-        settings: `[format]` of the experiment.
-        reader: of its format.
-        header: its labels.
-    """
+    """An open record file, or a table in memory: its header, and its columns on demand; `name` stands in messages."""
 
     path: Path | MemoryTable
     name: str

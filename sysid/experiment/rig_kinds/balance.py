@@ -13,7 +13,7 @@ from stagecad.parameters.formula import FUNCTIONS, Formula, Functions, Value
 from stagecad.parameters.units import DIMENSIONLESS, Dimension, unit_dimension
 from sysid.experiment.known import Known
 from sysid.experiment.rig_kinds.declaration import default_value, unit_of
-from sysid.experiment.rigs import RigKind, find_base
+from sysid.experiment.rigs import RIGS, RigKind
 
 _SECOND = unit_dimension("s")
 
@@ -44,14 +44,7 @@ ARRAY_FUNCTIONS: Functions = {
 
 @dataclass(frozen=True)
 class Balance:
-    """The formulas of a declared kind of rig with the values of its known quantities.
-
-    Args:
-        kind: the kind.
-        known: SI values.
-        rotary: whether the axis is rotary.
-        file: of the experiment, for messages.
-    """
+    """The formulas of a declared kind of rig with the SI values of its known quantities; `file` stands in messages."""
 
     kind: RigKind
     known: Mapping[str, float]
@@ -60,7 +53,7 @@ class Balance:
 
     def channels(self, time: np.ndarray, recorded: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The base's channels (n,), SI: recorded ones, and those of the formulas."""
-        base = find_base(self.kind.base)
+        base = RIGS[self.kind.base]
         found = {name: values for name, values in recorded.items() if name in base.channels}
         for channel, formula in self.kind.balance.items():
             known = {**recorded, **found}
@@ -73,7 +66,7 @@ class Balance:
         return found
 
     def _check(self, channel: str, formula: Formula, dimension: Dimension) -> None:
-        base = find_base(self.kind.base)
+        base = RIGS[self.kind.base]
         units = (base.declared(channel).si_unit(self.rotary), "N*m" if channel == "normal_load" else "")
         if not any(unit and dimension == unit_dimension(unit) for unit in units):
             axis = "rotary" if self.rotary else "linear"
@@ -87,7 +80,7 @@ class Balance:
     def _value(self, key: str, time: np.ndarray, channels: Mapping[str, np.ndarray]) -> Value:
         source, _, name = key.partition(".")
         if source == "known":
-            quantity = {**find_base(self.kind.base).known, **self.kind.known}[name]
+            quantity = {**RIGS[self.kind.base].known, **self.kind.known}[name]
             return Value(self.known[name], unit_dimension(quantity.rotary_unit if self.rotary else quantity.unit))
         dimension = unit_dimension(unit_of(name, self.kind, self.rotary))
         values: Any = channels.get(name)
@@ -103,7 +96,7 @@ class Balance:
 
 def balance_of(kind: RigKind, known: Mapping[str, Known], rotary: bool, file: str) -> tuple[Balance, dict[str, Known]]:
     """The balance of a declared kind, and the known quantities of its base."""
-    base = find_base(kind.base)
+    base = RIGS[kind.base]
     values = {name: quantity.value for name, quantity in known.items()}
     for name, quantity in kind.known.items():
         unit = quantity.rotary_unit if rotary else quantity.unit

@@ -138,7 +138,7 @@ def test_every_practice_experiment_and_both_rigs_read():
     for folder in folders:
         records = load_records(load_experiment(folder))
         texts = [(folder / "experiment.toml").read_text(encoding="utf-8")]
-        texts += [(folder / record.file).read_text(encoding="utf-8")[:500] for record in records]
+        texts += [(folder / record.file).read_text(encoding="utf-8", errors="replace")[:500] for record in records]
         rotary = any(re.search(r"\b(m|u)?rad\b", text) for text in texts)
         assert {record.role for record in records} == {"fit", "validate"}
         for record in records:
