@@ -96,7 +96,7 @@ class Proposal:
     `number` counts from 1; `channel` is None if it is left out, for the stated `reason`. `unit` is as it will be
     written, None if the header has it in brackets, `?` if it is not known; `scale` is the unit of a needed scale, of
     which the cells may be `percent`. `question` is what the user should decide. Cells may be `increments` from row to
-    row. """
+    row."""
 
     number: int
     label: str
