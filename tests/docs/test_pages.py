@@ -1,6 +1,5 @@
 """Pages that are made of the program, or name its parts: effects, theory, convergence, thesis, glossary."""
 
-import importlib.util
 import re
 from pathlib import Path
 
@@ -12,16 +11,14 @@ from designcalc.friction_stage.physics.stage_plate import stage_plate
 from sim.effects.catalogue import library
 from sim.effects.effect import Effect
 from stagecad.parameters.load import load_design
+from tests.docs.scripts import script
 from workbench.cli.dispatch import COMMANDS
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def test_page_is_up_to_date() -> None:
-    spec = importlib.util.spec_from_file_location("make_effects", DOCS / "make_effects.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = script("make_effects")
     written = (DOCS / "effects.md").read_text(encoding="utf-8")
     assert written == module.page(), "declarations have changed: run 'python docs/make_effects.py'"
 
@@ -36,10 +33,7 @@ def test_each_effect_says_what_it_is_how_it_shows_and_who_says_so(effect: Effect
 
 
 def test_constants_are_those_of_the_code() -> None:
-    spec = importlib.util.spec_from_file_location("make_thresholds", DOCS / "make_thresholds.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = script("make_thresholds")
     text = (DOCS / "theory.md").read_text(encoding="utf-8")
     assert text.count("| `CERTAIN_Z` |") == 1
     assert module.with_thresholds(text) == text, "constants have changed: run 'python docs/make_thresholds.py'"

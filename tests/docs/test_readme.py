@@ -1,17 +1,16 @@
 """The pages keep their word: links lead somewhere, commands and options exist, and outputs are what is printed now."""
 
-import importlib.util
 import re
 import shlex
 import shutil
 from pathlib import Path
-from types import ModuleType
 
 import click
 import pytest
 from PIL import Image
 
 from sysid.experiment.experiment import trust_experiment
+from tests.docs.scripts import script
 from workbench.cli.dispatch import COMMANDS, stagecad
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -99,20 +98,12 @@ def test_picture_is_small_and_not_blank() -> None:
     assert max(count for count, _ in colours) < 0.6 * total
 
 
-def _refresh() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("refresh", ROOT / "docs" / "refresh.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_a_page_with_a_false_output_is_found_out(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text(
         "# Page\n\n```text title=a.txt\nword\n```\n\n```console\n$ cat a.txt\nother\n```\n", encoding="utf-8"
     )
-    old, new = _refresh().refresh(page)
+    old, new = script("refresh").refresh(page)
     assert old != new
     assert new.endswith("$ cat a.txt\nword\n```\n")
 
@@ -120,5 +111,5 @@ def test_a_page_with_a_false_output_is_found_out(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", RUN)
 def test_outputs_are_what_the_commands_print(name: str) -> None:
-    old, new = _refresh().refresh(ROOT / name)
+    old, new = script("refresh").refresh(ROOT / name)
     assert new == old, f"run 'python docs/refresh.py {name}'"

@@ -1,6 +1,5 @@
 """The documentation: pages in the contents, links that lead somewhere, reference pages of all names and commands."""
 
-import importlib.util
 import re
 import shutil
 import subprocess
@@ -13,6 +12,7 @@ import pytest
 
 import stagecad
 from stagecad.parameters.errors import InputError
+from tests.docs.scripts import script
 from workbench.cli.commands.docs import build_site, documentation_server
 from workbench.cli.dispatch import COMMANDS
 from workbench.cli.dispatch import stagecad as group
@@ -21,10 +21,7 @@ pytest.importorskip("sphinx")
 pytest.importorskip("myst_nb")
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
-_spec = importlib.util.spec_from_file_location("docs_conf", DOCS / "conf.py")
-assert _spec is not None and _spec.loader is not None
-conf = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(conf)
+conf = script("conf")
 
 
 @pytest.fixture(scope="module")
