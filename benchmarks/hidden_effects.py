@@ -5,9 +5,9 @@
     python benchmarks/hidden_effects.py --kind second --seed 1 --cases 60 --out FOLDER_OF_CASES
     python benchmarks/hidden_effects.py --cases 0 --coverage 40
 
-Cases come from one of two independent simulators (`--kind first`: `benchmarks/generators/hidden_effect`; `--kind
-second`: `benchmarks/generators/second_kind`) unless a folder with `key.json` is given; with `--out FOLDER` they are
-only made.
+Cases come from one of three independent simulators (`--kind first`: `benchmarks/generators/hidden_effect`; `second`:
+`second_kind`; `several`: `several_effects`, with up to three effects at once) unless a folder with `key.json` is given;
+with `--out FOLDER` they are only made.
 Every case goes through the command line, so what is scored is what a user gets. Peers see the same records: forward
 regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a library
 of features made by hand (`benchmarks/peers`).
@@ -54,7 +54,11 @@ from benchmarks.scoring import (  # noqa: E402
 
 ROUNDS = 3
 TIMEOUT = 300.0
-GENERATORS = {"first": "benchmarks.generators.hidden_effect", "second": "benchmarks.generators.second_kind"}
+GENERATORS = {
+    "first": "benchmarks.generators.hidden_effect",
+    "second": "benchmarks.generators.second_kind",
+    "several": "benchmarks.generators.several_effects",
+}
 
 
 def run_command(command: list[str]) -> dict[str, Any]:

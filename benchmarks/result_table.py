@@ -21,7 +21,7 @@ PEERS = ("forward regression", "pysindy")
 def table(outcomes: Sequence[Outcome], beside: Sequence[Names]) -> str:
     """The whole result as text; `beside` goes with `outcomes` row by row."""
     single = [o for o in outcomes if o.kind == "single"]
-    lines = [*_asked(outcomes), *_after_adding(single), *_seconds(outcomes)]
+    lines = [*_asked(outcomes), *_remainder(outcomes), *_after_adding(single), *_seconds(outcomes)]
     for title, group in (("rig", lambda o: o.rig), ("size", lambda o: o.size), ("effect", lambda o: o.effect)):
         lines += [f"\nby {title}: the loop's first diagnosis is right"]
         chosen = {"effect": [o for o in outcomes if o.kind != "pair"], "size": single}.get(title, list(outcomes))
@@ -87,6 +87,17 @@ def _line(title: str, hits: Iterable[bool], asked: float | None = None, at_most:
 
 def _right(title: str, outcomes: Sequence[Outcome]) -> str:
     return _line(title, (o.right for o in outcomes))
+
+
+def _remainder(outcomes: Sequence[Outcome]) -> list[str]:
+    """Error with everything that the first ledger establishes, where that is all that is hidden."""
+    left = [o.remainder for o in outcomes if o.remainder is not None and o.established and o.right and not o.false]
+    if not left:
+        return []
+    text = f"median {median(left):.2f} of {len(left)}"
+    missed = ", MISSED" if median(left) > 1.15 else ""
+    title = "error over noise with all established effects"
+    return ["held-out records", f"  {title:44s} {text:36s} target: median at most 1.15{missed}"]
 
 
 def _after_adding(single: Sequence[Outcome]) -> list[str]:

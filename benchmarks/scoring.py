@@ -139,7 +139,7 @@ def share_of(document: dict[str, Any], field: str, key: str) -> tuple[str, float
 def first_right(document: dict[str, Any], entry: dict[str, Any]) -> bool:
     """Whether the first diagnosis is right: see Outcome."""
     # A key may state the unlisted effect itself.
-    accept = {"unexplained"} if kind_of(entry) == "unexplained" else set(entry["accept"])
+    accept = {"unexplained": {"unexplained"}, "none": {"adequate"}}.get(kind_of(entry), set(entry["accept"]))
     verdict, names = said(document)
     if names:
         return bool(accept & set(names)) and (names[0] in accept or len(names) <= LARGEST_TIE)

@@ -12,10 +12,9 @@ from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.consistency import consistency_warnings
 from sysid.diagnosis.decision import Decision, decide, noise_level
 from sysid.diagnosis.free_curves import recurring_coordinates
-from sysid.diagnosis.ledger import Ledger, make_ledger
+from sysid.diagnosis.ledger import Ledger, Replacement, find_replacements, make_ledger
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.quantised_channel import QuantisedChannel, quantised_channel
-from sysid.diagnosis.replacements import Replacement, find_replacements
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
 from sysid.diagnosis.structural_modes import with_mode_above_band
 from sysid.estimation.misfit import ChannelMisfit, misfit

@@ -22,7 +22,6 @@ from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reference_fit
 from sysid.estimation.variant_selection import (
-    fits_clearly_better,
     predicts_clearly_better,
     reselectable_effects,
     select_variants,
@@ -224,10 +223,6 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
             (c for c in found if c is not named and predicts_clearly_better(problem, c.fitted, named.fitted)), named
         )
     extended = search.converged(best).fitted
-    for other in search.reshaped(best.effect):
-        # Without this effect, an effect of the model may have been fitted to a wrong local minimum.
-        if fits_clearly_better(other.fitted, extended):
-            extended = other.fitted
     return problem, fit_model(extended.model, problem.fit_records, iterations=40)
 
 

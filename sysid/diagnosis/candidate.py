@@ -144,7 +144,8 @@ class Reference:
             removed=removed,
             predicted_reduction=predicted_reduction,
             blocked_reduction=blocked_reduction,
-            implausible=implausible(fitted, [effect.name for effect in added]),
+            implausible=implausible(fitted, [effect.name for effect in added])
+            or _same_pitch(self.problem, fitted, added),
         )
 
     def _with_held_rig(self, fitted: FittedModel, found: HeldOut) -> tuple[FittedModel, HeldOut]:
@@ -160,6 +161,19 @@ class Reference:
             fitted = fit_model(held, problem.fit_records, base.weights)
             found = held_out(fitted, problem.validate_records, self.base.weights, base.model)
         return fitted, found
+
+
+def _same_pitch(problem: Problem, fitted: FittedModel, added: Sequence[Effect]) -> str | None:
+    """Reason why two copies of a periodic effect are one, as text: over the travel X waves of pitches p and q are
+    distinguishable where |1/p - 1/q| X >= 1."""
+    travel, values = problem.scales.position, fitted.model.values
+    for effect in (e for e in added if e.is_periodic):
+        for other in fitted.model.effects:
+            if other is not effect and other.is_periodic and public_name(other.name) == public_name(effect.name):
+                pitches = values[f"{effect.name}.pitch"], values[f"{other.name}.pitch"]
+                if abs(1.0 / pitches[0] - 1.0 / pitches[1]) * travel < 1.0:
+                    return f"{effect.name}.pitch is that of {other.name}, as far as the travel shows"
+    return None
 
 
 def one_per_family(candidates: Sequence[Candidate]) -> list[Candidate]:

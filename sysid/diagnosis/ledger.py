@@ -27,6 +27,7 @@ from sysid.diagnosis.constants import (
     CURVE_MARGIN,
     EACH_Z,
     FORM_ERROR,
+    LEAST_GAIN,
     LEAST_OWN_SHARE,
     MOST_AMPLITUDE,
     MOST_DAMPING,
@@ -39,12 +40,12 @@ from sysid.diagnosis.constants import (
     WELL_EXPLAINED,
 )
 from sysid.diagnosis.coordinate_dependence import explained_variance
-from sysid.diagnosis.model_search import ModelSearch, without_added
+from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.transfer import Transfer, transfer
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import implausible
-from sysid.estimation.misfit import blocks, huber_square, weighted_residual
-from sysid.prediction.model import public_name
+from sysid.estimation.misfit import blocks, huber_square, worst_over_noise
+from sysid.prediction.model import Model, public_name
 
 State = Literal["established", "possible", "refused"]
 
@@ -59,7 +60,8 @@ class Evidence:
         held: transfer to the held-out records.
         fit: the same on the records of the fit.
         exchanged: the same with the roles of the records exchanged; none where there are blocks enough.
-        form: gain of the best free curve of its own coordinates on top of S, over g.
+        form: gain of the best free curve of its own coordinates on top of S, over that of the largest effect of S that
+            has the coordinate.
         floor: loss that the form errors of the other effects may leave in its coordinates.
         margin: loss of gain by the best other effect in its place, over g; infinite where none was tried.
         implausible: reason why its values are implausible; empty if they are not.
@@ -161,7 +163,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         refuted_by: free curve that explains clearly more than the set, as text; empty for none.
     """
     e, half = evidence, explained < 0.5
-    strict = 2.0 if e.own_share < 0.5 or e.before <= NEAR_NOISE_LOSS or explained < WELL_EXPLAINED else 1.0
+    strict = 2.0 if e.own_share < 0.5 or explained < WELL_EXPLAINED else 1.0
     largest, form = (1.5, 0.5 * MOST_FORM_ERROR) if half else (MOST_AMPLITUDE, MOST_FORM_ERROR)
     if e.implausible:
         return "refused", e.implausible
@@ -175,8 +177,9 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         ),
         (e.form <= form, f"a free curve of its coordinate gains {100 * e.form:.0f} % more: its law is another"),
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
+        (e.before > NEAR_NOISE_LOSS, "what is left without it is noise, as far as its level is known"),
         (
-            e.own_share >= LEAST_OWN_SHARE and (e.before > NEAR_NOISE_LOSS or e.share >= LEAST_OWN_SHARE),
+            e.own_share >= LEAST_OWN_SHARE,
             f"it removes only {100 * e.own_share:.0f} % of what is left without it",
         ),
         (not half or e.margin >= 0.3, "another effect in its place explains nearly as much"),
@@ -252,8 +255,8 @@ class _Set:
             held=gain.transfer,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
-            form=self._form(effect, gain.loss),
-            floor=form_floor(search, below, model, effect, self.added),
+            form=self._form(effect),
+            floor=self.floor(below, model, model),
             implausible=_implausible(model.fitted, effect),
         )
 
@@ -262,17 +265,49 @@ class _Set:
         without, with_it = self.search.exchanged(below), self.search.exchanged(self.model)
         return None if without is None or with_it is None else without.gain_of(with_it).transfer
 
-    def _form(self, effect: Effect, gain: float) -> float:
-        """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the effect.
+    def _form(self, effect: Effect) -> float:
+        """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the largest
+        effect of the same coordinate: what a curve adds is the error of the form of that one.
 
         The curve of its first coordinate counts even where that does not recur: another law of it is no less likely.
         """
         own = (self.recurring & set(effect.coordinates)) | set(effect.coordinates[:1])
-        if not own or self.model.held_out.loss - self.noise <= 0.5 * MOST_FORM_ERROR * gain:
+        whole = self.model.held_out
+        largest = {q: max(self._gain(e) for e in self.model.added if q in e.coordinates) for q in own}
+        if not own or whole.loss - self.noise <= 0.5 * MOST_FORM_ERROR * min(largest.values()):
             return 0.0
         curves = [*self.curves, *self.search.with_curves(self.model, frozenset(own - self.recurring))]
-        gains = [self.model.held_out.gain_of(c.held_out) for c in curves if c.added[-1].coordinates[0] in own]
-        return max((g.loss for g in gains if g.z >= STEP_Z), default=0.0) / max(gain, 1e-12)
+        gains = [(c.added[-1].coordinates[0], whole.gain_of(c.held_out)) for c in curves]
+        return max((g.loss / max(largest[q], 1e-12) for q, g in gains if q in own and g.z >= STEP_Z), default=0.0)
+
+    def _gain(self, effect: Effect) -> float:
+        below = self.search.without(self.model, effect.name)
+        return 0.0 if below is None else below.held_out.loss - self.model.held_out.loss
+
+    def floor(self, below: Candidate, larger: Candidate, known: Candidate) -> float:
+        """Loss that a relative error `FORM_ERROR` of the other effects of a model leaves, in as far as what the larger
+        of two models changes is a function of their coordinates.
+
+        The contribution of an effect is the change of the residual without it, all other values refitted: what these
+        take up is no error of its form.
+
+        Args:
+            below, larger: the two models.
+            known: the one in which the contributions of the others are taken.
+        """
+        search = self.search
+        records, weights, residual = search.problem.validate_records, search.base.weights, larger.held_out.residual
+        change, total = below.held_out.residual - residual, 0.0
+        for other in below.fitted.model.effects:
+            if other.name not in (*below.names, *self.added):
+                continue
+            shared = explained_variance(change, records, weights, other.coordinates)
+            rest = search.without(known, other.name) if shared > 0.0 else None
+            if rest is not None:
+                error = FORM_ERROR * (rest.held_out.residual - known.held_out.residual)
+                one, opposite, none = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0, 0.0))
+                total += shared * max(0.5 * (one + opposite) - none, 0.0)
+        return total
 
     def rivals(self, effect: Effect) -> list[Candidate]:
         """The set with another effect in the place of one, best first."""
@@ -280,32 +315,6 @@ class _Set:
         found = [] if below is None else self.search.step(below)
         taken = {*self.model.families}
         return [c for c in found if c.implausible is None and public_name(c.added[-1].name) not in taken]
-
-
-def form_floor(search: ModelSearch, below: Candidate, model: Candidate, effect: Effect, added: Sequence[str]) -> float:
-    """Loss that a relative error `FORM_ERROR` of the other effects of a model leaves, in as far as the change by an
-    effect is a function of their coordinates.
-
-    Args:
-        search: models.
-        below, model: without and with the effect.
-        effect: the effect.
-        added: names of the effects of the stated model that were added to it before.
-    """
-    records, weights, residual = search.problem.validate_records, search.base.weights, model.held_out.residual
-    change, total = below.held_out.residual - residual, 0.0
-    for other in model.fitted.model.effects:
-        if other.name == effect.name or other.name not in (*model.names, *added):
-            continue
-        shared = explained_variance(change, records, weights, other.coordinates)
-        if shared == 0.0:
-            continue
-        rest = without_added(model.fitted.model, other.name, search.base.fitted.model, search.problem.scales)
-        whole = weighted_residual(model.fitted.model, records, weights)
-        error = FORM_ERROR * (weighted_residual(rest, records, weights) - whole)
-        one, opposite, none = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0, 0.0))
-        total += shared * max(0.5 * (one + opposite) - none, 0.0)
-    return total
 
 
 def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
@@ -321,7 +330,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     whole, entries = _judged_set(whole, _selected(whole, search.ranked))
     if not _any_established(entries) and search.reference.held_out.loss > noise:
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.
-        other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
+        other, of_pair = _judged_set(whole, _selected(whole, search.pairs(search.stated)))
         if _any_established(of_pair):
             whole, entries = other, of_pair
     model = whole.model if _any_established(entries) else search.stated
@@ -350,34 +359,34 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
         judged.sort(key=lambda entry: -entry.gain)
         if not judged:
             break
-        left_out = [entry for entry in judged if entry.state != "established"]
-        if not left_out:
+        weakest = next((entry for entry in reversed(judged) if entry.state != "established"), None)
+        if weakest is None:
             return whole, [*judged, *entries]
-        if len(left_out) == len(judged):
-            # Each may replace the others: the weakest is removed, and the rest is judged alone.
-            left_out = left_out[-1:]
-        entries = [*left_out, *entries]
-        model = whole.model
-        for entry in left_out:
-            model = whole.search.without(model, entry.effect.name) or whole.search.stated
-        whole = replace(whole, model=model)
+        # It may replace one of the others: the rest is judged without it.
+        entries = [weakest, *entries]
+        whole = replace(whole, model=whole.search.without(whole.model, weakest.effect.name) or whole.search.stated)
     return whole, entries
 
 
 def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
     """The model with the set of effects found by forward selection, without those that fail in the complete set; it
-    begins with one of the candidates `first`."""
+    begins with one of the candidates `first`. Where no single effect is a step, two at once are tried."""
     search, model = whole.search, whole.search.stated
-    while len(model.added) < MOST_EFFECTS and model.held_out.loss > whole.noise:
-        options = [c for c in (search.step(model) if model.added else first) if _is_step(model, c)]
-        options = [c for c in options if _beyond_form_errors(search, model, c, whole.added)]
-        if not options:
+    while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS * whole.noise:
+        larger = _larger(whole, model, search.step(model) if model.added else first)
+        larger = larger or _larger(whole, model, search.pairs(model))
+        if larger is None:
             break
-        found = search.converged(simplest(model, options))
-        if found.held_out.loss >= model.held_out.loss:
-            break
-        model = found
+        model = larger
     return _reduced(search, model)
+
+
+def _larger(whole: _Set, model: Candidate, candidates: Sequence[Candidate]) -> Candidate | None:
+    """The best larger model that gains enough to be a step of the selection, fitted until it converges."""
+    options = [c for c in candidates if _is_step(model, c)]
+    options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
+    found = whole.search.converged(simplest(model, options)) if options else model
+    return found if found.held_out.loss < model.held_out.loss else None
 
 
 def _is_step(model: Candidate, larger: Candidate) -> bool:
@@ -385,11 +394,6 @@ def _is_step(model: Candidate, larger: Candidate) -> bool:
     gain = model.held_out.gain_of(larger.held_out)
     enough = gain.loss >= STEP_GAIN * model.held_out.loss and gain.z >= STEP_Z
     return larger.implausible is None and enough and larger.fit_gain > model.fit_gain
-
-
-def _beyond_form_errors(search: ModelSearch, model: Candidate, larger: Candidate, added: Sequence[str]) -> bool:
-    gain = model.held_out.loss - larger.held_out.loss
-    return gain >= form_floor(search, model, larger, larger.added[-1], added)
 
 
 def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
@@ -446,3 +450,53 @@ def _implausible(fitted: FittedModel, effect: Effect) -> str:
     if effect.is_mode and fitted.model.values.get(f"{effect.name}.damping", 0.0) > MOST_DAMPING:
         return f"its damping ratio exceeds {MOST_DAMPING:g}: it is a filter, not a mode"
     return implausible(fitted, [effect.name]) or ""
+
+
+@dataclass(frozen=True)
+class Replacement:
+    """An effect of the model, added earlier, that should be removed or replaced.
+
+    Args:
+        old: its name.
+        new: its replacement; none where it is not needed.
+        before, after: error over noise on the held-out records, without and with the replacement.
+    """
+
+    old: str
+    new: str | None
+    before: float
+    after: float
+
+
+def find_replacements(search: ModelSearch, added: Sequence[str], others_too: bool = True) -> list[Replacement]:
+    """Effects added earlier that are not needed, or in whose place another one gains clearly more."""
+    stated, found = search.stated, []
+    for name in added:
+        below = (
+            search.without(stated, public_name(name)) if _is_removable(stated.fitted.model, public_name(name)) else None
+        )
+        if below is None:
+            continue
+        gain = below.held_out.gain_of(stated.held_out)
+        needed = gain.loss >= LEAST_GAIN * below.held_out.loss or gain.z >= CERTAIN_Z
+        options = [search.converged(c) for c in search.step(below)] if needed and others_too else []
+        best = min(options, key=lambda c: c.held_out.loss, default=None) if needed else below
+        if best is not None and (not needed or _clearly_better(stated, best)):
+            before = worst_over_noise({}, stated.after_validate)
+            new = best.public_name if best.added else None
+            found.append(Replacement(name, new, before, worst_over_noise({}, best.after_validate)))
+    return found
+
+
+def _is_removable(model: Model, family: str) -> bool:
+    """Whether an effect acts in the fitted model, is not a friction state, and was estimated from these residuals."""
+    present = any(public_name(e.name) == family and e.friction_state is None for e in model.effects)
+    own = [u for u in model.unknowns if public_name(u.key.rpartition(".")[0]) == family]
+    # An effect detected outside these residuals, such as a mode above the filter band, has priors on all its values.
+    return present and not (own and all(u.prior is not None for u in own))
+
+
+def _clearly_better(stated: Candidate, other: Candidate) -> bool:
+    loss = stated.held_out.loss
+    least = max(CURVE_MARGIN * (loss - 1.0), LEAST_GAIN * loss)
+    return other.gain.z >= CERTAIN_Z and other.gain.loss > least

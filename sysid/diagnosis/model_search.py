@@ -3,8 +3,7 @@
 Candidates are screened by the score test; the most promising are refitted in full and compared on the held-out records
 (`sysid/diagnosis/candidate.py`). The moves are
 
-- one effect added (`step`), in its best variant and channel, also a further copy of a periodic one; to the stated model
-  also together with a new search of the shape of one of its effects, which may be in a local minimum;
+- one effect added (`step`), in its best variant and channel, also a further copy of a periodic one;
 - two effects added at once (`pairs`), chosen by their joint score, where neither shows alone;
 - a free curve of one coordinate added (`with_curves`);
 - an effect removed (`without`), and another one in its place (`step` on top of that).
@@ -14,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,21 +27,20 @@ from sysid.diagnosis.free_curves import free_curves, with_curve
 from sysid.diagnosis.held_out import HeldOut, held_out
 from sysid.diagnosis.pair_scores import ScoredPair, scored_pairs
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated
-from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
+from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit
-from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import (
     RefittedEffect,
     ScreeningFit,
     as_screened,
     refit_candidate,
-    screen_candidate,
     search_lower_minimum,
 )
 from sysid.estimation.variant_selection import (
+    fit_replacement,
+    fits_clearly_better,
     reselectable_effects,
     select_variants,
-    with_bounds_of,
     without_effect,
 )
 from sysid.prediction.model import Model, Scales, in_contact, public_name, with_effect
@@ -60,17 +58,11 @@ PAIRS_REFITTED = 6
 ON_TOP = 3
 """Effects refitted on top of a model other than the stated one."""
 
-WORTH_REFITTING = 0.5
-"""Least reduction of the error by their short fit, over the largest one."""
-
 SCREENED_ON_TOP = 10
 """Effects with a short fit on top of it, in the order of the score test."""
 
 CONVERGED = 40
 """Steps of the fit of a model that is reported."""
-
-SUFFICIENT_SHARE = 0.5
-"""Share of the excess over the noise up to which further minima and variants of the stated model are searched."""
 
 CURVE_STEPS = 8
 """Steps of the fit of a free curve: its values enter linearly."""
@@ -103,7 +95,9 @@ class ModelSearch:
         self.reference = Reference.of(problem, base)
         self._progress = progress
         self._options = options
+        self._screenings: dict[tuple[str, ...], ScreeningResult] = {}
         self._steps: dict[tuple[str, ...], list[Candidate]] = {}
+        self._pairs: dict[tuple[str, ...], list[Candidate]] = {}
         self._without: dict[tuple[str, ...], Candidate | None] = {}
 
     @cached_property
@@ -140,79 +134,56 @@ class ModelSearch:
 
     @cached_property
     def ranked(self) -> list[Candidate]:
-        """The best variant of each effect, lowest held-out loss first; where none is sufficient, also with the shape of
-        an effect of the model searched again, or with its variants as stated."""
-        ranked, before = one_per_family(self.singles), self.reference.held_out.loss
-        least = ranked[0].held_out.loss if ranked else before
-        if before > NOISE_LOSS and before - least < SUFFICIENT_SHARE * (before - 1.0):
-            return one_per_family([*self.reshaped(), *self.on_stated_variants(), *self.singles])
-        return ranked
-
-    @cached_property
-    def pairs(self) -> list[Candidate]:
-        """The base model with two effects, by their joint score, best first."""
-        pairs = scored_pairs(self.base, self.screening, PAIRS_REFITTED)
-        found = self._map(lambda pair: self._fit_pair(pair, self.base.fitted.model), pairs, self._effects_of(pairs))
-        return sorted(found, key=lambda c: c.held_out.loss)
+        """The best variant of each effect, lowest held-out loss first."""
+        return one_per_family(self.singles)
 
     def step(self, model: Candidate) -> list[Candidate]:
         """A model with one more effect, best first."""
         if not model.added and not model.removed:
             return self.ranked
-        key = model.names
-        if key not in self._steps:
-            problem = self.problem
-            below = reference_fit(problem, model.fitted, self.base.weights)
-            present = [effect.name for effect in model.fitted.model.effects]
-            jacobians = self.screening.jacobians
-            screening = screen_all(
-                problem, below, present, self.all_effects, promising=SCREENED_ON_TOP, jacobians=jacobians
-            )
+        if model.names not in self._steps:
+            fits = [f for f in self._screened(model).fits if public_name(f.effect.name) != model.removed][:ON_TOP]
+            records, scales = self.problem.fit_records, self.problem.scales
 
             def refit(fit: ScreeningFit) -> Candidate | None:
-                fitted = refit_candidate(model.fitted, fit, problem.fit_records, problem.scales).fitted
+                fitted = refit_candidate(model.fitted, fit, records, scales).fitted
                 return self.reference.evaluate(fitted, (*model.added, fit.effect), model.removed)
 
-            fits = [fit for fit in screening.fits if public_name(fit.effect.name) != model.removed][:ON_TOP]
-            before = root_mean_huber(model.fitted.fit.residual)
-            fits = [fit for fit in fits if before - fit.error >= WORTH_REFITTING * (before - fits[0].error)]
             found = self._map(refit, fits, [*(fit.effect for fit in fits), *model.fitted.model.effects])
-            self._steps[key] = sorted(found, key=lambda c: c.held_out.loss)
-        return self._steps[key]
+            self._steps[model.names] = sorted(found, key=lambda c: c.held_out.loss)
+        return self._steps[model.names]
 
-    def on_stated_variants(self) -> list[Candidate]:
-        """One effect added to the model with the variants as stated, best first: a variant that the program selected
-        while an effect was missing may substitute for it, so that the effect explains nothing further."""
-        if not self.base.laws:
-            return []
-        problem = self.problem
-        stated = fit_model(problem.start, problem.fit_records, self.base.fitted.weights)
-        below = reference_fit(problem, stated, self.base.weights)
-        names = [effect.name for effect in problem.start.effects]
-        screening = screen_all(problem, below, names, self.all_effects, promising=SCREENED_ON_TOP)
+    def pairs(self, model: Candidate) -> list[Candidate]:
+        """A model with two more effects, chosen by their joint score, best first."""
+        if model.names not in self._pairs:
+            below = model.fitted
 
-        def refit(fit: ScreeningFit) -> Candidate | None:
-            return self._evaluate(refit_candidate(stated, fit, problem.fit_records, problem.scales))
+            def fit(pair: ScoredPair) -> Candidate | None:
+                start = pair.start(below.model, self.problem.scales)
+                fitted = fit_model(start, self.problem.fit_records, below.weights, near=below)
+                return self.reference.evaluate(fitted, (*model.added, *pair.effects), model.removed)
 
-        fits = screening.fits[:ON_TOP]
-        found = self._map(refit, fits, [*(fit.effect for fit in fits), *stated.model.effects])
-        return self._with_best_reselected(found)
+            pairs = scored_pairs(below, self._screened(model), PAIRS_REFITTED)
+            found = self._map(fit, pairs, [*(e for pair in pairs for e in pair.effects), *below.model.effects])
+            self._pairs[model.names] = sorted(found, key=lambda c: c.held_out.loss)
+        return self._pairs[model.names]
 
-    def reshaped(self, option: Effect | None = None) -> list[Candidate]:
-        """One effect added, and the shape of an effect of the model searched again at the same time, best first."""
-        given, found = self.base.fitted.model, []
-        selected = [public_name(name) for name in self.base.laws]
-        for name in dict.fromkeys([*shaped_effects(given), *selected]):
-            below = self.without(self.stated, name)
-            if below is None:
-                continue
-            screening = self._screening_without(below) if option is None else self._screening_of(below, option)
-            pairs = scored_pairs(reference_fit(self.problem, below.fitted, self.base.weights), screening, 2, name)
-            fit = partial(self._fit_pair, model=below.fitted.model, given=given)
-            for candidate in self._map(fit, pairs, self._effects_of(pairs)):
-                others = tuple(e for e in candidate.added if public_name(e.name) != name)
-                found.append(replace(candidate, added=others or candidate.added))
-        return sorted(found, key=lambda c: c.held_out.loss)
+    def _screened(self, model: Candidate) -> ScreeningResult:
+        """Screening of every candidate effect on top of a model."""
+        if model is self.stated:
+            return self.screening
+        if model.names not in self._screenings:
+            below = reference_fit(self.problem, model.fitted, self.base.weights)
+            present = [effect.name for effect in model.fitted.model.effects]
+            self._screenings[model.names] = screen_all(
+                self.problem,
+                below,
+                present,
+                self.all_effects,
+                promising=SCREENED_ON_TOP,
+                jacobians=self.screening.jacobians,
+            )
+        return self._screenings[model.names]
 
     @cached_property
     def curves(self) -> list[Candidate]:
@@ -248,15 +219,15 @@ class ModelSearch:
         return self._without[key]
 
     def converged(self, model: Candidate) -> Candidate:
-        """A model with its fit continued until it converges, in the lowest minimum nearby, and the variants of the
-        stated effects selected again."""
+        """A model with its fit continued until it converges, in the lowest minimum nearby, and the variants and shapes
+        of the stated effects searched again."""
         records = self.problem.fit_records
         lowest = lowest_minimum(model.fitted, records)
         fitted = fit_model(lowest.model, records, self.base.fitted.weights, CONVERGED, near=lowest)
         found = self.reference.evaluate(
             fitted, model.added, model.removed, model.predicted_reduction, model.blocked_reduction
         )
-        return self._with_reselected_variants(model if found is None else found)
+        return self._with_searched_effects(model if found is None else found)
 
     def exchanged(self, model: Candidate) -> HeldOut | None:
         """Residual on the records of the fit of a model that is fitted to the held-out records; None where it is not
@@ -282,36 +253,6 @@ class ModelSearch:
             blocked_reduction=refit.blocked_reduction,
         )
 
-    def _fit_pair(self, pair: ScoredPair, model: Model, given: Model | None = None) -> Candidate | None:
-        start = pair.start(model, self.problem.scales)
-        if given is not None:
-            start = with_bounds_of(start, given)
-        fitted = fit_model(start, self.problem.fit_records, self.base.fitted.weights, near=self.base.fitted)
-        return self.reference.evaluate(fitted, tuple(part.known.effect for part in pair.parts))
-
-    def _screening_without(self, below: Candidate) -> ScreeningResult:
-        names = [e.name for e in below.fitted.model.effects]
-        base = reference_fit(self.problem, below.fitted, self.base.weights)
-        return screen_all(
-            self.problem,
-            base,
-            names,
-            self.all_effects,
-            promising=SCREENED_ON_TOP,
-            jacobians=self.screening.jacobians,
-        )
-
-    def _screening_of(self, below: Candidate, option: Effect) -> ScreeningResult:
-        """Screening of an effect and of those removed, on top of a model without them."""
-        problem = self.problem
-        basis, target = profiled_residual(below.fitted)
-        own = [e for e in self.base.fitted.model.effects if public_name(e.name) == below.removed]
-        found = [
-            screen_candidate(below.fitted, effect, problem.fit_records, problem.scales, basis, target)
-            for effect in (*own, option)
-        ]
-        return ScreeningResult([one for one in found if one is not None], [], target)
-
     def _refitted(self, candidate: Candidate, problem: Problem, base: ReferenceFit) -> Candidate | None:
         """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
         fitted = fit_model(candidate.fitted.model, problem.fit_records, base.fitted.weights)
@@ -336,10 +277,10 @@ class ModelSearch:
         return found
 
     def _with_best_reselected(self, found: list[Candidate]) -> list[Candidate]:
-        """The candidates, lowest held-out loss first, the best one with the variants of the model selected again."""
+        """The candidates, lowest held-out loss first, the best one with the effects of the model searched again."""
         found = sorted(found, key=lambda c: c.held_out.loss)
         if found:
-            found[0] = self._with_reselected_variants(found[0])
+            found[0] = self._with_searched_effects(found[0])
         return found
 
     @cached_property
@@ -349,27 +290,30 @@ class ModelSearch:
         present = {public_name(e.name) for e in self.base.fitted.model.effects}
         return tuple(name for name in dict.fromkeys(names) if name in present)
 
-    def _with_reselected_variants(self, candidate: Candidate) -> Candidate:
-        """A candidate, with the variants of the model selected again beside it where that lowers its held-out loss: a
-        variant that was selected while an effect was missing, or a wrong one present, may be the wrong one."""
-        families = [n for n in self._reselectable if n not in (*candidate.families, candidate.removed)]
+    def _with_searched_effects(self, candidate: Candidate) -> Candidate:
+        """A candidate, with the variants of the model's effects selected again, and their shapes searched again, where
+        that lowers its held-out loss: what was selected or fitted while an effect was missing may be wrong."""
         whole = candidate.fitted.fit.residual.size == self.base.fitted.fit.residual.size
-        if not families or not whole or candidate.held_out.loss <= NOISE_LOSS:
+        if not whole or candidate.held_out.loss <= NOISE_LOSS:
             return candidate
+        other = (*candidate.families, candidate.removed)
+        families = [n for n in self._reselectable if n not in other]
         fitted, _ = select_variants(self.problem, candidate.fitted, families)
+        free = {u.key.partition(".")[0] for u in fitted.model.unknowns}
+        for effect in fitted.model.effects:
+            if has_shape(effect) and effect.name in free and public_name(effect.name) not in (*other, *families):
+                again = fit_replacement(fitted, effect, self.problem.fit_records, self.problem.scales)
+                fitted = again if fits_clearly_better(again, fitted) else fitted
         if fitted is candidate.fitted:
             return candidate
-        other = self.reference.evaluate(
+        found = self.reference.evaluate(
             fitted,
             candidate.added,
             candidate.removed,
             candidate.predicted_reduction,
             candidate.blocked_reduction,
         )
-        return candidate if other is None or other.held_out.loss >= candidate.held_out.loss else other
-
-    def _effects_of(self, pairs: Sequence[ScoredPair]) -> list[Effect]:
-        return [part.known.effect for pair in pairs for part in pair.parts]
+        return candidate if found is None or found.held_out.loss >= candidate.held_out.loss else found
 
     def _report(self, name: str, count: int, total: int) -> None:
         if self._progress is not None:
@@ -391,12 +335,6 @@ def without_added(model: Model, name: str, stated: Model, scales: Scales) -> Mod
         others = tuple(u for u in model.unknowns if u.key not in known)
         model = replace(model, unknowns=(*others, *known.values())).at({**model.values, **values})
     return model
-
-
-def shaped_effects(model: Model) -> list[str]:
-    """Public names of the effects of a model that have fitted shape parameters."""
-    free = {u.key.partition(".")[0] for u in model.unknowns}
-    return [public_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
 
 
 def _refit_of(candidate: Candidate, fitted: FittedModel) -> RefittedEffect:

@@ -14,9 +14,9 @@ from itertools import combinations
 
 import numpy as np
 
+from sim.effects.effect import Effect
 from sysid.diagnosis.candidate_screening import ScreeningResult
-from sysid.estimation.fit import root_mean_huber
-from sysid.estimation.reference_fit import ReferenceFit
+from sysid.estimation.fit import FittedModel, root_mean_huber
 from sysid.estimation.score_test import IN_PAIRS, ScoreStatistic, out_of_bounds, start_for
 from sysid.estimation.screening import ScoredCandidate
 from sysid.prediction.model import Model, Scales, public_name, with_effect
@@ -56,6 +56,11 @@ class ScoredPair:
         """Public names of the two."""
         return frozenset(public_name(part.known.effect.name) for part in self.parts)
 
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The two effects."""
+        return tuple(part.known.effect for part in self.parts)
+
     def start(self, model: Model, scales: Scales) -> Model:
         """The model with both effects at the values of the joint score."""
         for part, weights in zip(self.parts, self.weights, strict=True):
@@ -64,11 +69,11 @@ class ScoredPair:
         return model
 
 
-def scored_pairs(base: ReferenceFit, screening: ScreeningResult, most: int, wanted: str = "") -> list[ScoredPair]:
+def scored_pairs(fitted: FittedModel, screening: ScreeningResult, most: int) -> list[ScoredPair]:
     """The pairs of effects of different families with the largest joint scores, one per pair of families."""
     parts, blocks = [], []
     start = 0
-    alone = root_mean_huber(base.fitted.fit.residual)
+    alone = root_mean_huber(fitted.fit.residual)
     # A change of the friction state model has no amplitude and no linear weight: it is judged by its own fit.
     able = [one for one in screening.fits if one.linear or one.error < alone]
     for known in [*able, *screening.unfitted]:
@@ -85,8 +90,7 @@ def scored_pairs(base: ReferenceFit, screening: ScreeningResult, most: int, want
     for pair in sorted(_pairs(parts, gram, right), key=lambda one: -one.reduction):
         if len(chosen) >= most:
             break
-        if not wanted or wanted in pair.families:
-            chosen.setdefault(pair.families, pair)
+        chosen.setdefault(pair.families, pair)
     return list(chosen.values())
 
 
