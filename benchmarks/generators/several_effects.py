@@ -272,11 +272,11 @@ def draw_case(rng: np.random.Generator, klass: str) -> tuple[str, dict[str, np.n
     return "\n".join(text) + "\n", tables, key | {"visible": max(each.values(), default=0.0), "amounts": amounts}
 
 
-def make_cases(folder: Path, seed: int, cases: int, jobs: int = 1) -> None:
-    """Write `cases` cases and key.json in `folder`; the same arguments give the same cases."""
+def make_cases(folder: Path, seed: int, cases: int, jobs: int = 1, only: int | None = None) -> None:
+    """Write `cases` cases, or one of them, and key.json in `folder`; the same arguments give the same cases."""
     ends = np.cumsum(list(CLASSES.values())) * cases
     keys = {}
-    for index in range(cases):
+    for index in range(cases) if only is None else (only,):
         klass = list(CLASSES)[int(np.searchsorted(ends, index + 0.5))]
         for attempt in range(ATTEMPTS):
             try:

@@ -22,6 +22,7 @@ from sysid.diagnosis.model_search import ModelSearch, without_added
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import ResidualWeights, blocks, huber_square, weighted_residual
 from sysid.noise.estimate import Noise
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.prepared_record import PreparedRecord
 
 
@@ -106,7 +107,9 @@ def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: fr
     """
     reference = search.reference.held_out
     curve = next(iter(search.curves), None)
-    fair = next((c for c in search.curves if c.effect.coordinates[0] in recurring), None)
+    # Mass times acceleration has the errors of the measured motion: a curve of it takes them up, missing force or not.
+    deciding = recurring - {"acceleration"} if _has_measured_inertia(search) else recurring
+    fair = next((c for c in search.curves if c.effect.coordinates[0] in deciding), None)
     named = next((c for c in search.ranked if c.implausible is None), None)
 
     def share(candidate: Candidate) -> float:
@@ -148,6 +151,11 @@ def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: fr
     if fair is not None and notable:
         words += f"; a free curve of {fair.effect.coordinates[0]} explains {100.0 * share(fair):.0f} %"
     return Decision("unexplained", None, ledger, words, best_curve, best_named)
+
+
+def _has_measured_inertia(search: ModelSearch) -> bool:
+    records = search.problem.fit_records
+    return any(isinstance(r, ForceBalanceRecord) and r.acceleration is not None for r in records)
 
 
 def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:

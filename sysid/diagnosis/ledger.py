@@ -162,8 +162,8 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         explained: part of the excess that its set removes, T.
         refuted_by: free curve that explains clearly more than the set, as text; empty for none.
     """
-    e, half = evidence, explained < 0.5
-    strict = 2.0 if e.own_share < 0.5 or explained < WELL_EXPLAINED else 1.0
+    e, half, known = evidence, explained < 0.5, explained >= WELL_EXPLAINED
+    strict = 1.0 if e.own_share >= 0.5 and known else 2.0
     largest, form = (1.5, 0.5 * MOST_FORM_ERROR) if half else (MOST_AMPLITUDE, MOST_FORM_ERROR)
     if e.implausible:
         return "refused", e.implausible
@@ -179,7 +179,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
         (e.before > NEAR_NOISE_LOSS, "what is left without it is noise, as far as its level is known"),
         (
-            e.own_share >= LEAST_OWN_SHARE,
+            e.own_share >= (LEAST_OWN_SHARE if known else 0.5),
             f"it removes only {100 * e.own_share:.0f} % of what is left without it",
         ),
         (not half or e.margin >= 0.3, "another effect in its place explains nearly as much"),
@@ -214,12 +214,6 @@ class _Set:
         """T, the part of the excess that the set removes."""
         before, after = self.search.reference.held_out.loss, self.model.held_out.loss
         return (before - after) / max(before - min(self.noise, after), 1e-9)
-
-    @cached_property
-    def curves(self) -> list[Candidate]:
-        """Free curves of recurring coordinates on top of the set, best first."""
-        found = self.search.with_curves(self.model, self.recurring) if self.model.added else self.search.curves
-        return [c for c in found if c.added[-1].coordinates[0] in self.recurring]
 
     @cached_property
     def refuted_by(self) -> str:
@@ -276,9 +270,9 @@ class _Set:
         largest = {q: max(self._gain(e) for e in self.model.added if q in e.coordinates) for q in own}
         if not own or whole.loss - self.noise <= 0.5 * MOST_FORM_ERROR * min(largest.values()):
             return 0.0
-        curves = [*self.curves, *self.search.with_curves(self.model, frozenset(own - self.recurring))]
+        curves = self.search.with_curves(self.model, own)
         gains = [(c.added[-1].coordinates[0], whole.gain_of(c.held_out)) for c in curves]
-        return max((g.loss / max(largest[q], 1e-12) for q, g in gains if q in own and g.z >= STEP_Z), default=0.0)
+        return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= STEP_Z), default=0.0)
 
     def _gain(self, effect: Effect) -> float:
         below = self.search.without(self.model, effect.name)
@@ -328,16 +322,16 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     """
     whole = _Set(search, noise, tuple(added), search.stated, recurring)
     whole, entries = _judged_set(whole, _selected(whole, search.ranked))
-    if not _any_established(entries) and search.reference.held_out.loss > noise:
+    if not _any_established(entries) and search.reference.held_out.loss > NEAR_NOISE_LOSS * noise:
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.
-        other, of_pair = _judged_set(whole, _selected(whole, search.pairs(search.stated)))
+        other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
         if _any_established(of_pair):
             whole, entries = other, of_pair
     model = whole.model if _any_established(entries) else search.stated
     final = replace(whole, model=model)
     order = {"established": 0, "possible": 1, "refused": 2}
     entries.sort(key=lambda entry: (order[entry.state], -entry.gain))
-    best = next(iter(final.curves), None)
+    best = next(iter(search.with_curves(model, recurring)), None)
     rest = best is not None and best.held_out.loss < model.held_out.loss
     return Ledger(
         entries=tuple(entries),
@@ -370,23 +364,18 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
 
 def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
     """The model with the set of effects found by forward selection, without those that fail in the complete set; it
-    begins with one of the candidates `first`. Where no single effect is a step, two at once are tried."""
+    begins with one of the candidates `first`."""
     search, model = whole.search, whole.search.stated
     while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS * whole.noise:
-        larger = _larger(whole, model, search.step(model) if model.added else first)
-        larger = larger or _larger(whole, model, search.pairs(model))
-        if larger is None:
+        options = [c for c in (search.step(model) if model.added else first) if _is_step(model, c)]
+        options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
+        if not options:
             break
-        model = larger
+        found = search.converged(simplest(model, options))
+        if found.held_out.loss >= model.held_out.loss:
+            break
+        model = found
     return _reduced(search, model)
-
-
-def _larger(whole: _Set, model: Candidate, candidates: Sequence[Candidate]) -> Candidate | None:
-    """The best larger model that gains enough to be a step of the selection, fitted until it converges."""
-    options = [c for c in candidates if _is_step(model, c)]
-    options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
-    found = whole.search.converged(simplest(model, options)) if options else model
-    return found if found.held_out.loss < model.held_out.loss else None
 
 
 def _is_step(model: Candidate, larger: Candidate) -> bool:

@@ -95,9 +95,8 @@ class ModelSearch:
         self.reference = Reference.of(problem, base)
         self._progress = progress
         self._options = options
-        self._screenings: dict[tuple[str, ...], ScreeningResult] = {}
         self._steps: dict[tuple[str, ...], list[Candidate]] = {}
-        self._pairs: dict[tuple[str, ...], list[Candidate]] = {}
+        self._curves: dict[tuple[str, ...], dict[str, Candidate]] = {}
         self._without: dict[tuple[str, ...], Candidate | None] = {}
 
     @cached_property
@@ -142,48 +141,35 @@ class ModelSearch:
         if not model.added and not model.removed:
             return self.ranked
         if model.names not in self._steps:
-            fits = [f for f in self._screened(model).fits if public_name(f.effect.name) != model.removed][:ON_TOP]
             records, scales = self.problem.fit_records, self.problem.scales
+            below = reference_fit(self.problem, model.fitted, self.base.weights)
+            present = [effect.name for effect in model.fitted.model.effects]
+            jacobians = self.screening.jacobians
+            screening = screen_all(
+                self.problem, below, present, self.all_effects, promising=SCREENED_ON_TOP, jacobians=jacobians
+            )
 
             def refit(fit: ScreeningFit) -> Candidate | None:
                 fitted = refit_candidate(model.fitted, fit, records, scales).fitted
                 return self.reference.evaluate(fitted, (*model.added, fit.effect), model.removed)
 
+            fits = [fit for fit in screening.fits if public_name(fit.effect.name) != model.removed][:ON_TOP]
             found = self._map(refit, fits, [*(fit.effect for fit in fits), *model.fitted.model.effects])
             self._steps[model.names] = sorted(found, key=lambda c: c.held_out.loss)
         return self._steps[model.names]
 
-    def pairs(self, model: Candidate) -> list[Candidate]:
-        """A model with two more effects, chosen by their joint score, best first."""
-        if model.names not in self._pairs:
-            below = model.fitted
+    @cached_property
+    def pairs(self) -> list[Candidate]:
+        """The base model with two effects, chosen by their joint score, best first."""
+        base = self.base.fitted
 
-            def fit(pair: ScoredPair) -> Candidate | None:
-                start = pair.start(below.model, self.problem.scales)
-                fitted = fit_model(start, self.problem.fit_records, below.weights, near=below)
-                return self.reference.evaluate(fitted, (*model.added, *pair.effects), model.removed)
+        def fit(pair: ScoredPair) -> Candidate | None:
+            start = pair.start(base.model, self.problem.scales)
+            fitted = fit_model(start, self.problem.fit_records, base.weights, near=base)
+            return self.reference.evaluate(fitted, pair.effects)
 
-            pairs = scored_pairs(below, self._screened(model), PAIRS_REFITTED)
-            found = self._map(fit, pairs, [*(e for pair in pairs for e in pair.effects), *below.model.effects])
-            self._pairs[model.names] = sorted(found, key=lambda c: c.held_out.loss)
-        return self._pairs[model.names]
-
-    def _screened(self, model: Candidate) -> ScreeningResult:
-        """Screening of every candidate effect on top of a model."""
-        if model is self.stated:
-            return self.screening
-        if model.names not in self._screenings:
-            below = reference_fit(self.problem, model.fitted, self.base.weights)
-            present = [effect.name for effect in model.fitted.model.effects]
-            self._screenings[model.names] = screen_all(
-                self.problem,
-                below,
-                present,
-                self.all_effects,
-                promising=SCREENED_ON_TOP,
-                jacobians=self.screening.jacobians,
-            )
-        return self._screenings[model.names]
+        pairs = scored_pairs(base, self.screening, PAIRS_REFITTED)
+        return sorted(self._map(fit, pairs, [e for pair in pairs for e in pair.effects]), key=lambda c: c.held_out.loss)
 
     @cached_property
     def curves(self) -> list[Candidate]:
@@ -192,7 +178,7 @@ class ModelSearch:
 
     def with_curves(self, model: Candidate, coordinates: Collection[str] | None = None) -> list[Candidate]:
         """A model with one free curve, of any of these coordinates, best first."""
-        below = model.fitted
+        below, known = model.fitted, self._curves.setdefault(model.names, {})
         effects = [e for e in free_curves(self.problem) if coordinates is None or e.coordinates[0] in coordinates]
 
         def fit(curve: Effect) -> Candidate | None:
@@ -200,8 +186,9 @@ class ModelSearch:
             fitted = fit_model(start, self.problem.fit_records, below.weights, CURVE_STEPS, near=below)
             return self.reference.evaluate(fitted, (*model.added, curve))
 
-        found = self._map(fit, effects, [*effects, *below.model.effects])
-        return sorted(found, key=lambda c: c.held_out.loss)
+        new = [e for e in effects if e.name not in known]
+        known.update({c.added[-1].name: c for c in self._map(fit, new, [*new, *below.model.effects])})
+        return sorted((known[e.name] for e in effects if e.name in known), key=lambda c: c.held_out.loss)
 
     def without(self, model: Candidate, name: str) -> Candidate | None:
         """A model without one of its effects, by name, or by public name every effect of it, refitted; a friction state

@@ -68,7 +68,8 @@ def transfer(worse: np.ndarray, better: np.ndarray, block: np.ndarray) -> Transf
         better: residual of the model with it, (n,).
         block: numbers of blocks of time, (n,), that do not decrease within a record and channel.
     """
-    if worse.size == 0 or not (np.isfinite(worse).all() and np.isfinite(better).all()):
+    # Fewer samples than blocks show no correlation time: nothing can be tested.
+    if worse.size < FEWEST_BLOCKS or not (np.isfinite(worse).all() and np.isfinite(better).all()):
         return Transfer()
     corner = LOSS_CORNER * max(1.0, robust_scale(better))
     without, with_it = np.clip(worse, -corner, corner), np.clip(better, -corner, corner)

@@ -24,8 +24,9 @@ class DiagnoseBody(Body):
 
 
 class AddBody(Body):
-    """Effects to add, and to remove first."""
+    """Effects to add, and to remove first; `every`: all that a diagnosis establishes."""
 
+    every: bool = False
     effects: Annotated[list[Text], Field(max_length=20)] = []
     drop: Annotated[list[Text], Field(max_length=20)] = []
 
@@ -81,9 +82,11 @@ def diagnose(request: Request, name: str, body: DiagnoseBody) -> dict[str, Any]:
 
 @router.post("/{name:path}/add")
 def add(request: Request, name: str, body: AddBody) -> dict[str, Any]:
-    """Start `stagecad add`."""
-    if not body.effects and not body.drop:
-        raise InputError("name at least one effect to add")
+    """Start `stagecad add`, or `stagecad add --all`."""
+    if body.every and not (body.effects or body.drop):
+        return _submit(request, name, "add", "Add all", effects=[], drop=[])
+    if body.every or not (body.effects or body.drop):
+        raise InputError("name at least one effect to add, or set 'every' and name none")
     words = ", ".join([*body.effects, *(f"without {one}" for one in body.drop)])
     return _submit(request, name, "add", f"Add {words}", effects=body.effects, drop=body.drop)
 

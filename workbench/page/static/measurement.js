@@ -285,13 +285,19 @@ class Measurement {
         document.indistinguishable.length ? h('p', { class: 'warn' }, found.ties) : null,
         document.unexplained_share > 0.05 ? h('p', { class: 'dim' }, `${Math.round(100 * document.unexplained_share)} % of the misfit stays unexplained`) : null,
         found.remarks.map((text) => h('p', { class: 'dim' }, text)),
-        document.swaps.map((swap) => this.replacement(swap))),
+        document.swaps.map((swap) => this.replacement(swap)), this.addAll(document)),
       h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
         h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
       errorTable(document.before, 'Error of the present model'), this.sliders.card(document, [], document.effect ? `Fitted values with ${words(document.effect)}` : 'Fitted values'), this.records(found));
     const first = document.effect ?? document.ranking[0]?.effect;
     if (first && document.verdict !== 'adequate') this.previewOf(first);
+  }
+
+  addAll({ ledger }) {
+    const certain = ledger.filter((row) => row.state === 'established');
+    if (certain.length < 2) return null;
+    return h('button', { class: 'small add', title: 'stagecad add --all', onclick: () => this.start('add', { every: true }) }, `Add all ${certain.length}: ${certain.map((row) => words(row.effect)).join(', ')}`);
   }
 
   replacement({ instead_of: old, effect }) {

@@ -89,14 +89,19 @@ def add(
     folder: str,
     report: Report,
 ) -> dict[str, Any]:
-    """Add effects and fit: the document of `stagecad add --json`, with the overlays and maps of the new model."""
-    report(f"fitting with {', '.join(effects)}" if effects else "fitting", 0, 0)
-    step = additions.add(_experiment(experiment, params), *effects, drop=tuple(drop))
+    """Add effects, or without any to add or drop all that a diagnosis establishes, and fit: the document of `stagecad
+    add --json`, with the overlays and maps of the new model."""
+    if effects or drop:
+        report(f"fitting with {', '.join(effects)}" if effects else "fitting", 0, 0)
+        step = last = additions.add(_experiment(experiment, params), *effects, drop=tuple(drop))
+    else:
+        step = additions.add_all(_experiment(experiment, params), progress=report)
+        last = step.steps[-1] if step.steps else None
     report("residual maps", 0, 0)
     return {
-        "document": step.to_json(),
+        "document": step.document,
         "comparison": _comparison(_compared(experiment, params), Path(folder)),
-        "report": str(step.write_report(out)),
+        "report": str(last.write_report(out)) if last is not None else None,
     }
 
 
