@@ -340,7 +340,8 @@ def _header(
     wordy = [
         (row, cells)
         for row, cells in rows[:first]
-        if row != units[0] and sum(kind_of_cell(c, way.form, settings) == "text" for c in cells) * 2 > len(cells)
+        if row != units[0]
+        and sum(kind_of_cell(c, way.form, settings) == "text" for c in cells) * 2 > sum(map(bool, cells))
     ]
     of_width = [(row, cells) for row, cells in wordy if len(cells) in (len(columns), len(columns) - 1)]
     if not of_width:

@@ -5,6 +5,7 @@ The table in docs/records.md is made by `python -m tests.sysid.experiment.reader
 
 import os
 import random
+import re
 import sys
 import tempfile
 from collections import Counter
@@ -32,11 +33,14 @@ TIMES = {
     "day.month.year": lambda t, d: (START + timedelta(seconds=t)).strftime("%d.%m.%Y %H:%M:%S.%f"),
     "24-hour clock": lambda t, d: (START + timedelta(seconds=t)).strftime("%H:%M:%S.%f").replace(".", d),
     "12-hour clock": lambda t, d: (START + timedelta(seconds=t)).strftime("%I:%M:%S.%f %p"),
+    "date and time apart": lambda t, d: (START + timedelta(seconds=t)).strftime("%d.%m.%Y@%H:%M:%S.%f"),
+    "month/day/year": lambda t, d: (START + timedelta(seconds=t)).strftime("%m/%d/%Y %I:%M:%S.%f %p"),
     "minutes": lambda t, d: f"{int((59.8 + t) // 60)}:{(59.8 + t) % 60:06.3f}".replace(".", d),
 }
 LABELS = ("[{}]", "({})", "/{}", "in {}", "units below", "in the cells")
 GAPS = ("", "NaN", "#N/A", "-1.#IND", "null", "OVER", "---")
-ENDS = ("none", "cut off", "text", "blank lines", "comment")
+ENDS = ("none", "cut off", "text", "blank lines", "comment", "statistics")
+BEYOND = ("nothing", "text", "number")
 SIGNS = {"hyphen": "-", "U+2212": "−", "en dash": "–"}
 
 
@@ -54,6 +58,7 @@ class Habit:
     time: str
     gap: str
     end: str
+    beyond: str
     above: int
     encoding: str
     line_end: str
@@ -61,14 +66,25 @@ class Habit:
     @property
     def possible(self) -> bool:
         """Whether the file can have one meaning: its marks do not stand for two things."""
-        text = TIMES[self.time](0.0, self.decimal)
+        text = TIMES[self.time](0.0, self.decimal).replace("@", "")
         apart = self.decimal != self.delimiter or self.quoted
         groups = self.thousands not in (self.decimal, *(() if self.quoted else (self.delimiter,)))
         blanks = self.delimiter != " " or (
             " " not in text and self.label in ("[{}]", "({})") and self.gap != "" and self.thousands != " "
         )
         signs = all(sign.encode(self.encoding, "ignore") for sign in (self.sign, self.thousands or "-"))
-        return apart and groups and blanks and signs and not (self.exponent and self.thousands)
+        numbers = not (self.exponent and self.thousands) and not (self.hexadecimal and self.label == "in the cells")
+        return apart and groups and blanks and signs and numbers
+
+    @property
+    def hexadecimal(self) -> bool:
+        """Whether counts are written in hexadecimal digits."""
+        return self.exponent == "hexadecimal"
+
+    @property
+    def readable(self) -> bool:
+        """Whether the meaning of the file can be known: else it is to be refused."""
+        return not self.hexadecimal and self.beyond != "number"
 
 
 def truth(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -80,6 +96,8 @@ def truth(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def number(value: float, digits: int, habit: Habit) -> str:
     """A number as the logger writes it."""
+    if habit.hexadecimal:
+        return hex(round(abs(1000.0 * value)))
     if habit.exponent:
         text = f"{value:.6e}".replace("e", habit.exponent).replace(".", habit.decimal)
     else:
@@ -94,50 +112,66 @@ def written(habit: Habit, seed: int) -> bytes:
     time, position, force = truth(seed)
     units = ("ms" if habit.time == "milliseconds" else "s", "mm", "N")
     stamped = habit.time not in ("seconds", "milliseconds")
-    names = ["time", "position", "friction_force"]
+    names = ["Date@time" if "@" in TIMES[habit.time](0.0, ".") else "time", "position", "friction_force"]
     labels = names if habit.label in ("units below", "in the cells") else [
-        name if stamped and name == "time" else f"{name} {habit.label.format(unit)}" for name, unit in zip(names, units)
+        name if stamped and k == 0 else f"{name} {habit.label.format(units[k])}" for k, name in enumerate(names)
     ]  # fmt: skip
     behind = " " + "{}" if habit.label == "in the cells" else ""
 
-    def line(cells: list[str]) -> str:
+    def line(cells: list[str], beyond: bool = False) -> str:
+        cells = [part for cell in cells for part in cell.split("@")]
+        cells += {"nothing": [], "text": ["ok"], "number": ["17"]}[habit.beyond] if beyond else []
         return habit.delimiter.join(f'"{cell}"' if habit.quoted else cell for cell in cells)
 
     lines = [f"Logger 3000, file {k + 1}" for k in range(habit.above)] + [line(list(labels))]
     if habit.label == "units below":
-        lines.append(line(["" if stamped else units[0], *units[1:]]))
+        lines.append(line(["@" * ("@" in names[0]) if stamped else units[0], *units[1:]]))
     for k in range(ROWS):
         at = TIMES[habit.time](float(time[k]), habit.decimal)
         at = at + behind.format(units[0]) if behind and not stamped else at
         cells = [number(position[k], 3, habit) + behind.format("mm"), number(force[k], 4, habit) + behind.format("N")]
         cells[1] = habit.gap if k in (7, 19) else cells[1]
-        lines.append(line([at, *cells]))
+        lines.append(line([at, *cells], beyond=True))
     lines += {
         "none": [],
         "cut off": [line(["0" + habit.decimal + "30"])],
         "text": ["", "End of measurement"],
         "blank lines": ["", ""],
         "comment": ["# stopped by the operator"],
+        "statistics": [line(["Mean", number(1.5, 3, habit), number(0.5, 4, habit)])],
     }[habit.end]
     return habit.line_end.join([*lines, ""]).encode(habit.encoding, "replace")
 
 
 def outcome(folder: Path, habit: Habit, seed: int) -> str:
-    """`read`, or `refused: REASON`; AssertionError where something wrong is read, or no reason is given."""
+    """`read`, `read with a setting` that the reason names, or `refused`.
+
+    AssertionError where something wrong is read, no reason is given, or a file is refused that has one meaning.
+    """
     file = folder / "fit.csv"
     file.write_bytes(written(habit, seed))
-    missing = tuple(gap for gap in ("OVER", "---") if gap == habit.gap)
-    try:
-        opened = open_record_file(file, "fit.csv", Format(missing=missing))
-        columns = opened.columns([0, 1, 2])
-    except InputError as error:
-        reason = str(error)
-        assert "\n" not in reason and reason.startswith("fit.csv")
-        assert any(word in reason for word in ("row ", "[format]", "column '")), reason
-        return f"refused: {reason}"
+    apart = int("@" in TIMES[habit.time](0.0, "."))
+    settings, result = Format(), "read"
+    while True:
+        try:
+            opened = open_record_file(file, "fit.csv", settings)
+            if len(opened.header.labels) < apart + 3 and not habit.readable:
+                return "refused"
+            columns = opened.columns([apart, apart + 1, apart + 2])
+            break
+        except InputError as error:
+            reason = str(error)
+            assert "\n" not in reason and reason.startswith("fit.csv")
+            assert any(word in reason for word in ("row ", "[format]", "column '")), reason
+            named = re.search(r'\[format\] missing = \["(.*)"\]', reason)
+            if named is None or named[1] not in ("OVER", "---") or settings.missing:
+                assert not habit.readable, reason
+                return "refused"
+            settings, result = Format(missing=(named[1],)), "read with a setting"
+    assert habit.readable
     time, position, force = truth(seed)
     factors = []
-    for label, wanted in zip(opened.header.labels, ("s", "mm", "N"), strict=True):
+    for label, wanted in zip(opened.header.labels[apart : apart + 3], ("s", "mm", "N"), strict=True):
         unit = opened.header.units.get(label) or parse_label(0, label).unit
         assert unit is not None and column_unit(unit) is not None, label
         factors.append(1e-3 if column_unit(unit) == "ms" else 1.0)
@@ -148,7 +182,7 @@ def outcome(folder: Path, habit: Habit, seed: int) -> str:
     gaps = np.isin(np.arange(ROWS), (7, 19))
     assert np.isnan(columns[2].values[gaps]).all()
     np.testing.assert_allclose(columns[2].values[~gaps], force[~gaps], rtol=1e-6, atol=1e-4)
-    return "read"
+    return result
 
 
 HABITS = st.builds(
@@ -156,13 +190,14 @@ HABITS = st.builds(
     delimiter=st.sampled_from([",", ";", "\t", "|", " "]),
     decimal=st.sampled_from([".", ","]),
     thousands=st.sampled_from(["", "", "", ",", ".", "'", " ", "\u00a0", "\u202f"]),
-    exponent=st.sampled_from(["", "", "e", "E", "D", "d"]),
+    exponent=st.sampled_from([*["", "", "e", "E", "D", "d"] * 2, "hexadecimal"]),
     sign=st.sampled_from(list(SIGNS.values())),
     quoted=st.booleans(),
     label=st.sampled_from(LABELS),
     time=st.sampled_from(list(TIMES)),
     gap=st.sampled_from(GAPS),
     end=st.sampled_from(ENDS),
+    beyond=st.sampled_from([*BEYOND[:2] * 4, "number"]),
     above=st.integers(0, 3),
     encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "cp1252"]),
     line_end=st.sampled_from(["\n", "\r\n", "\r"]),
@@ -190,14 +225,22 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("dialects")
 
 
+PAGE = Path(__file__).parents[4] / "docs" / "records.md"
+
+
+@pytest.mark.slow
+def test_the_table_of_the_documentation_is_the_one_made_here() -> None:
+    assert table() in PAGE.read_text(encoding="utf-8")
+
+
 def test_the_table_of_the_documentation_names_every_habit() -> None:
-    page = (Path(__file__).parents[4] / "docs" / "records.md").read_text(encoding="utf-8")
-    for name in (*TIMES, *SIGNS, *ENDS):
+    page = PAGE.read_text(encoding="utf-8")
+    for name in (*TIMES, *SIGNS, *ENDS, *BEYOND):
         assert f"| {name} |" in page, name
 
 
 def table(count: int = 2000) -> str:
-    """Rows for docs/records.md: how many of the files with a habit were read, of `count` random combinations."""
+    """Rows for docs/records.md: what becomes of the files with a habit, of `count` random combinations."""
     random_ = random.Random(1)
     choices = {
         "delimiter": {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "blanks": " "},
@@ -210,32 +253,40 @@ def table(count: int = 2000) -> str:
             "blank": " ",
             "narrow blank": "\u202f",
         },
-        "exponent": {"none": "", "E": "E", "Fortran D": "D"},
+        "exponent": {"none": "", "E": "E", "Fortran D": "D", "hexadecimal": "hexadecimal"},
         "sign": SIGNS,
         "quoted": {"no": False, "yes": True},
         "label": {label: label for label in LABELS},
         "time": {time: time for time in TIMES},
         "gap": {gap or "empty": gap for gap in GAPS},
         "end": {end: end for end in ENDS},
+        "beyond": {cell: cell for cell in BEYOND},
         "above": {"no line": 0, "two lines": 2},
         "encoding": {name: name for name in ("utf-8", "utf-8-sig", "utf-16", "cp1252")},
         "line_end": {"LF": "\n", "CRLF": "\r\n", "CR": "\r"},
     }
-    read: Counter[tuple[str, str]] = Counter()
     tried: Counter[tuple[str, str]] = Counter()
+    became: Counter[tuple[tuple[str, str], str]] = Counter()
     with tempfile.TemporaryDirectory() as name:
         while tried["all", "all"] < count:
-            drawn = {key: random_.choice(list(values)) for key, values in choices.items()}
+            drawn = {
+                key: random_.choices([*values], [0.05 if word in ("hexadecimal", "number") else 1 for word in values])[
+                    0
+                ]
+                for key, values in choices.items()
+            }
             habit = Habit(**{key: choices[key][word] for key, word in drawn.items()})
             if habit.possible:
-                good = outcome(Path(name), habit, random_.randrange(10_000)) == "read"
+                result = outcome(Path(name), habit, random_.randrange(10_000))
                 for entry in (("all", "all"), *drawn.items()):
                     tried[entry] += 1
-                    read[entry] += good
-    lines = ["| habit | value | read | of |", "| --- | --- | --- | --- |"]
+                    became[entry, result] += 1
+    results = ("read", "read with a setting", "refused")
+    lines = [f"| habit | value | {' | '.join(results)} | of |", "| --- | --- | --- | --- | --- | --- |"]
     for key, word in (("all", "all"), *((key, word) for key, values in choices.items() for word in values)):
         shown = word.replace("|", "\\|")
-        lines.append(f"| {key.replace('_', ' ')} | {shown} | {read[key, word]} | {tried[key, word]} |")
+        counts = " | ".join(str(became[(key, word), result]) for result in results)
+        lines.append(f"| {key.replace('_', ' ')} | {shown} | {counts} | {tried[key, word]} |")
     return "\n".join(lines)
 
 
