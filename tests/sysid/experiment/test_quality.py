@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from sysid.diagnosis.consistency import record_warnings
+from sysid.experiment.experiment import load_experiment
 from sysid.experiment.quality import BESIDE, faults_of, scale_warnings, without_faults
+from sysid.experiment.record import load_whole_records
 from sysid.signals.masks import dilated
 
 TIME = np.arange(4000) * 1e-3
@@ -88,6 +93,11 @@ def test_what_is_kept_beside_clipped_rows_has_no_bias() -> None:
 
 
 QUIET = {
+    "turn of a sensor of coarse steps": {
+        "position": np.sin(40.0 * TIME),
+        "friction_force": 3e-3
+        * np.round(1e3 * np.cos(1.5 * TIME) + 0.2 * np.random.default_rng(5).standard_normal(TIME.size)),
+    },
     "binary noise": _channels() | {"position": np.sign(np.sin(0.7 + np.cumsum(np.arange(4000.0) ** 1.3)))},
     "noise": _channels(),
     "no noise": _channels(0.0),
@@ -113,6 +123,27 @@ def test_rows_of_a_fault_are_gaps_and_no_other() -> None:
         faults[0].text
         == "'friction_force' drops to 0 N for single rows (1 row, the first at 0.7 s); this row is left out"
     )
+
+
+REPORTS = Path(__file__).parents[4] / "shared" / "failing"
+REPORTED = {
+    "force_sensor_clips": "'friction_force' is clipped at -4.5 N and 4.5 N",
+    "records_of_other_scale": "'position' ranges over 163 m in 'fit' and 211 mm in 'validate', 774 times",
+    "time_stamps_rounded_60hz": "",
+    "break_slow_sampling": "",
+}
+
+
+@pytest.mark.parametrize("name", REPORTED)
+def test_what_is_wrong_in_reported_records(name: str) -> None:
+    if not (REPORTS / name).is_dir():
+        pytest.skip("the reported files are not beside the project")
+    experiment = load_experiment(REPORTS / name)
+    records = load_whole_records(experiment)
+    found = record_warnings(experiment, records)
+    assert any(REPORTED[name] in line for line in found) if REPORTED[name] else not found
+    if name == "time_stamps_rounded_60hz":
+        assert all(abs(60.0 * record.step - 1.0) < 1e-8 for record in records)
 
 
 def test_a_record_of_another_scale_is_named() -> None:

@@ -264,6 +264,25 @@ def test_it_is_read(name: str) -> None:
         assert {"time", "position", "friction_force"} <= channels
 
 
+TAKEN = {
+    ("boolean_as_force", "fit.csv"): {"timestamp": "time", "position": "position", "speed": "velocity"},
+    ("ux_columns", "cmd_act.csv"): {"pos_act [mm]": "position", "pos_cmd [mm]": None, "current [A]": "drive_force"},
+    ("ux_columns", "load_cell.csv"): {"Pos (in)": "position", "Load Cell (lbf)": "friction_force"},
+    ("ux_columns", "setpoint_feedback.csv"): {"Position feedback (mm)": "position", "Torque (%)": "friction_force"},
+    ("ux_columns", "soll_ist.csv"): {"Istweg [mm]": "position", "Sollweg [mm]": None, "Motorstrom [A]": "drive_force"},
+}
+
+
+@pytest.mark.parametrize("folder,file", TAKEN)
+def test_columns_are_taken_for_what_they_measure(folder: str, file: str) -> None:
+    if not (REPORTS / folder).is_dir():
+        pytest.skip("the reported files are not beside the project")
+    opened = open_record_file(REPORTS / folder / file, file)
+    found = {one.label: one.channel for one in propose(opened, read_numbers(opened)).columns}
+    assert found == {**found, **TAKEN[folder, file]}
+    assert all(found.get(label) is None for label in ("load", "torque_enable"))
+
+
 def test_a_header_alone_is_one_line() -> None:
     file = REPORTS / "ux_header_only" / "header_only.csv"
     if not file.is_file():
