@@ -18,6 +18,9 @@ EQUAL = 3
 """Equal values in a row from which a run of them is one: noise of some steps repeats a value twice, seldom thrice."""
 FROZEN = 10
 """Equal values in a row that are a standing sensor, where hardly any others repeat."""
+RARE = 1e-6
+"""Probability of a run of equal values in a record, by the share of rows that repeat the one before, of a standing
+sensor. """
 SELDOM = 0.1
 """Share of the other rows in such runs up to which a sensor resolves its noise, so that a run of equals tells."""
 BESIDE = 5
@@ -136,8 +139,10 @@ def _frozen(signal: np.ndarray, moving: np.ndarray) -> np.ndarray:
     if not long.any() or long.mean() > 0.5 or np.mean(lengths[~long] >= EQUAL) > SELDOM:
         return np.zeros(signal.size, dtype=bool)
     frozen = np.zeros(signal.size, dtype=bool)
+    repeats = float(np.mean(np.diff(signal, prepend=np.nan)[~long] == 0.0))
     for start, stop in runs(long & np.isfinite(signal)):
-        if np.mean(moving[start:stop]) > 0.5:
+        # A sensor of coarse steps repeats its values by chance.
+        if np.mean(moving[start:stop]) > 0.5 and signal.size * repeats ** (stop - start - 1) < RARE:
             frozen[start + 1 : stop] = True
     return frozen
 
