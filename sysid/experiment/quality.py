@@ -19,8 +19,7 @@ EQUAL = 3
 FROZEN = 10
 """Equal values in a row that are a standing sensor, where hardly any others repeat."""
 RARE = 1e-6
-"""Probability of a run of equal values in a record, by the share of rows that repeat the one before, of a standing
-sensor. """
+"""Probability below which a run of equal values is no chance, by the share of rows that repeat the one before."""
 SELDOM = 0.1
 """Share of the other rows in such runs up to which a sensor resolves its noise, so that a run of equals tells."""
 BESIDE = 5

@@ -95,8 +95,7 @@ def test_what_is_kept_beside_clipped_rows_has_no_bias() -> None:
 QUIET = {
     "turn of a sensor of coarse steps": {
         "position": np.sin(40.0 * TIME),
-        "friction_force": 3e-3
-        * np.round(1e3 * np.cos(1.5 * TIME) + 0.2 * np.random.default_rng(5).standard_normal(TIME.size)),
+        "friction_force": np.round(700.0 * np.cos(4.4 * TIME) + 0.1 * np.sin(TIME * 9e4)),
     },
     "binary noise": _channels() | {"position": np.sign(np.sin(0.7 + np.cumsum(np.arange(4000.0) ** 1.3)))},
     "noise": _channels(),
