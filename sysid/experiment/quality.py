@@ -18,8 +18,9 @@ EQUAL = 3
 """Equal values in a row from which a run of them is one: noise of some steps repeats a value twice, seldom thrice."""
 FROZEN = 10
 """Equal values in a row that are a standing sensor, where hardly any others repeat."""
-RARE = 1e-6
-"""Probability below which a run of equal values is no chance, by the share of rows that repeat the one before."""
+PILE = 5.0
+"""Rows at the largest value over those at the next one, from which it is a limit: at the turn of a smooth motion,
+sampled by a sensor of coarse steps, there are 1 / (sqrt 2 - 1) = 2.4 times as many."""
 SELDOM = 0.1
 """Share of the other rows in such runs up to which a sensor resolves its noise, so that a run of equals tells."""
 BESIDE = 5
@@ -117,9 +118,11 @@ def _equal_runs(signal: np.ndarray) -> np.ndarray:
 def _clipped(signal: np.ndarray) -> np.ndarray:
     """Rows at the largest or the smallest value where runs of it are common, but hardly any other value repeats."""
     long = _equal_runs(signal) >= EQUAL
-    ends = [signal == end for end in (np.nanmin(signal), np.nanmax(signal))]
+    levels, counts = np.unique(signal[np.isfinite(signal)], return_counts=True)
+    ends = [signal == levels[0], signal == levels[-1]]
     others = np.isfinite(signal) & ~np.logical_or(*ends)
-    clipped = np.logical_or(*(end & (np.sum(end & long) >= FROZEN) for end in ends))
+    piled = [counts[0] > PILE * counts[1:2].sum(), counts[-1] > PILE * counts[-2:-1].sum()]
+    clipped = np.logical_or(*(end & (pile and np.sum(end & long) >= FROZEN) for end, pile in zip(ends, piled)))
     if not clipped.any() or others.sum() < FROZEN or np.mean(long[others]) >= SELDOM * np.mean(long[~others]):
         return np.zeros(signal.size, dtype=bool)
     return clipped
@@ -138,10 +141,12 @@ def _frozen(signal: np.ndarray, moving: np.ndarray) -> np.ndarray:
     if not long.any() or long.mean() > 0.5 or np.mean(lengths[~long] >= EQUAL) > SELDOM:
         return np.zeros(signal.size, dtype=bool)
     frozen = np.zeros(signal.size, dtype=bool)
-    repeats = float(np.mean(np.diff(signal, prepend=np.nan)[~long] == 0.0))
+    steps = np.abs(np.diff(signal))
+    quantum = float(np.nanquantile(steps[steps > 0.0], 0.05)) if np.any(steps > 0.0) else 0.0
     for start, stop in runs(long & np.isfinite(signal)):
-        # A sensor of coarse steps repeats its values by chance.
-        if np.mean(moving[start:stop]) > 0.5 and signal.size * repeats ** (stop - start - 1) < RARE:
+        # At its turn, the value of a sensor of coarse steps comes and goes by one of them.
+        beside = max(steps[max(start - 1, 0)], steps[min(stop, steps.size) - 1])
+        if np.mean(moving[start:stop]) > 0.5 and beside > 1.5 * quantum:
             frozen[start + 1 : stop] = True
     return frozen
 
