@@ -16,11 +16,12 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.load import overridden
 from stagecad.parameters.machine import DeclaredPart, MachineDeclaration, Mate, packaged_machine
 from stagecad.parameters.machine_declaration import placed_values
-from stagecad.parameters.mass_properties import PartMasses
+from stagecad.parameters.mass_properties import PartMasses, combined
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.interference import build_interferences
 from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, scaled
+from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.registry import (
     CONTACT,
     OPEN,
@@ -154,9 +155,12 @@ def depends(design: Any) -> tuple[str, ...]:
 
 def masses(design: Any) -> PartMasses:
     """Mass properties of each part, and of the machine."""
-    from stagecad.solids.assembly.built_machine import build_machine
+    from stagecad.solids.artefacts.part import build_parts, part_mass
 
-    return machine_masses(build_machine(design))
+    parts = build_parts(ArtefactStore(), list(sources(design)), design, files=False)
+    each = {name: part_mass(part, design) for name, part in parts.items()}
+    whole = combined(placed(each[one.part], one.frame) for one in assemble(parts, design, (0.0, 0.0)))
+    return PartMasses({**each, "machine": whole})
 
 
 def machine_masses(machine: BuiltMachine) -> PartMasses:

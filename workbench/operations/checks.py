@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,7 @@ from designcalc.checks.analysis.sweep import (
     combinations,
     grid_table,
     read_range,
-    run_point,
+    run_points,
     table,
 )
 from designcalc.checks.analysis.tolerance import ToleranceStudy, tolerance_study
@@ -26,7 +27,7 @@ from designcalc.checks.run import run_checks, subjects_of
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.processes import parallel_map
+from stagecad.processes import parallel_map, processors
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, silent
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 
     from stagecad.parameters.mass_properties import Masses
 
+MOST_IN_PIECE = 50
+"""Points of a sweep that a process is given together: between their solids masses are interpolated."""
 FEW_POINTS = 30
 """Without solids so few points are quicker in one process than in several, which start first."""
 MOST_COLUMNS, MOST_CURVES = 6, 8
@@ -284,7 +287,7 @@ def sweep(
     scheduler: str | None = None,
     progress: ProgressCallback = silent,
 ) -> Sweep:
-    """The checks at every combination of the values of ranges; `solids`: with the masses of each design's own solids.
+    """The checks at every combination of the values of ranges; `solids`: with masses of solids (`masses_over`).
 
     `scheduler` is the address of a dask cluster; the local cores do the work when it is left out.
     """
@@ -292,13 +295,28 @@ def sweep(
     # Without solids a point takes a tenth of a second: for few, other processes would cost more than they save.
     workers = 1 if len(values) <= FEW_POINTS and not solids else None
     advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
-    job = partial(_point, design, tuple(ranges), solids)
-    return Sweep(ranges, parallel_map(job, values, progress=advance, workers=workers, scheduler=scheduler))
+    job = partial(_run_piece, design, tuple(ranges), solids)
+    found = parallel_map(
+        job,
+        _pieces(values, len(ranges[-1].values)),
+        progress=lambda piece: [advance(one) for one in piece],
+        workers=workers,
+        scheduler=scheduler,
+    )
+    return Sweep(ranges, [point for piece in found for point in piece])
 
 
-def _point(design: Design, ranges: Sequence[Range], solids: bool, values: tuple[float, ...]) -> Point:
-    masses_of = body_masses if solids else lambda values: None
-    return run_point(ranges, values, design.values_with, design.values, masses_of)
+def _pieces(values: Sequence[tuple[float, ...]], row: int) -> list[Sequence[tuple[float, ...]]]:
+    """Parts of the rows of a grid, of so many values each, such that every processor has two or more."""
+    size = min(row, MOST_IN_PIECE, math.ceil(len(values) / (2 * processors())))
+    starts = (start for first in range(0, len(values), row) for start in range(first, first + row, size))
+    return [values[start : min(start + size, start - start % row + row)] for start in starts]
+
+
+def _run_piece(
+    design: Design, ranges: Sequence[Range], solids: bool, values: Sequence[tuple[float, ...]]
+) -> list[Point]:
+    return run_points(ranges, values, design.values_with, design.values, body_masses if solids else None)
 
 
 class Tolerances(Result):

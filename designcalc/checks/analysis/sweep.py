@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from designcalc.checks.analysis.masses_over_values import masses_over
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
@@ -95,23 +96,40 @@ def combinations(ranges: Sequence[Range]) -> list[tuple[float, ...]]:
     return list(product(*(one.values for one in ranges)))
 
 
-def run_point(
+def run_points(
     ranges: Sequence[Range],
-    values: Sequence[float],
+    combined: Sequence[Sequence[float]],
     load: Callable[..., Design],
     base: Design,
-    masses_of: Callable[[Design], Masses | None],
-) -> Point:
-    """The checks at one combination of values, one of each range; `load`: design with more overrides, `KEY=VALUE`;
-    `masses_of` a design's own solids, or None for estimates from plain volumes."""
-    pairs = list(zip(ranges, values, strict=True))
-    si = tuple(to_si(value, one.unit) for one, value in pairs)
-    words = [one.override(int(value) if isinstance(base.value(one.key), int) else value) for one, value in pairs]
-    try:
-        design = load(*words)
-    except InputError as error:
-        return Point(si, (), str(error))
-    return Point(si, tuple(run_checks(design, masses_of(design))))
+    masses_of: Callable[[Design], Masses] | None,
+) -> list[Point]:
+    """The checks at combinations of values, one of each range, that differ in the last one, which rises or falls.
+
+    `load`: design with more overrides, `KEY=VALUE`; `masses_of` a design's own solids, or None for estimates from plain
+    volumes.
+    """
+    points: list[Point] = []
+    designs: dict[int, Design] = {}
+    for place, values in enumerate(combined):
+        pairs = list(zip(ranges, values, strict=True))
+        words = [one.override(int(value) if isinstance(base.value(one.key), int) else value) for one, value in pairs]
+        points.append(Point(tuple(to_si(value, one.unit) for one, value in pairs), ()))
+        try:
+            designs[place] = load(*words)
+        except InputError as error:
+            points[place] = replace(points[place], refused=str(error))
+    places = list(designs)
+    masses: Sequence[Masses | str | None] = [None] * len(places)
+    if masses_of is not None:
+        whole = isinstance(base.value(ranges[-1].key), int)
+        last = [combined[place][-1] for place in places]
+        masses = masses_over(last, lambda number: masses_of(designs[places[number]]), interpolate=not whole)
+    for place, found in zip(places, masses, strict=True):
+        if isinstance(found, str):
+            points[place] = replace(points[place], refused=found)
+        else:
+            points[place] = replace(points[place], checks=tuple(run_checks(designs[place], found)))
+    return points
 
 
 def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def masses(design: Design) -> BodyMasses:
     """
     riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
     store = ArtefactStore()
-    parts = build_parts(store, ("stage", "tip", *riders), design)
+    parts = build_parts(store, ("stage", "tip", *riders), design, files=False)
     plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     stage = parts["stage"]
     frame = mate(stage.datums["pads"], UNMOVED, plane)

@@ -110,15 +110,22 @@ def _modules(source: PartSource) -> tuple[str, ...]:
     return (*source.modules, __name__)
 
 
-def find_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart | None:
-    """The part from the cache, or None."""
+MEASURED = ":measured"
+"""Ends the name of an artefact that has `part.json` alone."""
+
+
+def find_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart | None:
+    """The part from the cache, or None; without `files` one that has `part.json` alone will do."""
     source = part_source(name, design)
-    entry = store.find(name, source.design_of(design), _modules(source), source.depends)
-    return BuiltPart(name, entry) if entry is not None else None
+    for stored in (name,) if files else (name, name + MEASURED):
+        entry = store.find(stored, source.design_of(design), _modules(source), source.depends)
+        if entry is not None:
+            return BuiltPart(name, entry)
+    return None
 
 
-def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
-    """The part from the cache, or built now."""
+def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart:
+    """The part from the cache, or built now; without `files` it has `part.json` alone."""
     source = part_source(name, design)
 
     def make(tracked: Any, folder: Path) -> None:
@@ -130,7 +137,6 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
         material = part.material(tracked)
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
         geometry = geometry_of(solid)
-        write_solid(solid, folder / "solid.bin")
         document = {
             "material": material,
             "description": part.description(tracked) if hasattr(part, "description") else _first_line(part),
@@ -140,9 +146,13 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
             "face_areas": _face_areas(solid, datums),
         }
         (folder / "part.json").write_text(json.dumps(document, indent=1), "utf-8")
-        _export(name, solid, geometry.volume, colour_of(material), folder)
+        if files:
+            write_solid(solid, folder / "solid.bin")
+            _export(name, solid, geometry.volume, colour_of(material), folder)
 
-    made = store.make(name, source.design_of(design), _modules(source), make, source.depends)
+    made = store.make(
+        name if files else name + MEASURED, source.design_of(design), _modules(source), make, source.depends
+    )
     return BuiltPart(name, made)
 
 
@@ -223,15 +233,16 @@ def build_parts(
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
     isolate: bool = True,
+    files: bool = True,
 ) -> dict[str, BuiltPart]:
-    """All of `names`; those that the cache lacks are built in other processes."""
-    found = {name: find_part(store, name, design) for name in names}
+    """All of `names`; those that the cache lacks are built in other processes; without `files` to be measured only."""
+    found = {name: find_part(store, name, design, files) for name in names}
     for name in names:
         if found[name] is not None:
             advance(name)
     missing = [name for name in names if found[name] is None]
-    in_processes(partial(_build, store.folder, design), missing, design, advance, workers, isolate=isolate)
-    return {name: found[name] or build_part(store, name, design) for name in names}
+    in_processes(partial(_build, store.folder, design, files), missing, design, advance, workers, isolate=isolate)
+    return {name: found[name] or build_part(store, name, design, files) for name in names}
 
 
 def in_processes(
@@ -258,5 +269,5 @@ def _with_kernel(run: Callable[[str], object], name: str) -> object:
     return run(name)
 
 
-def _build(folder: Path, design: Any, name: str) -> None:
-    build_part(ArtefactStore(folder), name, design)
+def _build(folder: Path, design: Any, files: bool, name: str) -> None:
+    build_part(ArtefactStore(folder), name, design, files)

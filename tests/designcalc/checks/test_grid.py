@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from designcalc.checks.analysis.sweep import combinations, grid_table, read_range, run_point
+from designcalc.checks.analysis.sweep import combinations, grid_table, read_range, run_points
 from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
@@ -18,7 +18,7 @@ def test_each_point_is_the_design_with_both_values() -> None:
     found = combinations(ranges)
     assert found == [(10.0, 200.0), (10.0, 300.0), (30.0, 200.0), (30.0, 300.0)]
     load = lambda *words: load_design(None, words)  # noqa: E731
-    points = [run_point(ranges, values, load, base, lambda design: None) for values in found]
+    points = run_points(ranges, found, load, base, None)
     assert [bool(point.refused) for point in points] == [False, True, False, True]
     alone = run_checks(load_design(None, ["tip.nose_radius=30 mm"]))
     assert [check.margin for check in points[2].checks] == [check.margin for check in alone]

@@ -10,7 +10,7 @@ import pytest
 
 from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import corrections, markdown, requirements
-from designcalc.checks.analysis.sweep import changing_checks, read_range, run_point, table
+from designcalc.checks.analysis.sweep import changing_checks, combinations, read_range, run_points, table
 from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
 from designcalc.checks.check import Change, Check, Comparison, DesignInputs
 from designcalc.checks.run import run_checks
@@ -213,7 +213,7 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
             raise InputError("too far apart")
         return load(override)
 
-    points = [run_point([swept], [value], some, design, lambda changed: None) for value in swept.values]
+    points = run_points([swept], combinations([swept]), some, design, None)
     assert points[2].refused == "too far apart" and not points[2].checks
     assert changing_checks(points)[0] == "bolt spacing against its optimum"  # its verdict changes
     document = table(swept, points)
