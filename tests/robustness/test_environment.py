@@ -36,6 +36,14 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("megabytes", [500, 700, 800])
+def test_too_little_memory_for_solids_is_no_fault_of_the_design(tmp_path: Path, megabytes: int) -> None:
+    line = f"ulimit -v {megabytes}000; {PROGRAM} parts tip --set stage.thickness=12.3mm"
+    found = _shell(line, tmp_path, STAGECAD_CACHE=str(tmp_path / "cache"))
+    assert found.returncode == 2 and "not enough memory" in found.stderr.splitlines()[-1], found.stderr
+    assert "no valid solid" not in found.stderr
+
+
 def test_a_plain_locale(tmp_path: Path) -> None:
     found = _shell(f"{PROGRAM} params --set 'drawing.title=Bühne' drawing.title", tmp_path, LC_ALL="C")
     assert found.returncode == 0 and "Traceback" not in found.stderr

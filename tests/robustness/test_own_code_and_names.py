@@ -150,3 +150,14 @@ def test_no_name_leads_to_another_folder(name: str) -> None:
             accepted(name, "here")
             assert (Path("/out") / f"{name}.step").resolve().parent == Path("/out")
             assert (Path("/out") / name).resolve() == Path("/out") / name
+
+
+def test_results_of_two_experiments_of_one_name_are_kept_apart(folder: Path, tmp_path: Path, capsys) -> None:
+    from tests.sysid.slide import SIGN, slide
+
+    for place in ("a/rig", "b/rig", "build/rig", "../rig"):
+        slide(Path(place), 1.3 * SIGN, '"coulomb"', held_out=True)
+        assert run(["look", place]) == 0
+    capsys.readouterr()
+    found = {str(path) for path in Path("build").rglob("look.png")}
+    assert found == {"build/a/rig/look.png", "build/b/rig/look.png", "build/rig/look.png"}

@@ -227,8 +227,10 @@ def refusal_line(error: PartError) -> str | None:
         for entry in error.design.entries
         if isinstance(entry.value, float | int) and entry.key in packaged and entry.value != packaged[entry.key].value
     ]
+    crashed = error.reason == CRASHED
+    reason = f"{error.reason}; is there enough memory?" if crashed else error.reason
     if not changed:
-        return f"part '{error.part}': {error.reason}; is there enough memory?" if error.reason == CRASHED else None
+        return f"part '{error.part}': {reason}" if crashed else None
     changed.sort(key=place)
     named = ", ".join(
         f"{entry.key} = {entry.text} (packaged: {packaged[entry.key].text})" for entry in changed[:MOST_NAMED]
@@ -236,5 +238,5 @@ def refusal_line(error: PartError) -> str | None:
     more = f" and {len(changed) - MOST_NAMED} more" if len(changed) > MOST_NAMED else ""
     return (
         f"{error.design.file}: the CAD kernel makes no valid solid of '{error.part}' with {named}{more}; bring them "
-        f"nearer to the packaged values ({error.reason})"
+        f"nearer to the packaged values ({reason})"
     )

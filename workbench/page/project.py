@@ -44,10 +44,6 @@ class Project:
         """Folder of results: `--out`."""
         return self.folder / self.out
 
-    def results_of(self, experiment: Path) -> Path:
-        """Folder in which the results of an experiment have a folder of its name: those of `a/rig` are in `a`."""
-        return self.results / experiment.relative_to(self.folder.resolve()).parent
-
     @property
     def state(self) -> Path:
         """Folder of jobs and of the state of the page."""

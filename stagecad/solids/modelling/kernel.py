@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import mmap
 import sys
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from stagecad.parameters.errors import InputError
+
 if TYPE_CHECKING:
     import cadquery as cq
+
+ADDRESS_SPACE = 900
+"""Of the kernel's libraries (760) and of the solids of a part, MB: with less they wait for a lock and never end."""
 
 
 def load_kernel() -> None:
@@ -17,9 +23,19 @@ def load_kernel() -> None:
     The kernel's bindings import the package `vtk` only to have it loaded; cadquery imports the modules of VTK that it
     calls (`vtkmodules`) by itself. An empty module stands for the package meanwhile; `import vtk` afterwards gives the
     real one. For processes of this program alone, since another thread could see the empty module.
+
+    Raises:
+        InputError: not enough memory.
     """
-    if "vtk" in sys.modules:
+    if "vtk" in sys.modules or "cadquery" in sys.modules:
         return
+    if sys.platform != "win32":
+        try:
+            mmap.mmap(-1, ADDRESS_SPACE * 1_000_000, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ).close()
+        except OSError:
+            raise InputError(
+                f"there is not enough memory: the CAD kernel takes {ADDRESS_SPACE} MB of addresses (ulimit -v)"
+            ) from None
     sys.modules["vtk"] = ModuleType("vtk")
     try:
         import_module("cadquery")

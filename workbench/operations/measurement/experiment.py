@@ -355,6 +355,8 @@ class Experiment(Result):
 
     def results_in(self, out: str | Path) -> Path:
         """Folder below `out` for report and files of results."""
+        if self.in_files:
+            return Path(out) / results_key(out, self.stated.folder)
         return Path(out) / (re.sub(r"[^\w.-]", "_", self.name) or "experiment")
 
     def has_report(self, out: str | Path) -> bool:
@@ -515,6 +517,19 @@ def as_experiment(source: Experiment | str | Path, design: Design | None = None)
     if isinstance(source, str | Path):
         return Experiment.load(source, design)
     raise InputError(f"an Experiment or its folder is required, not {type(source).__name__}")
+
+
+def results_key(out: str | Path, experiment: Path, working: Path | None = None) -> Path:
+    """Folder of an experiment's results relative to that of all results, `out`.
+
+    Its path in `out`, else in the working folder, so that `a/rig` and `b/rig` have results of their own; its last name
+    if it is elsewhere.
+    """
+    folder = experiment.resolve()
+    for base in (Path(out).resolve(), (working or Path.cwd()).resolve()):
+        if base in folder.parents:
+            return folder.relative_to(base)
+    return Path(folder.name)
 
 
 def named_files(folder: str | Path) -> tuple[tuple[str, ...], bool]:

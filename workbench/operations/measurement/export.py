@@ -11,7 +11,7 @@ from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from workbench.operations.measurement.compare import compare
-from workbench.operations.measurement.experiment import Experiment
+from workbench.operations.measurement.experiment import Experiment, results_key
 from workbench.operations.measurement.fitted import FittedResult
 from workbench.operations.result import Result, finite, frame
 
@@ -109,7 +109,7 @@ def export(
         raise InputError(f"--to: no language '{to}'{nearest(to, LANGUAGES)}")
     comparison = compare(experiment, design)
     exported = exported_model(comparison)
-    folder = Path(out) / comparison.problem.experiment.folder.resolve().name / "export"
+    folder = Path(out) / results_key(out, comparison.problem.experiment.folder) / "export"
     folder.mkdir(parents=True, exist_ok=True)
     if to == "fmu":
         from sim.export.fmu import write_fmu

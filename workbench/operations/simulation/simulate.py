@@ -30,7 +30,7 @@ from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, Note, ProgressCallback, counted
-from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of
+from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of, results_key
 from workbench.operations.measurement.tables import make_table, quantity_text
 from workbench.operations.result import Result, finite, frame
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
@@ -472,13 +472,11 @@ def simulate(
 def simulate_into(
     out: Path, experiment: Path, design: Any, motion: Path | None, seed: int | None, formats: tuple[str, ...]
 ) -> SimulatedRecords:
-    """Simulate the model of an experiment into OUT/simulate/NAME."""
+    """Simulate the model of an experiment into OUT/simulate, by its path."""
     if not formats:
         raise InputError("--format none: the records of an EXPERIMENT are its only result; allowed: csv, parquet, both")
     place = find_experiment(experiment)
-    folder = out / "simulate" / place.folder.resolve().name
-    if folder.resolve() == place.folder.resolve():
-        raise InputError(f"--out {out}: the records would replace those of {experiment}; choose another folder")
+    folder = out / "simulate" / results_key(out, place.folder)
     stated = Experiment.load(place.path, design)
     simulated = SimulatedRecords(stated, simulate_records(stated.problem, motion=motion), seed)
     return simulated.write(folder, formats, "its own inputs" if motion is None else motion.name)

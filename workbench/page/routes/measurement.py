@@ -9,6 +9,7 @@ from fastapi.responses import FileResponse
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError
+from workbench.operations.measurement.experiment import results_key
 from workbench.operations.result import finite
 from workbench.page.routes.experiments import project_of
 from workbench.page.routes.machine import Body, Text
@@ -108,7 +109,7 @@ def report(request: Request, name: str) -> FileResponse:
     """The report of an experiment: one page with its pictures inside, without scripts."""
     project = project_of(request)
     folder = project.experiment(name)
-    path = project.results_of(folder) / folder.name / "report.html"
+    path = project.results / results_key(project.results, folder, project.folder) / "report.html"
     if not path.is_file():
         raise InputError(f"{name}: no report yet; compare or diagnose first")
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
@@ -122,7 +123,7 @@ def _submit(
     given = {
         "experiment": str(folder),
         "params": None if project.params is None else str(project.params.resolve()),
-        "out": str(project.results_of(folder)),
+        "out": str(project.results.resolve()),
         **arguments,
     }
     jobs = request.app.state.jobs
