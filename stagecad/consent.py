@@ -14,7 +14,7 @@ from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.input_file import read_input
+from stagecad.parameters.input_file import read_named
 from stagecad.private import make_private, user_folder
 
 _consented: set[str] = set()
@@ -24,11 +24,7 @@ _consented: set[str] = set()
 def give_consent(files: tuple[Path, ...]) -> None:
     """Store the consent to run each of `files` with its present content."""
     for path in files:
-        try:
-            digest = hashlib.sha256(read_input(path)).hexdigest()
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-        store_consent(path, digest)
+        store_consent(path, hashlib.sha256(read_named(path)).hexdigest())
 
 
 def store_consent(path: Path, digest: str) -> None:

@@ -181,14 +181,8 @@ def documents(machine: BuiltMachine) -> dict[str, Any]:
     }
 
 
-def refusal(name: str, design: Any) -> str:
-    """Nothing: a machine of the user's own has the parts that it declares."""
-    return ""
-
-
 CONSTRUCTION = Construction(
     sources=sources,
-    refusal=refusal,
     relations=relations,
     modules=(__name__,),
     assemble=assemble,

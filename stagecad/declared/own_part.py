@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.consent import give_consent, require_consent
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.input_file import read_input
+from stagecad.parameters.input_file import read_named
 from stagecad.parameters.names import is_identifier
 from stagecad.parameters.own_code import own_code
 
@@ -31,10 +31,7 @@ REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
 
 def run_file(path: Path, trust: bool, what: str) -> ModuleType:
     """Run a Python file of the user's, with consent, and return it as a module."""
-    try:
-        data = read_input(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    data = read_named(path)
     if trust:
         give_consent((path,))
     require_consent(path, data, what)
@@ -62,11 +59,6 @@ class OwnDefinition:
     path: Path
     module: Any
     text: str = ""
-
-    @property
-    def NAME(self) -> str:  # noqa: N802 - a word of the interface of parts
-        """Name of the part, and of the table with its parameters."""
-        return self.module.NAME
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -104,7 +96,7 @@ class OwnDefinition:
 
     def description(self, design: Any) -> str:
         """In words: as declared, or the first line of the file."""
-        first = (self.module.__doc__ or self.NAME).strip().splitlines()[0]
+        first = (self.module.__doc__ or self.module.NAME).strip().splitlines()[0]
         return self.text or first.partition(":")[2].strip().rstrip(".") or first
 
     def part_number(self, design: Any) -> str:
@@ -128,10 +120,7 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
 
 def file_digest(path: Path) -> str:
     """Sha256 of a file."""
-    try:
-        return hashlib.sha256(read_input(path)).hexdigest()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    return hashlib.sha256(read_named(path)).hexdigest()
 
 
 _SOLID_FILE = re.compile(rb"[\"']([\w.-]+\.(?:step|stp))[\"']", re.IGNORECASE)
@@ -139,7 +128,7 @@ _SOLID_FILE = re.compile(rb"[\"']([\w.-]+\.(?:step|stp))[\"']", re.IGNORECASE)
 
 def used_files(path: Path) -> tuple[Path, ...]:
     """STEP files beside a part's file that it names."""
-    names = {match[1].decode() for match in _SOLID_FILE.finditer(read_input(path))}
+    names = {match[1].decode() for match in _SOLID_FILE.finditer(read_named(path))}
     return tuple(path.parent / name for name in sorted(names) if (path.parent / name).is_file())
 
 

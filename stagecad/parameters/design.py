@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -23,23 +22,11 @@ from stagecad.parameters.threads import Thread, thread
 from stagecad.parameters.units import to_si
 
 
-@dataclass(frozen=True)
-class Materials(Mapping[str, Any]):
-    """Tables of the materials by name."""
+class Materials(dict[str, Any]):
+    """Tables of the materials by name; not to be changed."""
 
-    named: tuple[tuple[str, Any], ...]
-
-    def __getitem__(self, name: str) -> Any:
-        for known, material in self.named:
-            if known == name:
-                return material
-        raise KeyError(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return (name for name, _ in self.named)
-
-    def __len__(self) -> int:
-        return len(self.named)
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(tuple(self.items()))
 
 
 @dataclass(frozen=True)

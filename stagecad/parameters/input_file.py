@@ -7,6 +7,8 @@ import os
 import stat
 from pathlib import Path
 
+from stagecad.parameters.errors import InputError
+
 LARGEST = 64_000_000
 """Largest size where the caller states none, bytes."""
 
@@ -27,3 +29,11 @@ def read_input(path: str | Path, largest: int = LARGEST) -> bytes:
     if len(data) > largest:
         raise OSError(errno.EFBIG, f"is larger than {largest / 1e6:g} MB", str(path))
     return data
+
+
+def read_named(path: Path) -> bytes:
+    """`read_input` of a file that another one names: what is wrong with it is an `InputError`."""
+    try:
+        return read_input(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None

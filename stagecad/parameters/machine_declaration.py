@@ -34,6 +34,7 @@ from stagecad.parameters.entry import FileEntry
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
+from stagecad.parameters.input_file import read_named
 from stagecad.parameters.machine import DECLARED, DeclaredPart, Machine, MachineDeclaration, Mate
 from stagecad.parameters.names import identifier
 from stagecad.parameters.schema import Declaration
@@ -86,10 +87,9 @@ class Stated:
 
 def stated_parameters(path: Path) -> Stated | None:
     """What a part's file states, read without running it; None where it is not Python, or lacks these words."""
+    data = read_named(path)
     try:
-        tree = ast.parse(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        tree = ast.parse(data)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         # The message names the line when the file is run.
         return None

@@ -147,7 +147,7 @@ def _design(
     return source.machine.design(
         **tables,
         machine=source.machine,
-        materials=Materials(tuple(materials.items())),
+        materials=Materials(materials),
         entries=tuple(entries[key] for key in source.keys),
         file=source.file,
         overrides=source.overrides,

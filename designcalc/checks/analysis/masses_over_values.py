@@ -82,26 +82,23 @@ def _bodies(masses: Masses) -> dict[str, MassProperties]:
 
 
 def _numbers(masses: Masses) -> Array:
-    """All numbers of all bodies, each with 20: volume, mass, centre, inertia, box."""
-    rows = [
-        [one.volume, one.mass, *one.centre_of_mass, *np.ravel(one.inertia), *np.ravel(one.bounding_box)]
-        for one in _bodies(masses).values()
-    ]
-    return np.array(rows, float).ravel()
+    """All numbers of all bodies (bodies, 20): volume, mass, centre, inertia, box."""
+    bodies = _bodies(masses).values()
+    return np.array([np.hstack([np.ravel(number) for number in vars(one).values()]) for one in bodies])
 
 
 def _sizes(masses: Masses) -> Array:
-    """What the differences of these numbers are relative to."""
+    """What the differences of these numbers are relative to (bodies, 20)."""
     rows = []
     for one in _bodies(masses).values():
         size = float(np.linalg.norm(np.subtract(*one.bounding_box)))
         rows.append([one.volume, one.mass, *[size] * 3, *[one.mass * size**2] * 9, *[size] * 6])
-    return np.array(rows, float).ravel()
+    return np.array(rows)
 
 
 def _with_numbers(masses: Masses, numbers: Array) -> Masses:
     bodies = {
         name: MassProperties(float(row[0]), float(row[1]), row[2:5], row[5:14].reshape(3, 3), row[14:].reshape(2, 3))
-        for name, row in zip(_bodies(masses), numbers.reshape(-1, 20), strict=True)
+        for name, row in zip(_bodies(masses), numbers, strict=True)
     }
     return PartMasses(bodies) if isinstance(masses, PartMasses) else BodyMasses(**bodies)

@@ -78,12 +78,6 @@ class Artefact:
         return json.loads(self.data(name))
 
 
-def cache_folder() -> Path:
-    """Folder of the store: ``STAGECAD_CACHE``, else ``XDG_CACHE_HOME/stagecad``, else ``~/.cache/stagecad``; one that
-    other users can change is not used."""
-    return cache_root()
-
-
 class ArtefactStore:
     """The artefacts in one folder.
 
@@ -92,7 +86,7 @@ class ArtefactStore:
     """
 
     def __init__(self, folder: Path | None = None) -> None:
-        self.folder = folder if folder is not None else cache_folder()
+        self.folder = folder if folder is not None else cache_root()
 
     def find(self, name: str, design: Any, modules: Sequence[str], depends: Iterable[str] = ()) -> Artefact | None:
         """The stored artefact of `design`, or None."""

@@ -120,7 +120,6 @@ class Construction:
     """
 
     sources: Callable[[Any], Mapping[str, PartSource]]
-    refusal: Callable[[str, Any], str]
     relations: Callable[[Any], Mapping[frozenset[str], str]]
     modules: tuple[str, ...]
     assemble: Callable[[Mapping[str, Any], Any, Position], tuple[Instance, ...]]
@@ -134,6 +133,7 @@ class Construction:
     carried: tuple[str, ...] = ()
     below: tuple[str, ...] = ()
     accessories: Callable[[Any], tuple[Any, ...]] = _nothing
+    refusal: Callable[[str, Any], str] = lambda name, design: ""
 
 
 def construction(design: Any) -> Construction:

@@ -17,7 +17,7 @@ from stagecad.parameters.tracking import TrackedDesign, path_text
 from stagecad.solids.artefacts import source_digest
 from stagecad.solids.artefacts import store as store_module
 from stagecad.solids.artefacts.source_digest import ROOT, _file, _names
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore, cache_folder
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.artefacts.stored_object import FILE, stored_object
 
 MODULES = ("stagecad.solids.modelling.frame",)
@@ -313,9 +313,9 @@ print([entry.data("value.txt") for entry in entries])
 def test_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delenv("STAGECAD_CACHE", raising=False)
-    assert cache_folder() == tmp_path / "stagecad"
+    assert ArtefactStore().folder == tmp_path / "stagecad"
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "own"))
-    assert cache_folder() == tmp_path / "own"
+    assert ArtefactStore().folder == tmp_path / "own"
 
 
 @dataclass(frozen=True)
