@@ -19,9 +19,9 @@ use_one_thread(os.environ)
 TOGETHER = {
     "browser": ("workbench/page/test_in_browser.py", "workbench/page/test_late_answers.py",
                 "workbench/page/test_restart.py"),
-    "cluster": ("commands/test_bootstrap_command.py", "commands/test_many_runs.py", "commands/test_simulate_stage.py",
-                "stagecad/test_processes.py", "workbench/operations/test_monte_carlo.py"),
-    "sheets": ("drawings/export/test_dxf.py", "drawings/export/test_dxf_equals_model.py", "drawings/sheets/test_ink.py",
+    "cluster": ("commands/test_cluster.py", "commands/test_simulate_stage.py", "stagecad/test_processes.py",
+                "workbench/operations/test_monte_carlo.py"),
+    "sheets": ("drawings/export/test_dxf.py", "drawings/export/test_dxf_equals_model.py",
                "drawings/sheets/test_sheets_complete.py"),
     "loop": ("workbench/operations/test_experiments.py", "workbench/operations/test_machine_and_motions.py",
              "workbench/operations/test_whole_loop.py"),
