@@ -109,3 +109,33 @@ def knots_wave(machine: StageMachine, time: np.ndarray, knots: np.ndarray, apex:
     x, y, z = (np.interp(time, knots, apex[:, i]) for i in range(3))
     wave = volts_for(machine, x, y, z)
     return np.repeat(wave[:, None, :], len(machine.actuators), axis=1)
+
+
+class Actuation:
+    """Voltages of one period of a drive with one actuator: an ellipse with a part of its travel, a lift and a lean."""
+
+    def __init__(self, drive: TipDrive, step: float) -> None:
+        self.machine, self.path = drive.machine, drive.path
+        self.steps = round(1.0 / drive.frequency / step)
+        turn = 2.0 * math.pi * (np.arange(self.steps) + 0.5) / self.steps
+        self.along, self.up = -np.cos(turn) * self.path.along, np.sin(turn) * self.path.normal
+        self.ramp = (np.arange(self.steps) + 0.5) / self.steps
+        self.last = np.zeros(4)
+
+    def commands(self, along: float, rise: float, lift: float, lean: float) -> np.ndarray:
+        """Voltages (steps, 1, 3); each number changes linearly from its last value to the new one over the period.
+
+        Args:
+            along: signed amplitude of the ellipse along the travel, -1 to 1.
+            rise: amplitude of its height, 0 to 1.
+            lift: of its middle, m.
+            lean: of its middle along x, m.
+        """
+        new = np.array([along, rise, lift, lean])
+        now = self.last + self.ramp[:, None] * (new - self.last)
+        self.last = new
+        x = now[:, 0] * self.along + now[:, 3]
+        z = now[:, 1] * self.up + now[:, 2]
+        volts = volts_for(self.machine, x, np.zeros(self.steps), z)
+        count = self.machine.piezo.highest_voltage / 2**self.machine.piezo.bits
+        return (np.round(volts / count) * count)[:, None, :]

@@ -77,14 +77,13 @@ class StepStudy:
         return found
 
 
-def static_ratio(constants: Constants, rest: Rest) -> float:
-    """Motion of the stage over that of the free apex, for steps well within presliding of pads and contact.
+def static_stiffnesses(constants: Constants, rest: Rest) -> tuple[float, float]:
+    """Stiffnesses along the travel of tip and contact in series, and of the pads against them, N/m.
 
-        ratio = k/(k + k_pads),   1/k = 1/k_contact + h^2/k_tilt + 1/k_sway
+        1/k = 1/k_contact + h^2/k_tilt + 1/k_sway
 
     k_tilt = (stiffness of a piezo) sum p_x^2, k_sway that of the bending stacks, k_contact = (tangential ratio) (normal
-    stiffness at the load), k_pads = sum of (pad load) (bristle stiffness per load): springs in series, and the pads'
-    against them.
+    stiffness at the load), k_pads = sum of (pad load) (bristle stiffness per load).
     """
     depth = (float(rest.tip_loads.sum()) / constants.contact_rate) ** (2.0 / 3.0)
     contact = constants.contact_ratio * 1.5 * constants.contact_rate * math.sqrt(depth)
@@ -92,14 +91,14 @@ def static_ratio(constants: Constants, rest: Rest) -> float:
     series = 1.0 / (1.0 / contact + 1.0 / tilt)
     if constants.sway_stiffness > 0.0:
         series = 1.0 / (1.0 / series + 1.0 / constants.sway_stiffness)
-    pads = constants.pad_bristle * float(rest.pad_loads.sum())
-    return series / (series + pads)
+    return series, constants.pad_bristle * float(rest.pad_loads.sum())
 
 
 def small_signal_gain(machine: StageMachine, rest: Rest) -> float:
     """Motion of the stage over that commanded by the stacks' mean gain, for steps well within presliding."""
     mean = machine.piezo.stroke / machine.piezo.highest_voltage
-    return static_ratio(make_constants(machine, rest), rest) * piezo_response(machine.piezo).small_signal_gain / mean
+    series, pads = static_stiffnesses(make_constants(machine, rest), rest)
+    return series / (series + pads) * piezo_response(machine.piezo).small_signal_gain / mean
 
 
 def converter_count(machine: StageMachine) -> float:

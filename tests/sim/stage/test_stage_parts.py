@@ -10,13 +10,14 @@ from stage_machines import example, ideal_piezos
 
 from sim.stage.machine import Surroundings
 from sim.stage.run import drive_stage
-from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
+from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.state import piezo_response
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies.coupling import with_ample_amplifier
+from sim.stage.studies.fine_motion import FineController, held_stage
 from sim.stage.studies.planar import directed
-from sim.stage.studies.positioning import LOOPS, Disturbances, move_to
+from sim.stage.studies.positioning import LOOPS, move_to
 from sim.stage.studies.steps import converter_count
 from sim.stage.waveforms import TipDrive, largest_stroke, step_times, two_piezo_ellipse, volts_for
 
@@ -172,13 +173,19 @@ def test_disturbances_have_the_rms_that_they_are_made_of():
     assert quiet.air() == 0.0 and not quiet.floor(time).any() and quiet.disturbed(noise) is noise
 
 
-def test_a_disturbed_loop_settles_to_its_disturbances():
-    """A loop far slower than the floor cannot reject it: the error scatters by the floor's motion, at least."""
-    machine = replace(example(), surroundings=surroundings())
-    disturbed = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
+def test_a_disturbed_loop_settles_to_what_it_leaves_of_the_floor():
+    """Each wave of the floor times the sensitivity of the loop at its frequency; the air's error is left out."""
+    given = replace(surroundings(), air_error=0.0)
+    machine = replace(example(), surroundings=given)
+    drive = TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0)
+    held = held_stage(drive)
+    controller = FineController(held, 1.0)
+    disturbed = move_to(drive, LOOPS["interferometer"], held)
     late = disturbed.run.time > disturbed.run.time[-1] - 0.2
-    floor = disturbed.by_floor[late].std()
-    assert floor > 0.5e-9
-    assert 0.8 * floor < disturbed.error[late].std() < 2.0 * floor + 1e-9
+    rate, amplitude, _ = Disturbances(given, machine.piezo, held.period, STEP).waves
+    loop = controller.rate * held.period / (np.exp(1j * rate * held.period) - 1.0)
+    expected = math.sqrt(0.5 * np.sum((amplitude / np.abs(1.0 + loop)) ** 2))
+    assert expected < 0.7 * disturbed.by_floor[late].std()
+    assert 0.7 * expected < disturbed.error[late].std() < 1.3 * expected + machine.sensors.interferometer_count
     found = disturbed.features("x")
     assert found["x_within_10nm"] is not None and found["x_error_std"][0] < 10e-9
