@@ -138,15 +138,10 @@ def valid_name(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Model:
-    """Effects and their parameter values; built by `compose`.
+    """Effects and their parameter values; built by `compose`."""
 
-    Args:
-        effects: at most one of them with a friction state model.
-        values: parameter values of each effect, in the same order.
-    """
-
-    effects: tuple[Effect, ...]
-    values: tuple[Any, ...]
+    effects: tuple[Effect, ...]  # at most one of them with a friction state model
+    values: tuple[Any, ...]  # parameter values of each effect, in the same order
 
     @property
     def state_effect(self) -> Effect | None:

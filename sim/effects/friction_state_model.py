@@ -33,40 +33,29 @@ AlongRecord = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Any], np
 
 @dataclass(frozen=True)
 class FrictionStateModel:
-    """How the friction level becomes a force.
+    """How the friction level becomes a force."""
 
-    Args:
-        name: of the model.
-        law: rate of one element's state and its share of the force, N. Zero level means no force.
-        slopes: the exact partial derivatives of `law`.
-        along_record: the force along a measured motion, of shape (n,).
-        scale: typical size of a state, to set the absolute tolerance of an integration; a function of `p`.
-        state: meaning of the state, with its unit.
-        elements: how many states; a function of `p`.
-        stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
-            function exists.
-        springs: the parallel elasto-plastic elements that the model consists of, if it does; a function of `p`.
-        table: stretch, weight, damping and friction limit of each element, (elements, 4), for a model made by
-            `parallel_elements`; a function of `p`.
-        sliding: friction in steady sliding, N, `sliding(level, speed, p)`; the level itself where left out.
-        rigid: its `stretch` is below what a record resolves, so that friction at rest balances any force up to the
-            level.
-        free_shares: the shares of its elements in the level are parameters.
-    """
-
-    name: str
-    law: Element
-    slopes: ElementSlopes
-    along_record: AlongRecord
+    name: str  # of the model
+    law: Element  # rate of one element's state and its share of the force, N. Zero level means no force
+    slopes: ElementSlopes  # the exact partial derivatives of `law`
+    along_record: AlongRecord  # the force along a measured motion, of shape (n,)
+    # typical size of a state, to set the absolute tolerance of an integration; a function of `p`
     scale: Callable[[Any], float]
-    state: str = "stretch of the bristles, m"
-    elements: Callable[[Any], int] = lambda p: 1
+    state: str = "stretch of the bristles, m"  # meaning of the state, with its unit
+    elements: Callable[[Any], int] = lambda p: 1  # how many states; a function of `p`
+    # energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy function
+    # exists
     stored: Callable[[int, Any, Any, Any], Any] | None = None
+    # the parallel elasto-plastic elements that the model consists of, if it does; a function of `p`
     springs: Callable[[Any], Elements] | None = None
+    # stretch, weight, damping and friction limit of each element, (elements, 4), for a model made by
+    # `parallel_elements`; a function of `p`
     table: Callable[[Any], np.ndarray] | None = None
+    # friction in steady sliding, N, `sliding(level, speed, p)`; the level itself where left out
     sliding: Callable[[np.ndarray, np.ndarray, Any], np.ndarray] | None = None
+    # its `stretch` is below what a record resolves, so that friction at rest balances any force up to the level
     rigid: bool = False
-    free_shares: bool = False
+    free_shares: bool = False  # the shares of its elements in the level are parameters
 
 
 def parallel_elements(
