@@ -7,7 +7,8 @@ from designcalc.checks.formula_check import FormulaCheck, Quantities
 from designcalc.friction_stage.physics.body import tip_mass
 from designcalc.friction_stage.physics.clamp import screw_preload
 from designcalc.friction_stage.physics.loads import load, preload, tip_load, weight
-from designcalc.friction_stage.physics.pads import heaviest_pad, pads_stiffness
+from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness
+from designcalc.friction_stage.physics.teeth import CIRCUITS, attraction, magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
     driven_capacitance,
     holding_stiffness,
@@ -27,6 +28,7 @@ QUANTITIES: Quantities = {
     "load.weight": (weight, "N"),
     "load.preload": (preload, "N"),
     "load.whole": (load, "N"),
+    "load.magnets": (attraction, "N"),
     "load.of_tip": (tip_load, "N"),
     "load.heaviest_pad": (heaviest_pad, "N"),
     "stiffness.pads": (lambda r: pads_stiffness(r).normal, "N/m"),
@@ -34,6 +36,9 @@ QUANTITIES: Quantities = {
     "stiffness.stack": (stack_stiffness, "N/m"),
     "stiffness.sway": (sway, "N/m"),
     "stiffness.contact": (lambda r: float(tip_contact(r, tip_load(r)).stiffness), "N/m"),
+    "stiffness.teeth": (lambda r: CIRCUITS * magnets(r).normal_stiffness, "N/m"),
+    "flux.gap": (lambda r: magnets(r).gap_flux_density, "T"),
+    "depth.film": (lambda r: float(film(r, heaviest_pad(r)).indentation), "m"),
     "mass.tip": (tip_mass, "kg"),
     "mass.on_piezos": (mass_on_piezos, "kg"),
     "resonance.tip_up": (lambda r: tip_resonances(r)[0], "Hz"),

@@ -109,35 +109,20 @@ FRONTS = (("speed", "acceleration"), ("acceleration", "smoothness"), ("speed", "
 PRICED = ("speed", "acceleration", "smoothness")
 
 
-def requirement_levels(
-    vary: Callable[[Sequence[str]], Variations],
-    machine: Sequence[Free],
-    masses: Masses | None,
-    budget: int,
-    *,
-    seed: int = 1,
-    tell: Callable[[str], None] = lambda words: None,
-) -> Levels:
-    """Study how far the requirements of Table 1 can be met; `vary`: the design with overrides `KEY=VALUE`; `budget`:
-    evaluations of each search of a design; `tell` is called with what is being done."""
-    return _Study(vary, machine, masses, budget, seed, tell).levels()
+@dataclass
+class LevelStudy:
+    """Study how far the requirements of Table 1 can be met."""
 
+    vary: Callable[[Sequence[str]], Variations]  # the design with overrides `KEY=VALUE`
+    machine: Sequence[Free]  # free parameters
+    masses: Masses | None  # of the present solids
+    budget: int  # evaluations of each search of a design
+    seed: int = 1
+    tell: Callable[[str], None] = lambda words: None  # called with what is being done
 
-class _Study:
-    """The searches of a study, and what they share; arguments of `requirement_levels`."""
-
-    def __init__(
-        self,
-        vary: Callable[[Sequence[str]], Variations],
-        machine: Sequence[Free],
-        masses: Masses | None,
-        budget: int,
-        seed: int,
-        tell: Callable[[str], None],
-    ) -> None:
-        self.vary, self.masses, self.budget, self.seed, self.tell = vary, masses, budget, seed, tell
-        self.machine = [replace(one, weight=CHANGE) for one in machine]
-        design = vary(()).design
+    def __post_init__(self) -> None:
+        self.machine = [replace(one, weight=CHANGE) for one in self.machine]
+        design = self.vary(()).design
         entries = {level.name: design.entry(level.key) for level in LEVELS}
         self.following = [
             f"{level.following}==min({design.entry(level.following).text}, {level.key})"
@@ -251,10 +236,14 @@ class _Study:
         """Bisect the common weakening of the free levels, with a search of a machine at each; whether there is one."""
         low, high = 0.0, 1.0
         if best.satisfied:
-            high = _harden_together(evaluator, best, self._largest(free, best))
+            assert best.evaluation is not None
+            reached = best.evaluation.values
+            high = max(self._share(level, reached[level.key]) for level in free)
+            high = _harden_together(evaluator, best, high)
         while high - low >= 0.5**STEPS or not best.satisfied:
             share = 0.5 * (low + high) if best.satisfied else 1.0
-            levels = {level.name: self._weakened(level, share) for level in free}
+            required = self.result.required
+            levels = {level.name: level.weaker(required[level.name], WEAKEST**share) for level in free}
             machine = self._machine({**fixed, **levels}, best)
             if machine is not None and _offer(evaluator, best, machine, levels).satisfies(best.names):
                 high = _harden_together(evaluator, best, share)
@@ -267,14 +256,6 @@ class _Study:
     def _share(self, level: Level, value: float) -> float:
         """The weakening of a level as a share of `WEAKEST`, on a logarithmic scale."""
         return abs(math.log(value / self.result.required[level.name])) / math.log(WEAKEST)
-
-    def _largest(self, free: Sequence[Level], best: Best) -> float:
-        assert best.evaluation is not None
-        return max(self._share(level, best.evaluation.values[level.key]) for level in free)
-
-    def _weakened(self, level: Level, share: float) -> float:
-        """A level weaker than required by a share of `WEAKEST`, on a logarithmic scale."""
-        return level.weaker(self.result.required[level.name], WEAKEST**share)
 
     def _machine(self, levels: Mapping[str, float], known: Best) -> dict[str, Any] | None:
         """Values of the machine's parameters with which the checks pass at these levels; None where none were found."""

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.analysis.report import shown
-from designcalc.optimisation.requirement_levels import Levels, requirement_levels
+from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
 from workbench.operations.lines import Line, ProgressCallback, Table, markdown, plain_table, silent
@@ -113,13 +113,12 @@ class ReachedLevels(Result):
 
 def reached_levels(design: Design, wanted: Search, progress: ProgressCallback = silent) -> ReachedLevels:
     """How far Table 1 can be met by a design: each requirement alone, all together, and the Pareto fronts."""
-    free = wanted.freed(design)
-    levels = requirement_levels(
-        lambda more: design.variations(*more),
-        free,
-        wanted.masses(design),
-        wanted.budget,
+    study = LevelStudy(
+        vary=lambda more: design.variations(*more),
+        machine=wanted.freed(design),
+        masses=wanted.masses(design),
+        budget=wanted.budget,
         seed=wanted.seed,
         tell=lambda words: progress(words, 0, 0),
     )
-    return ReachedLevels(design, levels)
+    return ReachedLevels(design, study.levels())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
-from designcalc.friction_stage.physics.clamp import clamping_shift, grip, wedge
+from designcalc.friction_stage.physics.clamp import clamping_shift, grip
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
@@ -112,22 +112,17 @@ def clamping(r: DesignInputs) -> Check:
     )
 
 
-def wedge_angle(r: DesignInputs) -> Check:
-    """The lift per turn follows the slope, whose angle the drawing holds by the zone of its angularity."""
-    slope, length = r("height_pin_1.slope"), r("height_pin_1.length")
-    error = r("drawing.wedge_angularity") / length
-    angle = math.atan(slope)
-    off = math.tan(angle + error) / slope - 1
-    return Check(
-        "lift of the wedge by its angle's tolerance",
-        at_most(off, 0.1, ""),
-        source="face turned within the zone of its angularity over its length; a tenth as rule of thumb",
-        formula="tan(atan(s) + t/L)/s - 1 <= 0.1",
-        substituted=f"{math.degrees(angle):.3g} deg and {math.degrees(error):.3g} deg: {100 * off:.3g} % of "
-        f"{show(wedge(r).lift_per_turn, 'm')} a turn",
-        proposal=f"an angularity of {show(0.1 * slope * length, 'm')} or closer",
-        changes=change("drawing.wedge_angularity", 0.1 * slope * math.cos(angle) ** 2 * length, "m", up=False),
-    )
+wedge_angle = stated(
+    "lift of the wedge by its angle's tolerance",
+    "tan(atan(height_pin_1.slope) + drawing.wedge_angularity/height_pin_1.length*1 rad)/height_pin_1.slope - 1 <= 0.1",
+    (
+        "drawing.wedge_angularity",
+        "0.1*height_pin_1.slope*cos(atan(height_pin_1.slope))^2*height_pin_1.length",
+        False,
+    ),
+    source="face turned within the zone of its angularity over its length; a tenth as rule of thumb",
+    proposal="an angularity of {0.1*height_pin_1.slope*height_pin_1.length} or closer",
+)
 
 
 def wedge_contact(r: DesignInputs) -> Check:

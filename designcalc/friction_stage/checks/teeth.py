@@ -9,8 +9,8 @@ from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.drive.magnetic_teeth import teeth_field
-from designcalc.friction_stage.physics.pads import pads_stiffness
 from designcalc.friction_stage.physics.teeth import CIRCUITS, MagnetCircuit, attraction, circuit, magnets, tooth_field
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 _MAGNETS = "finite elements in the cross-section of magnet, irons and bar, leakage included; virtual work"
@@ -59,16 +59,13 @@ def lateral(r: DesignInputs) -> Check:
     )
 
 
-def preload(r: DesignInputs) -> Check:
-    pull, wanted = attraction(r), r("preload.force")
-    return Check(
-        "attraction of the magnets as preload",
-        at_least(pull, wanted, "N"),
-        source=_MAGNETS,
-        formula="F = -u^T (dP/de) u/2 of both pockets",
-        substituted=f"gap flux density {show(magnets(r).gap_flux_density, 'T')}, two pockets pull {show(pull, 'N')}",
-        proposal="a smaller gap, a longer iron, or a stronger magnet",
-    )
+preload = stated(
+    "attraction of the magnets as preload",
+    "load.magnets >= preload.force",
+    source=_MAGNETS + ": F = -u^T (dP/de) u/2 of both pockets",
+    proposal="a smaller gap, a longer iron, or a stronger magnet",
+    note="gap flux density {flux.gap}",
+)
 
 
 def preload_share(r: DesignInputs) -> Check:
@@ -103,26 +100,17 @@ def gap_for(one: MagnetCircuit, pull: float) -> float | None:
     return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-2).root))
 
 
-def saturation(r: DesignInputs) -> Check:
-    point = magnets(r)
-    return Check(
-        "flux density in the teeth",
-        at_most(point.tooth_flux_density, 0.8 * r("teeth.saturation"), "T"),
-        source=_MAGNETS + "; all flux of a pitch gathered in its tooth",
-        formula="B p/l <= 0.8 B_sat",
-        substituted=f"{show(point.gap_flux_density, 'T')} x {r('teeth.pitch') / r('teeth.width'):.3g}",
-        proposal="wider teeth, or a thinner magnet",
-    )
+saturation = stated(
+    "flux density in the teeth",
+    "flux.gap*teeth.pitch/teeth.width <= 0.8*teeth.saturation",
+    source=_MAGNETS + "; all flux of a pitch gathered in its tooth",
+    proposal="wider teeth, or a thinner magnet",
+)
 
 
-def against_pads(r: DesignInputs) -> Check:
-    soft = CIRCUITS * magnets(r).normal_stiffness
-    stiffness = pads_stiffness(r).normal
-    return Check(
-        "negative stiffness of the teeth against the pads'",
-        at_most(soft, 0.1 * stiffness, "N/m"),
-        source=_MAGNETS + "; pads as crowned contacts",
-        formula="K_z <= K_pads/10",
-        substituted=f"{show(soft, 'N/m')} against {show(stiffness, 'N/m')}",
-        proposal="a wider gap",
-    )
+against_pads = stated(
+    "negative stiffness of the teeth against the pads'",
+    "stiffness.teeth <= stiffness.pads/10",
+    source=_MAGNETS + "; pads as crowned contacts",
+    proposal="a wider gap",
+)

@@ -7,7 +7,7 @@ from PIL import Image
 
 from designcalc.checks.run import run_checks
 from designcalc.optimisation import requirement_levels as module
-from designcalc.optimisation.requirement_levels import Levels, Price, Together, requirement_levels
+from designcalc.optimisation.requirement_levels import Levels, LevelStudy, Price, Together
 from designcalc.optimisation.space import read_range
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import load_design, variations_of
@@ -28,7 +28,7 @@ def test_levels_by_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "FRONTS", ())
     design = load_design()
     free = [read_range("preload.ratio", "0.1:1", ":", design, "--free")]
-    found = requirement_levels(lambda more: variations_of(read_parameter_file(), more), free, None, 20)
+    found = LevelStudy(lambda more: variations_of(read_parameter_file(), more), free, None, 20).levels()
     checks = {check.name: check for check in run_checks(design)}
     product = checks[PRODUCT]
     assert product.limit is not None and product.value is not None
