@@ -15,8 +15,8 @@ Quantities = Mapping[str, tuple[Callable[[DesignInputs], float], str]]
 """Calculated numbers that formulas may name as they name parameters: SI value and unit."""
 
 _SYMBOL = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+")
-_SHOWN = ("", *"m m/s m/s^2 m^2 m^2/N N Pa N/m N*m kg Hz W A T K 1/K rad".split())
-_UNITS = {unit_dimension(unit): unit for unit in _SHOWN}
+_SHOWN = ("", "m", "m/s", "m/s^2", "m^2", "m^2/N", "N", "Pa", "N/m", "N*m", "kg", "Hz", "W", "A", "T", "K", "1/K")
+_UNITS = {unit_dimension(unit): unit for unit in (*_SHOWN, "rad")}
 """Unit in which a result is shown, by its dimension."""
 
 
