@@ -13,12 +13,15 @@ from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.friction_stage.checks import contact
+from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import rail
+from designcalc.friction_stage.physics.position_loop import dynamic_budget, suspension
 from designcalc.friction_stage.physics.stage_plate import give_at_tip
 from designcalc.friction_stage.physics.teeth import attraction
-from designcalc.friction_stage.physics.tip_dynamics import bent_stack
+from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from tests.reference.tables import cases
 
 BODY = MassProperties(
     7.1e-4,
@@ -110,3 +113,30 @@ def test_data_of_the_materials_are_those_of_their_kind():
     # Pressure, pressure times speed and wear are all those of unfilled PTFE.
     assert 1e-13 <= r("bearing.wear_rate") <= r("bearing.run_in_wear_rate") <= 1e-12
     assert r("bearing.allowable_pressure") <= 7e6 and r("bearing.allowable_pv") <= 0.07e6
+
+
+@pytest.mark.parametrize("name, value, error", cases("separate_numbers", "check"))
+def test_values_of_the_checks_by_separate_programs(packaged, name, value, error):
+    assert packaged[name] == pytest.approx(value, rel=error)
+
+
+@pytest.mark.parametrize("name, limit, error", cases("separate_numbers", "limit"))
+def test_limits_of_the_checks_by_separate_programs(name, limit, error):
+    r = inputs()
+    found = next(c for c in run_checks(r.design, r.masses, ("tip on stage", "bearing ways")) if c.name == name)
+    assert found.limit == pytest.approx(limit, rel=error)
+
+
+@pytest.mark.parametrize("sensor, name, rms, error", cases("separate_numbers", "disturbance"))
+def test_disturbances_at_the_payload_by_a_separate_program(sensor, name, rms, error):
+    r = inputs()
+    budget = dynamic_budget(r, sensor)
+    row = next(one for one in budget.rows if one.name == name)
+    assert budget.rms(row, 1 / r("loop.observation")) == pytest.approx(rms, rel=error)
+
+
+def test_suspension_and_tangential_stiffness_by_a_separate_program():
+    r = inputs()
+    held, contact = suspension(r), contact_stiffness(r, load(r))
+    assert (held.resonance, held.gain) == (pytest.approx(467.8, rel=1e-3), pytest.approx(0.01837, rel=2e-3))
+    assert contact.tangential == pytest.approx(21.608e6, rel=1e-3)
