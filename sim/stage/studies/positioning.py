@@ -144,74 +144,80 @@ def _sensor(name: str, machine: StageMachine, period: float) -> Any:
     return {"interferometer": Interferometer, "lvdt": Lvdt}[name](machine.sensors, period)
 
 
-def move_to(drive: TipDrive, loop: Loop, held: HeldStage | None = None) -> Positioning:
-    """Half a millimetre from rest; `held`: response of the held stage, measured when left out."""
-    machine, actuation = drive.machine, Actuation(drive, STEP)
-    period = actuation.steps * STEP
-    rest = over_drive_surface(machine, 0.0, COARSE_HEIGHT * actuation.path.normal)
-    pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
-    lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
-    held = held or held_stage(drive)
-    reach = held.gain * LEAN_HIGHEST
-    simulation = StageSimulation(machine, rest, STEP)
-    disturbances = Disturbances(machine.surroundings, machine.piezo, period, STEP)
-    coarse, fine = _sensor(loop.coarse, machine, period), _sensor(loop.fine, machine, period)
-    controller = FineController(held, fine.share, loop.notched)
-    before, smooth, aim = 0.0, 0.0, TARGET
+class _Move:
+    """A move in progress: machine, sensors, disturbances, and where the coarse run is to stop."""
 
-    def read(sensor: Any) -> float:
-        true = simulation.travel + float(disturbances.floor(np.array([simulation.time]))[0])
-        return sensor.read(true + (disturbances.air() if isinstance(sensor, Interferometer) else 0.0))
+    def __init__(self, drive: TipDrive, loop: Loop, held: HeldStage) -> None:
+        machine, self.actuation, self.loop, self.period = drive.machine, Actuation(drive, STEP), loop, held.period
+        rest = over_drive_surface(machine, 0.0, COARSE_HEIGHT * self.actuation.path.normal)
+        pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
+        self.lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
+        self.reach = held.gain * LEAN_HIGHEST
+        self.simulation = StageSimulation(machine, rest, STEP)
+        self.disturbances = Disturbances(machine.surroundings, machine.piezo, held.period, STEP)
+        self.coarse, self.fine = (_sensor(name, machine, held.period) for name in (loop.coarse, loop.fine))
+        self.before, self.speed, self.aim = 0.0, 0.0, TARGET
 
-    def advance(*command: float) -> None:
-        simulation.advance(disturbances.disturbed(actuation.commands(*command)), actuation.steps)
+    def read(self, sensor: Any) -> float:
+        true = self.simulation.travel + float(self.disturbances.floor(np.array([self.simulation.time]))[0])
+        return sensor.read(true + (self.disturbances.air() if isinstance(sensor, Interferometer) else 0.0))
 
-    def coarse_output() -> tuple[float, float]:
+    def advance(self, *command: float) -> None:
+        self.simulation.advance(self.disturbances.disturbed(self.actuation.commands(*command)), self.actuation.steps)
+
+    def coarse_output(self) -> tuple[float, float]:
         """Distance left, m, and amplitude along the travel, -1 to 1."""
-        nonlocal before, smooth
-        seen = read(coarse)
+        seen = self.read(self.coarse)
         # The rounded position's difference is smoothed over some ten periods.
-        smooth += 0.2 * ((seen - before) / period - smooth)
-        before, left = seen, aim - seen
+        self.speed += 0.2 * ((seen - self.before) / self.period - self.speed)
+        self.before, left = seen, self.aim - seen
         desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
-        return left, min(max((desired - smooth) / SPEED_SCALE, -1.0), 1.0)
+        return left, min(max((desired - self.speed) / SPEED_SCALE, -1.0), 1.0)
 
-    def run_to_aim() -> float | None:
+    def run_to_aim(self) -> float | None:
         """Coarse run; the time at which the stage is within reach of the fine loop and stops, s."""
-        end = simulation.time + COARSE_LONGEST
-        while simulation.time < end:
-            left, output = coarse_output()
-            if abs(left) < max(HAND_OVER * reach, coarse.count) and abs(smooth) < STOPPED:
-                return simulation.time
-            advance(output, 1.0, 0.0, 0.0)
+        end = self.simulation.time + COARSE_LONGEST
+        while self.simulation.time < end:
+            left, output = self.coarse_output()
+            if abs(left) < max(HAND_OVER * self.reach, self.coarse.count) and abs(self.speed) < STOPPED:
+                return self.simulation.time
+            self.advance(output, 1.0, 0.0, 0.0)
         return None
 
-    def press(falls: bool = False) -> float:
+    def press(self, falls: bool = False) -> float:
         """Press the tip on the stage, or set it back to the height of the coarse run; the mean error left, m."""
-        start, seen = simulation.time, []
-        while simulation.time < start + PRESS_TIME + STILL_TIME:
-            part = min((simulation.time - start) / PRESS_TIME, 1.0)
+        start, seen = self.simulation.time, []
+        while self.simulation.time < start + PRESS_TIME + STILL_TIME:
+            part = min((self.simulation.time - start) / PRESS_TIME, 1.0)
             share = 1.0 - part if falls else part
-            output = coarse_output()[1] if loop.controlled and part < 1.0 else 0.0
-            seen.append(read(fine) - TARGET)
-            advance(output, 1.0 - share, share * lift, 0.0)
+            output = self.coarse_output()[1] if self.loop.controlled and part < 1.0 else 0.0
+            seen.append(self.read(self.fine) - TARGET)
+            self.advance(output, 1.0 - share, share * self.lift, 0.0)
         # The stage still vibrates, about its new place.
-        return float(np.mean(seen[-round(0.5 * STILL_TIME / period) :]))
+        return float(np.mean(seen[-round(0.5 * STILL_TIME / self.period) :]))
 
-    taken_over = None
+    def settle(self, controller: FineController) -> None:
+        """Fine settling; the controller makes up for what sway and pads leave of a motion of the tip."""
+        end = self.simulation.time + FINE_TIME
+        while self.simulation.time < end:
+            self.advance(0.0, 0.0, self.lift, controller.lean(TARGET - self.read(self.fine)))
+
+
+def move_to(drive: TipDrive, loop: Loop, held: HeldStage | None = None) -> Positioning:
+    """Half a millimetre from rest; `held`: response of the held stage, measured when left out."""
+    held = held or held_stage(drive)
+    move, taken_over = _Move(drive, loop, held), None
     for attempt in range(ATTEMPTS):
-        taken_over = run_to_aim()
-        missed = press()
-        if taken_over is None or abs(missed) < WITHIN_REACH * reach or attempt + 1 == ATTEMPTS:
+        taken_over = move.run_to_aim()
+        missed = move.press()
+        if taken_over is None or abs(missed) < WITHIN_REACH * move.reach or attempt + 1 == ATTEMPTS:
             break
-        aim -= missed
-        press(falls=True)
-    end = simulation.time + FINE_TIME
-    while simulation.time < end:
-        # The controller makes up for what sway and pads leave of a motion of the tip.
-        advance(0.0, 0.0, lift, controller.lean(TARGET - read(fine)))
-    run = simulation.record()
-    return Positioning(run, TARGET, taken_over, disturbances.floor(run.time), controller.rate)
+        move.aim -= missed
+        move.press(falls=True)
+    controller = FineController(held, move.fine.share, loop.notched)
+    move.settle(controller)
+    run = move.simulation.record()
+    return Positioning(run, TARGET, taken_over, move.disturbances.floor(run.time), controller.rate)
 
 
 def positioning_study(drive: TipDrive, run_all: RunAll) -> PositioningStudy:
