@@ -32,27 +32,16 @@ def _columns(file: Path, **settings) -> list[np.ndarray]:
 
 
 SPELLINGS = {
-    "U+2212": lambda x: f"{x:.4f}".replace("-", "−"),
-    "en dash": lambda x: f"{x:.4f}".replace("-", "–"),
-    "Fortran": lambda x: f"{x:.6e}".replace("e", "D"),
-    "small Fortran": lambda x: f"{x:.6e}".replace("e", "d"),
     "plus": lambda x: f"{x:+.4f}",
-    "quoted": lambda x: f'"{x:.4f}"',
     "unit behind": lambda x: f"{x:.4f} mm",
     "unit without a blank": lambda x: f"{x:.4f}mm",
-    "comma": lambda x: f"{x:.4f}".replace(".", ","),
-    "comma and U+2212": lambda x: f"{x:.4f}".replace(".", ",").replace("-", "−"),
 }
+"""What `test_dialect_combinations.py` does not combine: signs, exponents, decimal commas, clocks are there."""
 
 
 @pytest.mark.parametrize("name", SPELLINGS)
 def test_spellings_of_a_number(tmp_path: Path, name: str) -> None:
-    spell = SPELLINGS[name]
-    comma = name.startswith("comma")
-    rows = [
-        ";".join((f"{t:.2f}".replace(".", ",") if comma else f"{t:.2f}", spell(x), spell(f) if comma else f"{f:.4f}"))
-        for t, x, f in zip(TIME, POSITION, FORCE)
-    ]
+    rows = [f"{t:.2f};{SPELLINGS[name](x)};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
     time, position, force = _columns(_write(tmp_path, rows))
     np.testing.assert_allclose(time, TIME, atol=1e-9)
     np.testing.assert_allclose(position, POSITION, atol=1e-4)
@@ -93,25 +82,6 @@ def test_what_is_no_number() -> None:
     assert NumberForm().value("1D-02") == 0.01
 
 
-CLOCKS = {
-    "%I:%M:%S.%f %p": "12-hour clock",
-    "%H:%M:%S.%f": "24-hour clock",
-    "%d.%m.%Y %H:%M:%S.%f": "day.month.year",
-    "%Y-%m-%d %H:%M:%S.%f": "ISO 8601",
-}
-
-
-@pytest.mark.parametrize("form", CLOCKS)
-def test_times(tmp_path: Path, form: str) -> None:
-    start = datetime(2024, 7, 30, 11, 59, 59, 900_000)
-    rows = [
-        f"{(start + timedelta(seconds=float(t))).strftime(form)};{x:.4f};{f:.4f}"
-        for t, x, f in zip(TIME, POSITION, FORCE)
-    ]
-    time, _, _ = _columns(_write(tmp_path, rows, "time;position [mm];friction_force [N]"))
-    np.testing.assert_allclose(time, TIME, atol=1e-6)
-
-
 MIDNIGHT = datetime(2024, 7, 30, 23, 59, 59, 800_000)
 DATED = {
     "US": "%m/%d/%Y %I:%M:%S.%f %p",
@@ -147,14 +117,6 @@ def test_a_date_of_which_the_day_is_not_known_is_asked_for(tmp_path: Path) -> No
     two_days = [*one_day, "08/08/2024 10:00:03"]
     with pytest.raises(InputError, match="which of the numbers is the day"):
         _columns(_write(tmp_path, [f"{stamp};{k};{k}" for k, stamp in enumerate(two_days)]))
-
-
-def test_minutes_and_seconds(tmp_path: Path) -> None:
-    rows = [
-        f"{int((59.9 + t) // 60)}:{(59.9 + t) % 60:06.3f};{x:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)
-    ]
-    time, _, _ = _columns(_write(tmp_path, rows, "elapsed;position [mm];friction_force [N]"))
-    np.testing.assert_allclose(time, TIME, atol=1e-9)
 
 
 def _plain() -> list[str]:
