@@ -32,8 +32,10 @@ def uniform(record: Record) -> UniformGrid:
     # Time stamps of a date (1.7e9 s) are rounded to 2.4e-7 s: neither the step nor its jitter may depend on that.
     rounding = 2.0 * float(np.spacing(np.max(np.abs(record.time))))
     if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step + rounding:
-        step = float(time[-1]) / (time.size - 1)
-        grid = step * np.arange(time.size)
+        rows = np.arange(time.size)
+        # The slope over all rows: the rounding of the two ends would change the step of a record of seconds by 1e-7.
+        step = float(np.polyfit(rows, time, 1)[0])
+        grid = step * rows
         return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
     count = int(np.floor(time[-1] / step)) + 1
     if count > max(MOST_SAMPLES, MOST_PER_ROW * time.size):

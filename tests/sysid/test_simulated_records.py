@@ -105,11 +105,7 @@ DRIVEN_PRESLIDING = frozenset(("presliding", "presliding:maxwell_slip", "maxwell
 """Those under a known force: the noise along the motion covers the smooth laws; these have corners."""
 
 BENCHES = {
-    # Known defect: a rest keeps the direction of the last motion, which moves the force of an aged contact.
-    "velocity-drive": Bench(
-        *("velocity-drive", "", FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),
-        beyond=frozenset(("dwell_strengthening",)),
-    ),
+    "velocity-drive": Bench("velocity-drive", "", FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),
     "spring-pull": Bench(
         *("spring-pull", SPRING, FRICTION, _pulled, PULL_NOISE, 12000, 1e-3, 1, 2),
         beyond=PRESLIDING | {"sensor_lag", "sensor_delay", "sensor_nonlinearity", "sensor_drift:power"},

@@ -139,8 +139,9 @@ RESTS_FOR = 10
 """Rows, or widths of the filter, after or before which a body that has moved by less than that distance is at rest."""
 
 
-def known_direction(position: np.ndarray, std: float, width: float) -> np.ndarray:
-    """Direction (n,) of a motion from a noisy position (n,), filtered by `width` rows: 1, -1, or 0 where not known.
+def known_direction(position: np.ndarray, std: float, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Direction (n,) of a motion from a noisy position (n,), filtered by `width` rows: 1, -1, or 0 where not known; and
+    the row (n,) of the last motion, which is the row itself but at rest.
 
     A direction holds from where the body has left the last turning point by `LEFT_BY` standard deviations `std` up to
     half of that distance before the next one. A body that rests has that of its last motion, whose friction remains, up
@@ -157,13 +158,13 @@ def known_direction(position: np.ndarray, std: float, width: float) -> np.ndarra
     after, before = np.abs(padded[2 * reach :] - position), np.abs(position - padded[: -2 * reach])
     beside = (padded[2:] - padded[:-2])[reach - 1 : reach - 1 + position.size]
     rests = (np.abs(beside) < band) & ((after < band) | (before < band))
-    found = np.where(known & ~rests, sign, 0.0)
+    found, rows = np.where(known & ~rests, sign, 0.0), np.arange(position.size)
     for start, stop in runs(found == 0.0):
         means = [float(np.mean(part)) for part in np.array_split(position[start:stop], 4) if part.size]
         # On a slow turn the quarters of such a stretch differ by 3.7 standard deviations.
         if start > 0 and stop - start > 4 * reach and np.ptp(means) < std:
-            found[start : stop - reach if stop < position.size else stop] = found[start - 1]
-    return found
+            rows[start : stop - reach if stop < position.size else stop] = start - 1
+    return found[rows], rows
 
 
 @compiled

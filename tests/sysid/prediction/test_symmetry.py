@@ -192,12 +192,9 @@ def test_another_origin_of_position_has_the_same_errors(rig: str) -> None:
 def test_another_origin_of_time_has_the_same_errors(rig: str, start: float) -> None:
     experiment, records, problem = _problem(rig, 23)
     late = build_problem(experiment, [replace(record, time=record.time + start) for record in records])
-    # A time of 1.55e9 s is rounded to 2.4e-7 s, and the step of a record of some seconds with it: forces change by 1e-6
-    # of their size. That is 1e-4 of their noise, which is taken from the change of a prediction by noise of the motion.
-    within = 1e-5 if abs(start) < 1e9 else 1e-4
     for effect in _effects(problem):
         model = _model(problem, effect)
-        _assert_same(problem, model, late, model, within)
+        _assert_same(problem, model, late, model, 1e-5)
 
 
 def _size(unit: str, channel: float) -> float:
