@@ -19,8 +19,8 @@ from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
 from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import FittedModel, fit_model
-from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reference_fit
+from sysid.estimation.misfit import ChannelMisfit, misfit
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, fit_with_observer, reference_fit
 from sysid.estimation.variant_selection import (
     predicts_clearly_better,
     reselectable_effects,
@@ -96,12 +96,9 @@ def add_effects(
 ) -> Addition:
     """Add effects to the model of an experiment, fit it, and write the next revision and `experiment.toml`.
 
-    Nothing is written for an experiment in memory.
-
-    An effect named without variant or channel gets the variant and the channel that fit best. The variant of its own
-    name is preferred unless another fits clearly better, or fits as well and predicts the held-out records clearly
-    better. Variants of effects that the experiment names without one are selected again. A friction state model
-    replaces the previous one.
+    Nothing is written for an experiment in memory. An effect named without variant or channel gets those that fit best:
+    the variant of its own name, unless another fits clearly better, or predicts the held-out records clearly better.
+    A friction state model replaces the previous one.
 
     Args:
         source: folder of the experiment, its `experiment.toml`, or a problem already built.
@@ -118,24 +115,20 @@ def add_effects(
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)
-    experiment = problem.experiment
-    before_fit = misfit(base.fitted.model, problem.fit_records)
-    before_validate = misfit(base.fitted.model, problem.validate_records)
-    base_document = _revision_document(problem, base.fitted, before_fit, before_validate)
-    extended, fitted = problem, base.fitted
-    for name in drop:
-        extended, fitted = _without_effect(extended, fitted, name)
-    for name in effects:
-        extended, fitted = _with_effect(extended, fitted, name)
+    experiment, free = problem.experiment, reselectable_effects(problem, effects)
+    extended, fitted = _extended(problem, base.fitted, effects, drop)
     # A variant selected while an effect was missing may be the wrong one now.
-    free = reselectable_effects(problem, effects)
     fitted, _ = select_variants(extended, fitted, free, partial(predicts_clearly_better, extended))
     if near is not None:
         known = {key: value for key, value in near.values.items() if key in fitted.model.values}
         other = fit_model(fitted.model.at(known), extended.fit_records, fitted.weights, iterations=40)
         fitted = other if other.fit.cost < fitted.fit.cost else fitted
-    after_fit = misfit(fitted.model, extended.fit_records)
-    after_validate = misfit(fitted.model, extended.validate_records)
+    extended, reached = fit_with_observer(extended, reference_fit(extended, fitted))
+    problem, base = fit_with_observer(problem, base)
+    fitted = reached.fitted
+    before_fit, before_validate = _misfits(problem, base.fitted)
+    after_fit, after_validate = _misfits(extended, fitted)
+    base_document = _revision_document(problem, base.fitted, before_fit, before_validate)
     document = {**_revision_document(extended, fitted, after_fit, after_validate), "open_laws": list(free)}
     names = [e.name for e in fitted.model.effects] + _quantised(extended, fitted)
     names = [name for name in names if name in effects or not {name, public_name(name)} & set(drop)]
@@ -154,12 +147,10 @@ def add_effects(
         grown = with_revision(experiment, names, starts, document, base_document, known, design)
         assert grown.revisions
         revision = grown.revisions[-1]
-    weights = residual_weights(fitted.model, extended.validate_records)
-    residual = weighted_residual(fitted.model, extended.validate_records, weights)
     return Addition(
         revision=revision,
         problem=extended,
-        base=ReferenceFit(fitted, weights, residual),
+        base=reached,
         before_fit=before_fit,
         before_validate=before_validate,
         after_fit=after_fit,
@@ -168,6 +159,22 @@ def add_effects(
         seconds=perf_counter() - began,
         experiment=grown,
     )
+
+
+def _extended(
+    problem: Problem, fitted: FittedModel, effects: Sequence[str], drop: Sequence[str]
+) -> tuple[Problem, FittedModel]:
+    """The problem and the fitted model without and with some effects."""
+    for name in drop:
+        problem, fitted = _without_effect(problem, fitted, name)
+    for name in effects:
+        problem, fitted = _with_effect(problem, fitted, name)
+    return problem, fitted
+
+
+def _misfits(problem: Problem, fitted: FittedModel) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:
+    """Misfit by channel on the records of the fit and the held-out ones."""
+    return misfit(fitted.model, problem.fit_records), misfit(fitted.model, problem.validate_records)
 
 
 def _quantised(problem: Problem, fitted: FittedModel) -> list[str]:

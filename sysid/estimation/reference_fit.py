@@ -14,13 +14,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.effects.effect import Effect
+from sim.integration.simulate import SimulationError
+from stagecad.parameters.errors import InputError
 from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import AT_THE_NOISE, lower_of, lowest_bristle_fit
-from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
+from sysid.estimation.misfit import ResidualWeights, misfit, residual_weights, weighted_residual
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
 from sysid.estimation.variant_selection import select_variants
+from sysid.prediction.force_balance.predict import unfiltered_force
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.state_observer import can_be_observed, observed
 from sysid.prediction.model import Model, Scales
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
@@ -72,6 +77,48 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
         start = _start_from_screening(best.model, records, scales)
         best = best if start is None else lower_of(best, fit_model(start, records), records)
     return best
+
+
+ROUNDS, PASSES = 3, 3
+"""Fits along the motion of a state observer, each along that of the fit before, and passes of its velocity."""
+
+
+def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
+    """Problem and fit along the motion of a state observer, where a driven mass is above the noise along its measured
+    motion, and not, or less, along the observer's; otherwise those given."""
+    model = base.fitted.model
+    records = (*problem.fit_records, *problem.validate_records)
+    before = _over_all_noise(model, problem.fit_records)
+    driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
+    if not driven or before <= AT_THE_NOISE or not can_be_observed(model.effects):
+        return problem, base
+    try:
+        for _ in range(ROUNDS):
+            problem_there = replace(
+                problem,
+                fit_records=tuple(_observed(one, model) for one in problem.fit_records),
+                validate_records=tuple(_observed(one, model) for one in problem.validate_records),
+            )
+            fitted = fit_model(model, problem_there.fit_records)
+            model = fitted.model
+            if fitted.fit.iterations <= 1:
+                break
+    except (InputError, SimulationError):
+        return problem, base
+    better = _over_all_noise(model, problem_there.fit_records) < before
+    return (problem_there, reference_fit(problem_there, fitted, laws=base.laws)) if better else (problem, base)
+
+
+def _over_all_noise(model: Model, records: Sequence[PreparedRecord]) -> float:
+    """Largest error of a channel over its noise, and over that of its sensor, which no model changes."""
+    return max(max(one.over_noise, one.over_sensor_noise or 0.0) for one in misfit(model, records).values())
+
+
+def _observed(record: PreparedRecord, model: Model) -> ForceBalanceRecord:
+    assert isinstance(record, ForceBalanceRecord)
+    first = 0.0 if record.observer else float(unfiltered_force(record, model.effects, model.values)[0])
+    found = observed(record, model.effects, model.values, first, PASSES)
+    return replace(found, redrawn=None if record.redrawn is None else _observed(record.redrawn, model))
 
 
 def _start_from_screening(model: Model, records: Sequence[PreparedRecord], scales: Scales) -> Model | None:

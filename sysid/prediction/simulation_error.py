@@ -25,6 +25,7 @@ from sysid.prediction.effect_terms import Values, axis_force, friction_axis, fri
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.simulate import simulate_driven_mass
+from sysid.prediction.force_balance.state_observer import state_of_force
 from sysid.prediction.model import Model, predict
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, averaged
@@ -213,16 +214,8 @@ def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], val
     def at(row: int) -> Start:
         bristle = None if springs is None else springs[:, row]
         if core is not None and springs is None:
-            bristle = _state_of_force(core, values, float(force[row]), float(velocity[row]), float(level[row]))
+            bristle = state_of_force(core, values, float(force[row]), float(velocity[row]), float(level[row]))
         age, gone = float(axis.contact_age[row]), float(axis.travelled[row])
         return Start(float(position[row]), float(velocity[row]), bristle, gone, age)
 
     return at
-
-
-def _state_of_force(core: Effect, values: Values, force: float, velocity: float, level: float) -> np.ndarray:
-    """State (1,) of a friction state model of one element, whose force (N) is linear in it."""
-    p = values_of(core, values)
-    unit, side = core.friction_state.scale(p), 1.0 if velocity >= 0.0 else -1.0
-    none, one = (core.friction_state.law(0, z, velocity, side, level, p)[1] for z in (0.0, unit))
-    return np.array([unit * (force - none) / (one - none) if one != none else 0.0])

@@ -26,6 +26,7 @@ from sysid.prediction.effect_terms import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
+from sysid.prediction.force_balance.state_observer import observed_friction
 from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     Onsets,
@@ -110,6 +111,8 @@ def _friction(
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Force against the motion (n,) for the filter `complementary_filter`, and the event-resolved part of it for the
     filter `full_filter`, N."""
+    if balance.observer is not None:
+        return np.zeros(balance.size), observed_friction(balance, effects, values)
     level, forces = terms.level, terms.forces
     axis, _ = friction_axis(balance, effects, values)
     core = next((e for e in effects if e.friction_state is not None), None)

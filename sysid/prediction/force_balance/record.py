@@ -48,6 +48,16 @@ class VelocityAgreement(NamedTuple):
     late: float
 
 
+@dataclass(frozen=True, eq=False)
+class StateObserver:
+    """Bandwidth, rad/s; velocity v_m (n,), m/s; and friction at the first row, N
+    (`sysid.prediction.force_balance.state_observer`)."""
+
+    bandwidth: float
+    velocity: np.ndarray
+    friction: float
+
+
 @dataclass(eq=False, kw_only=True)
 class ForceBalanceRecord(PreparedRecord):
     """One record as a force balance.
@@ -66,7 +76,7 @@ class ForceBalanceRecord(PreparedRecord):
     contradiction between a logged velocity and the position.
     `half_width_variant` makes the axis from a motion filtered half as much, and the rest of the filter: the
     difference is the error by filtering. `raw_position` is the logged position, gaps bridged where anything was
-    `interpolated`.
+    `interpolated`. With an `observer` friction follows from the motion of the model, held to the measured position.
     """
 
     axis: Axis
@@ -91,6 +101,7 @@ class ForceBalanceRecord(PreparedRecord):
     half_width_variant: Callable[[], tuple[Axis, GaussianFilter]] | None = None
     raw_position: np.ndarray | None = None
     interpolated: np.ndarray | None = None
+    observer: StateObserver | None = None
 
     @property
     def size(self) -> int:

@@ -1,0 +1,134 @@
+"""Friction of a driven mass along the motion of a state observer.
+
+A filter wide enough for the noise of a position blurs the motion more than bristles stretch. A state observer needs no
+filter of the motion: the model itself is integrated under the measured force, held to the measured position x_m,
+
+    m v' = F - f(x, v, z) + m w^2 (x_m - x) + sqrt(2) m w (v_m - v),   x' = v
+
+with the bandwidth w = sqrt(s_F / (m s_x)) of the steady Kalman filter of a mass with noise s_F of its force and s_x of
+its position, and its damping. v_m is the velocity of the integrated motion, corrected by the derivative of the smoothed
+x_m - x: it contains no blur of the model's own motion. The friction f is compared with the measured force as that
+along a filtered motion is.
+
+Source: Ljung, System Identification (1999), sections 4.3 and 7.5 (prediction with an observer); Kalata, IEEE Trans.
+Aerosp. Electron. Syst. 20 (1984) 174 (steady gains of position and velocity).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim.effects.catalogue import Model as SimulatedModel
+from sim.effects.catalogue import find
+from sim.effects.effect import Effect
+from sim.integration.drive import Drive
+from sysid.prediction.effect_terms import Values, values_of
+from sysid.prediction.force_balance.record import ForceBalanceRecord, StateObserver
+
+HIGHEST = 0.3
+"""Largest bandwidth times the sampling step: a force is linear from row to row."""
+
+SMOOTHING = 3.0
+"""Bandwidth of the smoothed x_m - x over that of the observer: a mass that oscillates on its bristles is faster."""
+
+TOLERANCE = 1e-5
+"""Relative error of a step of the integration."""
+
+MOST_STEPS = 100
+"""Attempted steps per row, on average, after which an integration is given up."""
+
+
+def can_be_observed(effects: Sequence[Effect]) -> bool:
+    """Whether all effects act on the mass itself: the force that holds it to the measured position passes no drive."""
+    return bool(effects) and all(effect.acts_on in ("friction", "axis", "memory") for effect in effects)
+
+
+def observed(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, friction: float, passes: int
+) -> ForceBalanceRecord:
+    """The record with the state observer of a model, of this `friction` (N) at first; v_m converges in some `passes`.
+
+    Raises:
+        InputError: an effect that cannot be integrated.
+        SimulationError: the integration failed.
+    """
+    observer, position = balance.observer, balance.raw_position
+    assert position is not None
+    if observer is None:
+        bandwidth = float(np.sqrt(balance.acceleration_noise / max(balance.position_noise, 1e-300)))
+        observer = StateObserver(min(bandwidth, HIGHEST / balance.step), balance.axis.velocity, friction)
+    found = replace(balance, observer=observer, stick_phases=None, half_width_variant=None)
+    for _ in range(passes):
+        x, v, _ = _integrated(found, effects, values)
+        late = smoothed(position - x, SMOOTHING * observer.bandwidth * balance.step)
+        observer = replace(observer, velocity=v + np.gradient(late, balance.step))
+        found = replace(found, observer=observer)
+    return found
+
+
+def observed_friction(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Force (n,) against the motion of a driven mass without its inertia, N, along the observer's motion."""
+    return _integrated(balance, effects, values)[2] if effects else np.zeros(balance.size)
+
+
+def _integrated(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position, velocity and friction of the observer, each (n,)."""
+    from sim.integration.simulate import simulate
+
+    observer, axis, mass = balance.observer, balance.axis, values["rig.mass"]
+    assert observer is not None and balance.applied is not None and balance.raw_position is not None
+    stiffness, damping = mass * observer.bandwidth**2, np.sqrt(2.0) * mass * observer.bandwidth
+    force = balance.applied + stiffness * balance.raw_position + damping * observer.velocity
+    rates = np.append(np.diff(force) / np.diff(axis.time), 0.0)
+    damper, core = find("viscous"), next((effect for effect in effects if effect.friction_state is not None), None)
+    laws = [*(values_of(effect, values) for effect in effects), damper.values_type(damping)]
+    run = simulate(
+        SimulatedModel((*effects, damper), tuple(laws)),
+        Drive(axis.time, force, rates, stiffness=stiffness),
+        axis.time,
+        mass=mass,
+        position=float(balance.raw_position[0]),
+        velocity=float(observer.velocity[0]),
+        bristle=None
+        if core is None or core.friction_state.springs is not None
+        else _first_state(core, balance, values),
+        load=axis.load,
+        temperature=axis.temperature,
+        tolerance=TOLERANCE,
+        most_steps=MOST_STEPS * balance.size,
+    )
+    return run.position, run.velocity, run.friction - damping * run.velocity
+
+
+def _first_state(core: Effect, balance: ForceBalanceRecord, values: Values) -> np.ndarray | None:
+    observer = balance.observer
+    if core.friction_state.springs is not None or observer is None:
+        return None
+    level = abs(values.get(f"{core.name}.force", observer.friction))
+    force = min(max(observer.friction, -level), level)
+    return state_of_force(core, values, force, float(observer.velocity[0]), level)
+
+
+def state_of_force(core: Effect, values: Values, force: float, velocity: float, level: float) -> np.ndarray:
+    """State (1,) of a friction state model of one element, whose force (N) is linear in it."""
+    p = values_of(core, values)
+    unit, side = core.friction_state.scale(p), 1.0 if velocity >= 0.0 else -1.0
+    none, one = (core.friction_state.law(0, z, velocity, side, level, p)[1] for z in (0.0, unit))
+    return np.array([unit * (force - none) / (one - none) if one != none else 0.0])
+
+
+def smoothed(values: np.ndarray, cut_off: float) -> np.ndarray:
+    """Cubic smoothing spline of `values` (n,): response 1/(1 + (w/w_0)^4), at a cut-off w_0 in rad per row."""
+    from scipy.linalg import solveh_banded
+
+    n = values.size
+    bands = np.tile(np.array([[1.0], [-4.0], [6.0]]), n)
+    bands[2, [0, -1]], bands[2, [1, -2]], bands[1, [1, -1]] = 1.0, 5.0, -2.0
+    bands *= cut_off**-4.0
+    bands[2] += 1.0
+    return solveh_banded(bands, values)
