@@ -14,7 +14,7 @@ method does not assume linearity, and values may be near their bounds.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import pairwise
@@ -31,6 +31,7 @@ from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, system
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, weighted_residual
+from sysid.estimation.reference_fit import along_observer
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.questions import Prior, Unknown
 from sysid.experiment.record import Record
@@ -54,6 +55,7 @@ class Refit:
         values: best values by key.
         unknowns: of the fit.
         weights: of the fit.
+        observed: whether the fit is along the motion of a state observer.
         custom: source texts of the user's own effects by file name.
     """
 
@@ -63,6 +65,7 @@ class Refit:
     values: dict[str, float]
     unknowns: tuple[Unknown, ...]
     weights: ResidualWeights
+    observed: bool
     custom: tuple[tuple[str, str], ...]
 
 
@@ -86,6 +89,8 @@ def _prepared(refit: Refit) -> _Prepared:
         custom = load_all_custom(files)
     records = build_problem(refit.experiment, refit.records, refit.names, custom).fit_records
     model = Model(tuple(find(name, custom) for name in refit.names), refit.values, refit.unknowns).at({})
+    if refit.observed:
+        records = tuple(along_observer(record, model) for record in records)
     # A single step, to obtain the Jacobian at the best values.
     result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
     residual = weighted_residual(model, records, refit.weights)
@@ -114,6 +119,7 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
         values=dict(fitted.model.values),
         unknowns=fitted.model.unknowns,
         weights=fitted.weights,
+        observed=any(getattr(record, "observer", None) is not None for record in problem.fit_records),
         custom=tuple((path.name, _source(path)) for path in files),
     )
 
@@ -205,8 +211,4 @@ def bootstrap_of(refit: Refit, found: Sequence[tuple[float, ...] | None]) -> Boo
             "are not identifiable from these records (see the output of compare)"
         )
     keys = tuple(u.key for u in refit.unknowns)
-    return Bootstrap(keys, _ordered(refit.values, keys), np.array(converged), len(found))
-
-
-def _ordered(values: Mapping[str, float], keys: Sequence[str]) -> np.ndarray:
-    return np.array([values[key] for key in keys])
+    return Bootstrap(keys, np.array([refit.values[key] for key in keys]), np.array(converged), len(found))

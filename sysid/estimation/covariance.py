@@ -71,18 +71,9 @@ class Intervals:
 
 @dataclass(frozen=True)
 class _Information:
-    """Information matrix of the free values of a fit, each scaled by the length of its column.
-
-    Args:
-        free: which values are neither at a bound nor without influence, (p,).
-        size: lengths of the columns, (p,).
-        columns: of the free values, scaled to length one, (n, f).
-        inner: slope of Huber's influence: 1 within the corner, else 0, (n,).
-        vectors: eigenvectors (f, f).
-        identifiable: which of them are identifiable, (f,).
-        root: R with R R^T the inverse of the matrix on the identifiable directions, (f, r).
-        prior: contribution of the priors to the score: precision times their standard deviation, (f,).
-    """
+    """Information matrix of the free values (f of p) of a fit, each scaled by the length `size` of its column: columns
+    of length one (n, f), slope `inner` of Huber's influence (n,), eigenvectors, of which some are identifiable, R of
+    the inverse R R^T on these (f, r), and precision of the priors times their standard deviation (f,)."""
 
     free: np.ndarray
     size: np.ndarray
@@ -190,12 +181,9 @@ LEAST_SAMPLES = 3
 
 
 def _autoregressive(fitted: FittedModel, information: _Information) -> np.ndarray:
-    """Covariance (f, f) of the scaled free values for noise of unit variance with the autocorrelation of the residual.
-
-    The noise is the sum of white noise and an autoregression of coefficient c; the autocorrelations r1 and r2 of the
-    residual at lags of one and two samples of a channel give c = r2/r1, and the autoregression's part of the variance
-    r1/c.
-    """
+    """Covariance (f, f) of the scaled free values for noise of unit variance with the autocorrelation of the residual:
+    white noise plus an autoregression of coefficient c = r2/r1 and variance r1/c, from the lags of one and two
+    samples."""
     root, total, start = information.root, np.diag(information.prior**2), 0
     columns = information.columns * information.inner[:, None]
     for samples in fitted.weights.samples:

@@ -141,10 +141,8 @@ def _multistart(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: 
 
 
 def _other_stiffnesses(model: Model) -> list[Model]:
-    """The model with a softer, a stiffer, and the default contact; all forces are scaled by the same factor.
-
-    The motion determines ratios of force to stiffness well, but the stiffness itself only through inertia.
-    """
+    """The model with a softer, a stiffer, and the default contact, all forces scaled alike: the motion determines their
+    ratio well, but the stiffness itself only through inertia."""
     unknowns = {u.key: u for u in model.unknowns}
     if STIFFNESS not in unknowns:
         return []

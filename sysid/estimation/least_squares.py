@@ -141,12 +141,7 @@ def jacobian(
 
 @dataclass(frozen=True)
 class _Objective:
-    """Huber's loss of a residual at a fixed scale, plus the priors.
-
-    Args:
-        scale: of the residual; infinite for plain squares.
-        priors: of the values.
-    """
+    """Huber's loss of a residual at a fixed scale, infinite for plain squares, plus the priors."""
 
     scale: float
     priors: _Priors
@@ -199,14 +194,8 @@ class _Iterate:
 
 @dataclass(frozen=True)
 class _QuadraticModel:
-    """Quadratic (Gauss-Newton) model of the objective near a point, of the values that are free to move.
-
-    Args:
-        free: mask of the values that change, (p,).
-        norms: of all columns of the Jacobian, (p,).
-        normal: J^T w J of the scaled free values, (f, f).
-        right: its negative gradient, (f,).
-    """
+    """Gauss-Newton model of the objective near a point, of the values that are `free` to move (f of p): `norms` of all
+    columns (p,), J^T w J of the scaled free values (f, f), and its negative gradient (f,)."""
 
     free: np.ndarray
     norms: np.ndarray
@@ -225,11 +214,8 @@ class _QuadraticModel:
 
 
 def _quadratic_model(problem: _Problem, at: _Iterate, objective: _Objective) -> _QuadraticModel | None:
-    """The quadratic model at an iterate; None if no value is free to move.
-
-    A value at its bound with a descent direction out of the bound is fixed for the step, and zero columns are left out.
-    Either would stop the fit otherwise.
-    """
+    """The quadratic model at an iterate, None if no value is free: one at its bound with a descent direction out of it
+    is fixed, and zero columns are left out, since either would stop the fit."""
     precision = problem.priors.precision(objective.scale)
     weighted = objective.weights(at.residual)[:, None] * at.jacobian
     normal = at.jacobian.T @ weighted

@@ -115,11 +115,8 @@ def _change_without_effects(model: Model, record: PreparedRecord, redrawn: Prepa
 
 
 def _variance_of_change(change: np.ndarray, own: np.ndarray, record: PreparedRecord, channel: str) -> np.ndarray:
-    """Variance (n,) of a residual from its `change` (n,) by one draw of the noise.
-
-    The sample is finite: its error is shared by the change of the model without effects, `own` (n,), whose variance is
-    known. The ratio of the two is exact where the effects do not depend on the noise of the motion.
-    """
+    """Variance (n,) of a residual from its `change` (n,) by one draw of the noise, relative to that of the model
+    without effects, `own` (n,), whose variance is known: the sample is finite, and both share its error."""
     valid, known = record.valid[channel], record.scored[channel].noise ** 2
     usual, reference = (float(np.median(np.abs(part[valid]))) ** 2 for part in (change, own))
     ratio, level = 0.0, usual / NORMAL_MEDIAN**2

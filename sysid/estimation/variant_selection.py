@@ -46,11 +46,6 @@ def without_effect(model: Model, effect: str) -> Model:
     return _without(model, [e.name for e in model.effects if variant_group(e.name) == variant_group(effect)])
 
 
-def without_public_effect(model: Model, name: str) -> Model:
-    """The model without every effect of one public name, on any channel, and their parameters."""
-    return _without(model, [e.name for e in model.effects if public_name(e.name) == name])
-
-
 def _without(model: Model, removed: Sequence[str]) -> Model:
     keep = tuple(e for e in model.effects if e.name not in removed)
     prefixes = tuple(f"{name}." for name in removed)

@@ -258,9 +258,7 @@ def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None
 
 def _fit(measured: Sequence[_Spread], order: int, shares: np.ndarray) -> Autoregression | None:
     """The simplest noise that agrees with V up to the lag `ENOUGH`, over the longest range of lags; else any that does.
-
-    `shares` (lags, correlations) is V over the variance of each autoregression.
-    """
+    `shares` (lags, correlations) is V over the variance of each autoregression."""
     shorter = None
     for parts in (1, 2, 3):
         for size in range(len(measured), 2, -1):

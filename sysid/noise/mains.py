@@ -113,16 +113,9 @@ def hum_frequencies(series: Series) -> list[float]:
 
 
 class _Blocks(NamedTuple):
-    """Windowed values of blocks, each divided into runs without gaps in time.
-
-    Args:
-        count: of the blocks.
-        rows: of a block.
-        values: of the r runs, (n, r); the shorter ones end with zeros, and unknown values are zero.
-        time: of the values after the beginning of their run, (n, r), s; (n, 1) if it is the same in all.
-        start: of the runs after that of their block, (r,), s.
-        first: run with which each block begins, (count,).
-    """
+    """Windowed values of blocks, each divided into runs without gaps in time: number and rows of the blocks; values of
+    the r runs (n, r), zero where unknown or beyond the end; time after the begin of the run, s, (n, r), or (n, 1) if
+    the same in all; start of the runs in their block (r,), s; first run of each block (count,)."""
 
     count: int
     rows: int
@@ -168,10 +161,8 @@ def _gaps(time: np.ndarray, step: float) -> np.ndarray:
 
 
 def _powers(blocks: _Blocks, first: float, step: float, count: int) -> np.ndarray:
-    """Power (count,) at the frequencies first + k step, summed over the blocks.
-
-    Each phase follows from the one before, e^(-i (w + s) t) = e^(-i w t) e^(-i s t).
-    """
+    """Power (count,) at the frequencies first + k step, summed over the blocks; e^(-i (w + s) t) = e^(-i w t) e^(-i s
+    t)."""
     found = np.zeros(count)
     phase = np.exp(-2j * np.pi * first * blocks.time)
     turn = np.exp(-2j * np.pi * step * blocks.time)
@@ -190,11 +181,8 @@ def _sums(phase: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _stands_out(blocks: _Blocks, frequency: float, power: float, room: float, resolution: float) -> bool:
-    """Whether the power at a frequency is above that beside it.
-
-    `room` is the distance of its alias from zero and from Nyquist's frequency, `resolution` the width of a line, Hz.
-    The frequencies beside it are compared from the nearest on: the first that is too large decides.
-    """
+    """Whether the power at a frequency is above that beside it, from the nearest on; `room` is the distance of its
+    alias from zero and from Nyquist's frequency, `resolution` the width of a line, Hz."""
     span = min(BESIDE * frequency, 0.9 * room)
     if span < 4.0 * resolution:
         return False

@@ -136,14 +136,15 @@ def _guess_mass(
     rig: PredictsChannels, records: Sequence[Record], stiffness: float | None, noise: Mapping[str, Noise]
 ) -> float:
     """Mass from the force balance: the force regressed on acceleration, one, and friction by speed, away from
-    reversals."""
+    reversals; through a filter so wide that the acceleration is clear of its noise, and oscillations of the mass on its
+    bristles, whose force is opposite to that of the inertia, are not seen."""
     driven = [r for r in records if r.role == "fit" and _is_driven(r)]
     if not driven:
         raise InputError(
             f"{records[0].file}: column 'drive_force' does not change; without rig.known.mass only the ratio of the "
             "forces to the mass is identifiable: give it, or a record that is driven"
         )
-    best = mass = _largest_mass(driven[0], stiffness, noise)
+    mass = _largest_mass(driven[0], stiffness, noise)
     for _ in range(6):
         balance = prepare_driven_mass(rig, driven[0], noise, mass, stiffness)
         ok = balance.valid[balance.force_channel]
@@ -154,11 +155,8 @@ def _guess_mass(
         columns = np.column_stack(_regressors(balance))
         away = ok & (balance.axis.reversal_distance > np.quantile(balance.axis.reversal_distance[ok], NEAR_REVERSALS))
         solution, *_ = np.linalg.lstsq(columns[away], balance.force[away], rcond=None)
-        best = float(solution[0]) if solution[0] > 0 else mass
-        if abs(best - mass) < 0.01 * best:
-            break
-        mass = best
-    return best
+        return float(solution[0]) if solution[0] > 0 else mass
+    return mass
 
 
 NEAR_REVERSALS = 0.3
@@ -178,10 +176,8 @@ def _regressors(balance: ForceBalanceRecord) -> list[np.ndarray]:
 
 
 def _largest_mass(record: Record, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
-    """Mass that would need all of the force: its size over that of the acceleration, where that exceeds its noise.
-
-    An upper guess: it sets how wide a filter the first estimate of the mass begins with.
-    """
+    """Mass that would need all of the force: its size over that of the acceleration, where that exceeds its noise. It
+    sets the width of the filter of the first estimate."""
     _, step, channels, _ = uniform(record)
     found = _motion_and_force({name: filled(values)[0] for name, values in channels.items()}, stiffness, noise)
     if found is None:
@@ -200,10 +196,8 @@ def _largest_mass(record: Record, stiffness: float | None, noise: Mapping[str, N
 def _motion_and_force(
     channels: Mapping[str, np.ndarray], stiffness: float | None, noise: Mapping[str, Noise]
 ) -> tuple[np.ndarray, np.ndarray, float, NoiseSpectrum] | None:
-    """Position and force (n,) of a driven mass, with deviation and spectrum of the position's noise.
-
-    For a body pulled by a spring one of the two follows from the other and the stiffness.
-    """
+    """Position and force (n,) of a driven mass, with deviation and spectrum of the position's noise; of a body pulled
+    by a spring one of the two follows from the other."""
     position, pull = channels.get("position"), channels.get("pull_position")
     force = channels.get("drive_force" if stiffness is None else "spring_force")
     if pull is not None and stiffness is not None:

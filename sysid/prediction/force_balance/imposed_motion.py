@@ -153,12 +153,9 @@ def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:
 
 
 def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> ForceBalanceRecord:
-    """The record with the motion from its position, which is filtered by the width that the noise of its sensor
-    requires.
-
-    Where no filter is needed, the differences of the position determine the direction. Otherwise the filtered velocity
-    does, and reversals are uncertain by its noise in addition to half a step.
-    """
+    """The record with the motion from its position, filtered by the width that its noise requires: without a filter the
+    differences of the position determine the direction; otherwise the filtered velocity does, and reversals are
+    uncertain by its noise in addition to half a step."""
     step, std = record.step, position_noise(sensor)
     spectrum = sensor.spectrum if sensor is not None else WHITE
     width = motion_filter_width(record.axis.position, sensor, step)

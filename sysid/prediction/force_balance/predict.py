@@ -90,12 +90,7 @@ def _has_stretch(balance: ForceBalanceRecord) -> bool:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms of a model along a record.
-
-    Args:
-        level: of the friction, N, (n,).
-        forces: all others, N, (n,).
-    """
+    """Terms of a model along a record, N, (n,) each: level of the friction, and all other forces."""
 
     level: np.ndarray
     forces: np.ndarray
@@ -294,12 +289,8 @@ def _force_at(
 
 
 def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
-    """Every channel (n,), with the effects of drive, structure and sensors.
-
-    Where the logged motion is delayed against the logged force, the force that the motion requires is taken through the
-    inverse of the delay. Delaying the logged force instead would attenuate the signal to be explained: a long lag would
-    lower the error of a force unrelated to the motion.
-    """
+    """Every channel (n,), with the effects of drive, structure and sensors. A delay of the logged motion is inverted on
+    the force that it requires: delaying the logged force would attenuate the signal to be explained."""
     terms = _terms(balance, effects, values)
     friction, resolved_friction = _friction(balance, effects, values, terms)
     every = np.arange(balance.size)
@@ -326,10 +317,8 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
 
 
 def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """The applied force (n,) at the time of the logged motion, which friction balances while sticking.
-
-    For a pulling spring, the force before its sensor: the sensor's effects are applied later, to all forces.
-    """
+    """The applied force (n,) at the time of the logged motion, which friction balances while sticking; of a pulling
+    spring, before its sensor."""
     assert balance.applied is not None
     if balance.force_channel != "position":
         given = balance.applied * scale_ratio(values, balance.force_channel)
@@ -346,10 +335,8 @@ def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
 def _stretch_relation(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
 ) -> np.ndarray:
-    """Position that the pulling spring's measured force and stiffness imply: pull - force / stiffness.
-
-    At the samples `index` (k,), or at all (n,).
-    """
+    """Position that the pulling spring's force and stiffness imply, pull - force / stiffness, at samples (k,) or all
+    (n,)."""
     stiffness = values["rig.pull_stiffness"]
     every = slice(None) if index is None else index
     force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]

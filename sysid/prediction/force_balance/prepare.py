@@ -122,11 +122,8 @@ def prepare_driven_mass(
 
 
 def _valid_rows(missing: np.ndarray, width: float, reach: int) -> np.ndarray:
-    """Mask (n,) of the rows whose filtered values are not affected by a gap or by an end of the record.
-
-    `missing` (n,) marks rows without a measured value. The filter has `width` and uses `reach` rows on each side, both
-    in rows; a gap shorter than the filter is interpolated, which changes the filtered values little.
-    """
+    """Mask (n,) of the rows whose values, filtered over `width` and `reach` rows, no gap (`missing`) or end of the
+    record affects; a gap shorter than the filter is interpolated, which changes them little."""
     invalid = missing | dilated(longer_than(missing, width), reach)
     invalid[: reach + 1] = True
     invalid[missing.size - reach :] = True
@@ -310,11 +307,8 @@ def _stick_phases(
     usable: np.ndarray,
     edge: float,
 ) -> StickPhases | None:
-    """Stick phases of a driven mass, where its displacement in them was measured, or follows from the spring's force.
-
-    `usable` (n,) marks the valid rows; `edge` rows at each end of a phase are left out, six at least. Steps of a coarse
-    sensor are no displacement, and an integrated velocity drifts.
-    """
+    """Stick phases of a driven mass, without `edge` rows at each end, where its displacement was measured, or follows
+    from the spring's force: steps of a coarse sensor are none, and an integrated velocity drifts."""
     by_spring = not {"position", "velocity"} & channels.keys()
     sensor = noise.get("spring_force" if by_spring else "position")
     if sensor is None or (sensor.quantisation_step or 0.0) > (sensor.without_quantisation or sensor.value):

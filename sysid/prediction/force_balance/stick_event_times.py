@@ -83,11 +83,8 @@ def _unfiltered_velocity(motion: SmoothedMotion, i: int) -> float:
 
 @compiled
 def _extrapolate(out: np.ndarray, motion: SmoothedMotion, start: int, limit: int, at: int, direction: float) -> int:
-    """Write the velocity from `start` on until it is zero, and return the first sample there, -1 if beyond `limit`.
-
-    Backwards from a motion under way the friction may be too small for a break-away: then it is set to the value that
-    brings the body to rest at `at`.
-    """
+    """Write the velocity from `start` on until it is zero, and return the first sample there, -1 if beyond `limit`;
+    backwards, friction too small for a break-away is set to the value that brings the body to rest at `at`."""
     way = 1 if limit > start else -1
     drive = motion.drive
     v = _unfiltered_velocity(motion, start) * direction
