@@ -46,18 +46,9 @@ LEAST_DRAWS = 20
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """A fitted problem as plain data that another process can refit: records, values, and unknowns.
-
-    Args:
-        experiment: without the contents of its files.
-        records: as read.
-        names: of the model's effects, with the selected variants.
-        values: best values by key.
-        unknowns: of the fit.
-        weights: of the fit.
-        observed: whether the fit is along the motion of a state observer.
-        custom: source texts of the user's own effects by file name.
-    """
+    """A fitted problem as plain data that another process can refit: experiment without the contents of its files,
+    records as read, names of the effects with their variants, best values and unknowns of the fit, its weights, whether
+    it is along the motion of a state observer, and texts of the user's own effects by file name."""
 
     experiment: Experiment
     records: tuple[Record, ...]

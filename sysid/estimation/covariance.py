@@ -54,14 +54,8 @@ class Interval:
 
 @dataclass(frozen=True)
 class Intervals:
-    """Intervals of every fitted value, and their correlation.
-
-    Args:
-        by_key: by parameter key.
-        keys: order of the correlation matrix.
-        correlation: (p, p); NaN for a value that is not identifiable.
-        unidentified: directions in parameter space that are not identifiable, as `a` against `b`.
-    """
+    """Intervals of every fitted value by key; keys in the order of their correlation (p, p), NaN where not
+    identifiable; and directions in parameter space that are not identifiable, as `a` against `b`."""
 
     by_key: dict[str, Interval]
     keys: tuple[str, ...]

@@ -198,14 +198,8 @@ SAME_ERROR = 1e-6
 
 @dataclass(frozen=True)
 class SearchBudget:
-    """Budget of the initial-value search.
-
-    Args:
-        refined: best trial points that are refined.
-        tried: of those, how many are fitted to the first rows of the records.
-        steps: of these fits.
-        kept: of those, how many are then fitted to convergence.
-    """
+    """Budget of the initial-value search: trial points that are refined; of those, how many are fitted to the first
+    rows of the records; steps of these fits; and how many are then fitted to convergence."""
 
     refined: int = 12
     tried: int = 10

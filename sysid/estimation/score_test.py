@@ -94,13 +94,8 @@ def orthonormal(columns: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class GridPoint:
-    """Change of a residual by an effect at one point of its shape grid.
-
-    Args:
-        shape: the grid point.
-        directions: parameter values of each candidate direction, one amplitude away from zero.
-        changes: of the residual, at selected rows, by each direction, (n, k).
-    """
+    """Change of a residual by an effect at one point of its shape grid: the point, parameter values of each candidate
+    direction, one amplitude away from zero, and the changes (n, k) of selected rows."""
 
     shape: dict[str, float]
     directions: list[dict[str, float]]

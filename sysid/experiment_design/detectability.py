@@ -37,14 +37,8 @@ PER_RECORD = 24
 
 @dataclass(frozen=True)
 class MinimumDetectableEffect:
-    """Minimum detectable size of an effect. SI units.
-
-    Args:
-        effect: public name.
-        key: of the parameter that is its size.
-        value: minimum detectable size at the most detectable shape; None if no size within the bounds is detectable.
-        at: shape parameters at that size, by key.
-    """
+    """Minimum detectable size of an effect, SI: its public name, key of the parameter that is its size, that size at
+    the most detectable shape (None if no size within the bounds is detectable), and the shape parameters there."""
 
     effect: str
     key: str

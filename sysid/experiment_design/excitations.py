@@ -10,15 +10,9 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Envelope:
-    """Ranges of the motion in the records of an axis. SI units.
-
-    Args:
-        low, high: ends of its travel.
-        speed: highest speed.
-        acceleration: high quantile of the acceleration, without single jumps.
-        fine: smallest useful amplitude of a reversal, well above the noise of the position.
-        load: range of the normal load, (low, high), if it was varied.
-    """
+    """Ranges of the motion in the records of an axis, SI: ends of the travel, highest speed, high quantile of the
+    acceleration, smallest useful amplitude of a reversal (well above the position's noise), and range of the normal
+    load if it was varied."""
 
     low: float
     high: float
@@ -30,14 +24,8 @@ class Envelope:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion to run.
-
-    Args:
-        name: shown to the user.
-        reason: effects to which it is sensitive, as text.
-        signals: `position`, or `voltage_1`, `voltage_2`, ..., (n,), SI; `normal_load` if it is to be varied.
-        step: sampling step, s.
-    """
+    """A motion to run: its name, the effects to which it is sensitive as text, signals (n,) in SI (`position`, or
+    `voltage_1`, `voltage_2`, ..., and `normal_load` if it is to be varied), and sampling step, s."""
 
     name: str
     reason: str

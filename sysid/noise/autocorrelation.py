@@ -66,14 +66,8 @@ EVEN = 1e-7
 
 @dataclass(frozen=True)
 class Series:
-    """A channel of one record.
-
-    Args:
-        time: s, (n,).
-        values: (n,), NaN in gaps.
-        step: usual step, s.
-        removed: part of the noise power removed from the values, (m,) from frequency zero to Nyquist's; none if empty.
-    """
+    """A channel of one record: times (n,), s; values (n,), NaN in gaps; usual step, s; and the part of the noise power
+    that was removed from the values, (m,) from frequency zero to Nyquist's, none if empty."""
 
     time: np.ndarray
     values: np.ndarray
@@ -89,15 +83,9 @@ class Series:
 
 @dataclass(frozen=True)
 class Autoregression:
-    """Noise as the sum of white noise and a first-order autoregression.
-
-    Args:
-        value: standard deviation of the sum.
-        spectrum: of the sum.
-        filtered: whether the log has no white part, so that `value` is a lower bound.
-        reach: longest lag in the fit, in rows.
-        factor: by which `value` may be too small or too large: half the range of the fits that agree with V.
-    """
+    """White noise plus a first-order autoregression: standard deviation and spectrum of the sum; whether the log has no
+    white part, so that this is a lower bound; longest lag of the fit, rows; and the factor by which the value may be
+    wrong, half the range of the fits that agree with V."""
 
     value: float
     spectrum: NoiseSpectrum = WHITE

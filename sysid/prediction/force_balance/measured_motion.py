@@ -93,12 +93,8 @@ def motion_filter_width(position: np.ndarray, noise: Noise | None, step: float) 
 
 
 class Direction(NamedTuple):
-    """Direction of a motion row by row, and how well the times of its reversals are known.
-
-    Args:
-        sign: 1 or -1, that of the last motion at rest, 0 before the first motion, (n,).
-        timing: standard deviation of the times of reversals, rows.
-    """
+    """Sign (n,) of a motion, that of the last motion at rest, 0 before the first one; and standard deviation of the
+    times of its reversals, rows."""
 
     sign: np.ndarray
     timing: float

@@ -31,16 +31,10 @@ SUBSTEP_PHASE = 0.35
 
 
 class SlipPhases(NamedTuple):
-    """Phases of sliding motion, each array of shape (k,), times in samples.
-
-    Args:
-        start: start of the phase.
-        end: its end by the position alone: sticking onset, reversal of the velocity, or end of the record.
-        direction: sign of the velocity in it, 1 or -1.
-        break_away: start of the next phase; equal to `end` at a reversal without sticking; end of the record after the
-            last phase.
-        next_direction: sign of the velocity in the next phase; 0 after the last one.
-    """
+    """Phases of sliding motion, (k,) each, times in samples: start; end by the position alone (sticking onset,
+    reversal, or end of the record); sign of the velocity, 1 or -1; start of the next phase, equal to `end` at a
+    reversal without sticking, and the end of the record after the last; sign of the velocity there, 0 after the
+    last."""
 
     start: np.ndarray
     end: np.ndarray
