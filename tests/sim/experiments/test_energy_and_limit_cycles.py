@@ -146,11 +146,16 @@ def test_the_size_of_a_cycle_follows_from_its_dwell(speed: float) -> None:
 
 
 def test_a_stiff_spring_breaks_away_earlier_with_the_force_of_its_shorter_dwell() -> None:
+    """Kato's law at both dwells: of the spring wound from zero, and of the limit cycle, 0.04 and 0.13 N below the most."""
+
+    def level(dwell: float) -> float:
+        return FRICTION.coulomb + RISE * (1.0 - math.exp(-1.66 * dwell**0.65))
+
     for speed in SPEEDS[:2]:
         found = cycle(FRICTION, "lugre", speed, 200.0, 1.0)
-        expected = FRICTION.coulomb + RISE * (1.0 - math.exp(-1.66 * found.dwell**0.65))
-        assert found.top < found.first - 0.02
-        assert found.top == pytest.approx(expected, rel=0.05)
+        first, later = level(found.first / (200.0 * speed)), level(found.dwell)
+        assert (found.first, found.top) == (pytest.approx(first, rel=0.02), pytest.approx(later, rel=0.02))
+        assert found.first - found.top == pytest.approx(first - later, abs=0.01)
 
 
 def test_above_the_critical_speed_the_mass_slides() -> None:
