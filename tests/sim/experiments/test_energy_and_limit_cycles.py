@@ -146,7 +146,7 @@ def test_the_size_of_a_cycle_follows_from_its_dwell(speed: float) -> None:
 
 
 def test_a_stiff_spring_breaks_away_earlier_with_the_force_of_its_shorter_dwell() -> None:
-    """Kato's law at both dwells: of the spring wound from zero, and of the limit cycle, 0.04 and 0.13 N below the most."""
+    """Kato's law at both dwells: of the spring wound from zero, and of the limit cycle."""
 
     def level(dwell: float) -> float:
         return FRICTION.coulomb + RISE * (1.0 - math.exp(-1.66 * dwell**0.65))
