@@ -7,7 +7,6 @@ import numpy as np
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
 from designcalc.checks.formula_check import FormulaCheck
 from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
-from designcalc.friction_stage.physics.body import moving_body
 from designcalc.friction_stage.physics.loads import gravity, load, load_centre, moved_mass, preload_ratio
 from designcalc.friction_stage.physics.pads import pad_positions
 from designcalc.friction_stage.quantities import stated
@@ -172,20 +171,14 @@ def stopping(r: DesignInputs) -> Check:
     )
 
 
-def stop_tipping(r: DesignInputs) -> Check:
-    """Buffers below the centre of mass turn the stage over its leading pads."""
-    energy, spring = 0.5 * moved_mass(r) * r("requirements.speed") ** 2, r("end_stop.count") * r("end_stop.stiffness")
-    force = float(np.sqrt(2 * energy * spring))
-    lever = moving_body(r).centre_of_mass[2] - r("end_stop.height")
-    reach = float(np.max(pad_positions(r)[:, 0])) - abs(load_centre(r)[0])
-    return Check(
-        "pads on their ways as the end stops brake",
-        at_most(abs(force * lever), load(r) * reach, "N*m"),
-        source="moment of the buffers' largest force about the centre of mass against that of the load about the pads",
-        formula="sqrt(2 E k) |h_c - h_s| <= N s/2",
-        substituted=f"{show(force, 'N')} x {show(lever, 'm')} against {show(load(r), 'N')} x {show(reach, 'm')}",
-        proposal="softer buffers, or buffers at the height of the centre of mass",
-    )
+stop_tipping = stated(
+    "pads on their ways as the end stops brake",
+    "sqrt(load.moved_mass*end_stop.count*end_stop.stiffness)*requirements.speed"
+    "*abs(height.centre_of_mass - end_stop.height) <= load.whole*reach.of_pads",
+    source="moment of the buffers' largest force about the centre of mass against that of the load about the pads: the "
+    "stage turns over its leading ones",
+    proposal="softer buffers, or buffers at the height of the centre of mass",
+)
 
 
 cables = stated(

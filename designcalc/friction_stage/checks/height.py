@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
 from designcalc.friction_stage.physics.clamp import clamping_shift, grip
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 from designcalc.friction_stage.quantities import stated
@@ -72,26 +70,18 @@ thickest_shim = stated(
 )
 
 
-def return_spring(r: DesignInputs) -> Check:
-    """The spring must push pin 1 back against what it carries: holder, piezos, tip, and pin 2 by its friction."""
-    holder = math.pi / 4 * r("holder.diameter") ** 2 * r("holder.height") * r.material("holder", "density")
-    stacks = 3 * math.pi / 4 * r("piezo.diameter") ** 2 * r("piezo.length") * r.material("piezo", "density")
-    load = (holder + stacks + r("tip.mass_limit")) * r("environment.gravity")
-    friction = r("height_pin_1.friction_dry")
-    needed = 2 * friction * load  # both faces of the wedge
-    squeeze = r("spring.free_length") - r("spring.installed_length") - r("height_pin_1.stroke") / 2
-    force = r("spring.rate") * squeeze
-    return Check(
-        "spring that returns the height pin",
-        at_least(force, 2 * needed, "N"),
-        source="Coulomb friction on both faces of the wedge under holder, piezos and tip; factor 2",
-        formula="k (L0 - L - stroke/2) >= 2 x 2 mu m g",
-        substituted=f"{show(force, 'N')} against {show(needed, 'N')} of friction (plain volumes, {show(load, 'N')})",
-        proposal="more compression at the far end of the stroke, by a longer spring or a shorter stroke",
-        changes=change(
-            "spring.free_length", r("spring.free_length") + (2 * needed - force) / r("spring.rate"), "m", up=True
-        ),
-    )
+_PUSHED_BACK = (
+    "(pi/4*holder.diameter^2*holder.height*holder.material.density"
+    " + 3*pi/4*piezo.diameter^2*piezo.length*piezo.material.density + tip.mass_limit)*environment.gravity"
+)
+return_spring = stated(
+    "spring that returns the height pin",
+    "spring.rate*(spring.free_length - spring.installed_length - height_pin_1.stroke/2)"
+    f" >= 2*2*height_pin_1.friction_dry*{_PUSHED_BACK}",
+    ("spring.free_length", "spring.free_length + (check.limit - check.value)/spring.rate", True),
+    source="Coulomb friction on both faces of the wedge under holder, piezos and tip, by plain volumes; factor 2",
+    proposal="more compression at the far end of the stroke, by a longer spring or a shorter stroke",
+)
 
 
 def clamping(r: DesignInputs) -> Check:

@@ -9,10 +9,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
-from designcalc.friction_stage.physics.body import moving_body
-from designcalc.friction_stage.physics.loads import load
-from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_forces, pads_stiffness
-from designcalc.friction_stage.physics.teeth import CIRCUITS, magnets
+from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_forces
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
@@ -153,49 +150,24 @@ normal = stated(
 )
 
 
-def pitch(r: DesignInputs) -> Check:
-    springs = pads_stiffness(r)
-    lever = moving_body(r).centre_of_mass[2]
-    force = load(r) * r("drive.friction")
-    tilt = force * lever / springs.pitch
-    half = r("stage.travel") / 2
-    drop = tilt * half
-    return Check(
-        "pitch of the stage under its drive force",
-        at_most(drop, r("requirements.smoothness"), "m"),
-        source="pads as springs; the tip pushes below the centre of mass of stage and payload",
-        formula="theta = mu N h/K_pitch; height error theta x travel/2 at the middle of the base",
-        substituted=f"h = {show(lever, 'm')}, K_pitch = {springs.pitch:.3g} N m/rad, K_roll = {springs.roll:.3g}, K_z "
-        f"= {show(springs.normal, 'N/m')}: {show(tilt, 'rad')}",
-        proposal="pads farther apart along the travel (stiffness grows as the square), or measure with no drive",
-        changes=change(
-            "pads.spacing_along",
-            r("pads.spacing_along") * np.sqrt(drop / r("requirements.smoothness")),
-            "m",
-            up=True,
-        ),
-        requirement="Table 1: smoothness",
-    )
+pitch = stated(
+    "pitch of the stage under its drive force",
+    "load.whole*drive.friction*height.centre_of_mass/stiffness.pitch*stage.travel/2 <= requirements.smoothness",
+    ("pads.spacing_along", "pads.spacing_along*sqrt(check.value/check.limit)", True),
+    source="pads as springs; the tip pushes below the centre of mass of stage and payload; height error mid-base",
+    proposal="pads farther apart along the travel (stiffness grows as the square), or measure with no drive",
+    requirement="Table 1: smoothness",
+    note="pads {stiffness.pads} in all, {stiffness.roll} in roll",
+)
 
 
-def yaw(r: DesignInputs) -> Check:
-    """Yaw by unequal friction of the pads on both sides, against the lateral stiffness of the teeth."""
-    reach = r("tooth_iron.length")
-    hold = CIRCUITS * magnets(r).lateral_stiffness
-    # Each iron is a line of lateral springs along the travel: about its middle k L^2/12.
-    turn = hold * reach**2 / 12
-    unlike = 0.1 * r("bearing.dynamic_friction") * load(r)
-    moment = unlike * r("pads.spacing_across") / 2
-    angle = moment / turn
-    limit = r("requirements.straightness") / (r("stage.length") / 2)
-    return Check(
-        "yaw held by the teeth",
-        at_most(angle, limit, "rad"),
-        source="lateral stiffness of the teeth spread along the irons, against friction that differs by a tenth across",
-        formula="theta = 0.1 mu N (w/2)/(K_x L^2/12) <= straightness/(half the stage's length)",
-        substituted=f"K_x = {show(hold, 'N/m')}, L = {show(reach, 'm')}: {show(angle, 'rad')}",
-        proposal="longer irons and magnets (both stiffness and lever grow), a guide, or a tip that pushes through the "
-        "middle of friction",
-        changes=change("tooth_iron.length", reach * np.cbrt(angle / limit), "m", up=True),
-        thesis="magnets are stated to align the stage about its axis of motion; this is their stiffness",
-    )
+yaw = stated(
+    "yaw held by the teeth",
+    "0.1 rad*bearing.dynamic_friction*load.whole*pads.spacing_across/2/(stiffness.teeth_across*tooth_iron.length^2/12)"
+    " <= 1 rad*requirements.straightness/(stage.length/2)",
+    ("tooth_iron.length", "tooth_iron.length*(check.value/check.limit)^(1/3)", True),
+    source="lateral stiffness of the teeth spread along the irons, against friction that differs by a tenth across",
+    proposal="longer irons and magnets (both stiffness and lever grow), a guide, or a tip that pushes through the "
+    "middle of friction",
+    thesis="magnets are stated to align the stage about its axis of motion; this is their stiffness",
+)

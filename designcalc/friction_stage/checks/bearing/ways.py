@@ -9,8 +9,6 @@ from designcalc.bearing.fastener import (
     Thread,
     cone_compliance,
     screw_waves,
-    strip_area_of_bed,
-    strip_area_of_screw,
 )
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
 from designcalc.errors.thermal import preload_change
@@ -119,21 +117,12 @@ def _thread(r: DesignInputs) -> Thread:
     return Thread(r("screws.way.diameter"), r("screws.way.pitch"))
 
 
-def stripping(r: DesignInputs) -> Check:
-    thread, force = _thread(r), screw_preload(r, "way")
-    depth = r("screws.way.length") - r("bearing_way.flange_thickness")
-    # shear strength 0.577 of yield (von Mises)
-    bed = 0.577 * r.material("base", "strength") * strip_area_of_bed(thread, depth)
-    screw = 0.577 * r("screws.way.proof_stress") * strip_area_of_screw(thread, depth)
-    hold = min(bed, screw)
-    return Check(
-        "stripping of the way's threads",
-        at_most(force, hold / 2, "N"),
-        source="ASME B1.1 shear areas of the least screw in the largest thread; factor 2",
-        formula="F = T/(K d) <= 0.577 Sy A_s/2",
-        substituted=f"F = {show(force, 'N')}; bed {show(bed, 'N')}, screw {show(screw, 'N')}",
-        proposal=f"torque of at most {show(hold / 2 / force * r('screws.way.torque'), 'N*m')}",
-    )
+stripping = stated(
+    "stripping of the way's threads",
+    "force.way_screw <= 0.577*min(base.material.strength*area.bed_thread, screws.way.proof_stress*area.screw_thread)/2",
+    source="ASME B1.1 shear areas of the least screw in the largest thread, at 0.577 of the yield; factor 2",
+    proposal="torque of at most {check.limit/check.value*screws.way.torque}",
+)
 
 
 screw_stress = stated(
