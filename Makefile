@@ -34,7 +34,7 @@ bench: $(PEERS) system
 
 # Types take a minute and the rest together half of one: they run beside each other.
 lint: $(TOOLS)
-	+$(MAKE) --no-print-directory -j 2 --output-sync=target types style
+	+$(MAKE) --no-print-directory -j 2 types style
 
 types:
 	$(BIN)/pyright
