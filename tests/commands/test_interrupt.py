@@ -8,6 +8,8 @@ import time
 
 import pytest
 
+from tests.process_state import group_runs, wait_until
+
 PROGRAM = [sys.executable, "-m", "workbench.cli"]
 
 INTERRUPTED_IMPORT = """
@@ -56,9 +58,7 @@ def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
         preexec_fn=_heed_interrupts,
     )
     try:
-        deadline = time.monotonic() + 120.0
-        while _children(started.pid) < 3 and time.monotonic() < deadline:
-            time.sleep(0.1)
+        wait_until(lambda: _children(started.pid) >= 3)
         time.sleep(0.5)
         os.killpg(started.pid, signal.SIGINT)
         error = started.communicate(timeout=240)[1]
@@ -69,10 +69,7 @@ def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
     assert started.returncode == 130
     assert error.strip() == "stopped"
     # The helper that multiprocessing keeps for its semaphores notices a moment later that it is alone.
-    deadline = time.monotonic() + 120.0
-    while _alive(started.pid) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert not _alive(started.pid)
+    wait_until(lambda: not group_runs(started.pid))
     assert list(tmp_path.rglob("draws.csv")) == []
 
 
@@ -85,12 +82,6 @@ def _children(group: int) -> int:
     """Processes of a group, the first among them."""
     found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(group)], capture_output=True, text=True)
     return 1 + len(found.stdout.split())
-
-
-def _alive(group: int) -> bool:
-    """Whether a process of the group still runs; one that has ended and waits to be counted does not."""
-    found = subprocess.run(["ps", "-eo", "pgid=,stat="], capture_output=True, text=True).stdout.split()
-    return any(int(one) == group and not state.startswith("Z") for one, state in zip(found[::2], found[1::2]))
 
 
 def _environment(folder) -> dict[str, str]:

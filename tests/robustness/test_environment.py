@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from sysid.experiment.experiment import load_experiment
+from tests.process_state import group_runs, wait_until
 from tests.sysid.slide import SIGN, slide
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
@@ -110,10 +111,7 @@ def test_the_processes_that_make_parts_end_with_their_parent(tmp_path: Path, end
         time.sleep(wait)
         started.send_signal(end)
         started.wait()
-        deadline = time.monotonic() + 120.0
-        while _alive(started.pid) and time.monotonic() < deadline:
-            time.sleep(0.2)
-        assert not _alive(started.pid)
+        wait_until(lambda group=started.pid: not group_runs(group))
 
 
 @pytest.mark.slow
@@ -129,15 +127,12 @@ def test_make_that_is_interrupted_says_so_in_a_word(tmp_path: Path, wait: float)
         text=True,
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
     )
-    deadline = time.monotonic() + 120.0
-    while not list((tmp_path / "cache").glob("entries/.making-*")):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    wait_until(lambda: list((tmp_path / "cache").glob("entries/.making-*")))
     time.sleep(wait)
     os.killpg(started.pid, signal.SIGINT)
     said = started.communicate(timeout=240)[1]
     assert started.returncode == 130 and said.endswith("stopped\n") and "Traceback" not in said
-    assert not _alive(started.pid)
+    assert not group_runs(started.pid)
 
 
 @pytest.mark.slow
@@ -149,8 +144,3 @@ def test_the_assembly_of_two_clean_caches_is_the_same_to_the_byte(tmp_path: Path
         assert found.returncode == 0, found.stderr
         made.append({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()})
     assert "assembly.step" in made[0] and made[0] == made[1]
-
-
-def _alive(group: int) -> bool:
-    found = subprocess.run(["ps", "-eo", "pgid=,stat="], capture_output=True, text=True).stdout.split()
-    return any(int(one) == group and not state.startswith("Z") for one, state in zip(found[::2], found[1::2]))

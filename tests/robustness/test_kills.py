@@ -4,11 +4,8 @@ lives on, and the next run works.
 The command runs in a fork of this process, which has loaded its modules: a run takes what its work takes.
 """
 
-import os
 import shutil
-import subprocess
 import sys
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -22,6 +19,7 @@ from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.history import edited_by_hand, read_history
+from tests.process_state import group_runs, wait_until
 from tests.robustness.crashing import Ended, run_killed
 from tests.robustness.mutation import count
 from tests.robustness.whole_files import assert_whole
@@ -177,7 +175,7 @@ def _names(folder: Path) -> set[str]:
 def _sound(folder: Path, case: Case, ended: Ended, names: set[str]) -> None:
     """What holds after any end: no traceback, no orphan, files whole, the user's own as they were."""
     assert "Traceback" not in ended.text, ended.text
-    assert _gone(ended.group)
+    wait_until(lambda: not group_runs(ended.group))
     template = folder.parent / "template"
     for path in template.rglob("*"):
         own = str(path.relative_to(template))
@@ -192,23 +190,3 @@ def _sound(folder: Path, case: Case, ended: Ended, names: set[str]) -> None:
     assert not edited_by_hand(now, rungs)
     assert not rungs or rungs[-1].effects == now.effects
     load_design(folder / "stage.toml")
-
-
-def _gone(group: int) -> bool:
-    """Whether all processes of the group end within some seconds."""
-    deadline = time.monotonic() + 120.0
-    while _alive(group):
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.05)
-    return True
-
-
-def _alive(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    # A process that has ended, and that nobody has waited for, counts for `killpg`.
-    found = subprocess.run(["ps", "-eo", "pgid=,stat="], capture_output=True, text=True).stdout.split()
-    return any(int(one) == group and not state.startswith("Z") for one, state in zip(found[::2], found[1::2]))

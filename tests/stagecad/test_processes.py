@@ -15,7 +15,8 @@ from threadpoolctl import threadpool_info
 
 from stagecad.parameters.errors import InputError
 from stagecad.processes import TimeLimit, fork_map, inside_worker, parallel_map, processors
-from tests.stagecad.pool_functions import die_once, square, wait_until_ended
+from tests.process_state import running, wait_until
+from tests.stagecad.pool_functions import die_once, square
 
 LINUX = sys.platform.startswith("linux")
 forks = pytest.mark.skipif(not LINUX or processors() == 1, reason="needs fork and two processors")
@@ -268,17 +269,14 @@ def test_no_worker_outlives_an_interrupt_or_the_death_of_its_parent(tmp_path: Pa
         env={**os.environ, "PYTHONPATH": os.getcwd()},
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
     )
-    deadline = time.monotonic() + 120.0
-    while len(list(folder.iterdir())) < 2 and time.monotonic() < deadline:
-        time.sleep(0.05)
+    wait_until(lambda: len(list(folder.iterdir())) == 2)
     workers = [int(path.name.split()[1]) for path in folder.iterdir()]
-    assert len(workers) == 2
     if end == "interrupt":
         os.killpg(started.pid, signal.SIGINT)
     else:
         started.kill()
     errors = started.communicate(timeout=240)[1]
-    wait_until_ended(*workers)
+    wait_until(lambda: not any(map(running, workers)))
     if end == "interrupt":
         # Only the program itself reports the interrupt.
         assert errors.count("Traceback") == 1

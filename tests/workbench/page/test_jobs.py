@@ -1,12 +1,12 @@
 """Jobs in processes of their own: result, fault of the input, failure, death of the process, cancel, a new start."""
 
 import os
-import time
 from pathlib import Path
 
 import pytest
 
 from stagecad.parameters.errors import InputError
+from tests.process_state import running, wait_until
 from workbench.page import job_process
 from workbench.page.jobs import KEPT_PASSING, Job, JobRunner
 
@@ -56,29 +56,14 @@ def _submit(runner: JobRunner, task: str, **arguments) -> Job:
 
 
 def _ended(job: Job, seconds: float = 240.0) -> Job:
-    deadline = time.monotonic() + seconds
-    while job.state in ("waiting", "running"):
-        assert time.monotonic() < deadline, job
-        time.sleep(0.01)
+    wait_until(lambda: job.state not in ("waiting", "running"), seconds)
     return job
 
 
 def _running(job: Job) -> int:
     """Process id of a job `work`, once it runs."""
-    deadline = time.monotonic() + 120.0
-    while not job.step:
-        assert time.monotonic() < deadline, job
-        time.sleep(0.01)
+    wait_until(lambda: job.step)
     return int(job.step)
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-        # A child that ended, and was not yet waited for, still has its number.
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except (ProcessLookupError, FileNotFoundError):
-        return False
 
 
 def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, tmp_path: Path) -> None:
@@ -116,7 +101,7 @@ def test_cancel_ends_the_process_and_the_queue_goes_on(runner: JobRunner) -> Non
     runner.cancel(job.number)
     assert job.state == "cancelled"
     assert runner.result(_ended(waiting).number)["value"] == 6
-    assert not _alive(process)
+    assert not running(process)
     assert runner.cancel(waiting.number).state == "done"
 
 
@@ -124,10 +109,7 @@ def test_closing_ends_all_processes(runner: JobRunner) -> None:
     job = _submit(runner, "work")
     process = _running(job)
     runner.close()
-    deadline = time.monotonic() + 120.0
-    while _alive(process):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: not running(process))
     assert job.state == "cancelled"
 
 
@@ -168,8 +150,6 @@ def test_answers_to_a_slider_are_not_kept(runner: JobRunner) -> None:
         job = _ended(runner.submit("simulation", "double", {"value": value}, title="Slider", passing=True))
         assert runner.result(job.number)["value"] == 2 * value
     # The folder of the oldest answer goes after the newest answer has been reported.
-    deadline = time.monotonic() + 120.0
-    while len(folders := list(runner.folder.iterdir())) > KEPT_PASSING and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert len(runner.jobs) == KEPT_PASSING == len(folders)
-    assert not [folder for folder in folders if (folder / "job.json").exists()]
+    wait_until(lambda: len(list(runner.folder.iterdir())) == KEPT_PASSING)
+    assert len(runner.jobs) == KEPT_PASSING
+    assert not [folder for folder in runner.folder.iterdir() if (folder / "job.json").exists()]

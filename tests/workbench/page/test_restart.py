@@ -2,7 +2,6 @@
 
 import re
 import sys
-import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -10,6 +9,7 @@ import pytest
 from served_page import NEEDS_CHROMIUM, chromium, ended, killed, looking, started, until
 
 from sysid.experiment.experiment import load_experiment
+from tests.process_state import running, wait_until
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
 pytestmark = [NEEDS_CHROMIUM, pytest.mark.skipif(sys.platform != "linux", reason="looks up processes in /proc")]
@@ -29,13 +29,6 @@ def _descendants(process: int) -> set[int]:
         last = len(found)
         found |= {child for child, parent in parents.items() if parent in found}
     return found - {process}
-
-
-def _running(process: int) -> bool:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Path) -> None:
@@ -76,10 +69,7 @@ def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Pat
             assert workers
             killed(server)
             page.locator("#message.bad", has_text="connection to the server lost").wait_for()
-            deadline = time.monotonic() + 120.0
-            while left := {process for process in workers if _running(process)}:
-                assert time.monotonic() < deadline, left
-                time.sleep(0.05)
+            wait_until(lambda: not any(map(running, workers)))
 
             server = started(folder, "--port", port)[0]
             page.locator("#message:not(.bad)", has_text="Diagnose: the server ended").wait_for()
