@@ -28,8 +28,19 @@ TOGETHER = {
 }  # fmt: skip
 """Files whose tests one process runs, since they share a browser, a cluster, drawn sheets, or a diagnosis. So it does
 for the tests of every other file."""
-DEAR = ("browser", "recovery/hidden_effect/", "commands/test_loop_commands.py", "workbench/page/test_documents.py",
-        "drawings/dimensions/", "sheets", "recovery/", "sysid/prediction/", "commands/", "loop", "robustness/")  # fmt: skip
+DEAR = (
+    "browser",
+    "recovery/hidden_effect/",
+    "commands/test_loop_commands.py",
+    "workbench/page/test_documents.py",
+    "drawings/dimensions/",
+    "sheets",
+    "recovery/",
+    "sysid/prediction/",
+    "commands/",
+    "loop",
+    "robustness/",
+)
 """Groups, files and folders that take longest begin first: else one process ends long after the other."""
 
 
