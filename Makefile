@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --progress-bar o
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := demo
-.PHONY: demo test test-slow bench lint types style system clean
+.PHONY: demo test test-slow test-lowest sbom bench lint types style system clean
 
 demo: $(READY) system
 	$(BIN)/stagecad demo --out build
@@ -27,6 +27,22 @@ test: $(TOOLS) system
 # The long runs of tests/robustness print their counts; STAGECAD_ROBUSTNESS=0.01 runs a hundredth of them.
 test-slow: $(TOOLS) system
 	$(BIN)/python -m pytest -n 2 --dist loadgroup --no-loadscope-reorder -m slow
+
+# With the lowest version of each dependency that pyproject.toml permits, in an environment of its own; TESTS selects.
+LOWEST := .venv-lowest/bin
+TESTS ?= -m "not slow"
+test-lowest:
+	$(PYTHON) -m venv .venv-lowest
+	$(LOWEST)/python -m pip install --quiet uv
+	$(LOWEST)/uv pip compile --quiet --resolution lowest-direct --extra dev pyproject.toml -o .venv-lowest/lowest.txt
+	$(LOWEST)/python -m pip install --quiet -r .venv-lowest/lowest.txt
+	$(LOWEST)/python -m pip install --quiet --no-deps -e .
+	MPLBACKEND=Agg $(LOWEST)/python -W ignore -m pytest $(TESTS)
+
+# The software bill of materials of what is installed, with the size on the disk.
+sbom: $(READY)
+	@mkdir -p build
+	$(BIN)/python .ci/bill_of_materials.py > build/sbom.json
 
 bench: $(PEERS) system
 	for name in parts drawings make cold_start stick_slip many_effects loop_growth hidden_effects page; do \
@@ -66,4 +82,4 @@ system: $(READY)
 	@$(BIN)/python .ci/system_libraries.py
 
 clean:
-	rm -rf build .pytest_cache .ruff_cache
+	rm -rf build .venv-lowest .pytest_cache .ruff_cache

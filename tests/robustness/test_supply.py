@@ -1,0 +1,31 @@
+"""What is installed: dependencies in ranges, and the software bill of materials."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+from packaging.requirements import Requirement
+
+ROOT = Path(__file__).parents[2]
+DEPENDENCIES = [
+    Requirement(text) for text in tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+]
+
+
+def test_every_dependency_has_a_lower_bound_and_none_a_single_version() -> None:
+    for one in DEPENDENCIES:
+        assert ">=" in {part.operator for part in one.specifier} <= {">=", "<"}, one
+
+
+def test_the_bill_of_materials_has_every_dependency_with_its_version() -> None:
+    found = subprocess.run(
+        [sys.executable, ".ci/bill_of_materials.py"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    parts = {part["name"].lower(): part for part in json.loads(found.stdout)["components"]}
+    for one in DEPENDENCIES:
+        assert one.specifier.contains(parts[one.name.lower()]["version"])
+    assert " packages, " in found.stderr
