@@ -97,6 +97,21 @@ def test_a_linked_parameter_file_is_not_offered(client: TestClient, folder: Path
     refused(client.post("/api/machine/open", json={"name": "other.toml"}), "no parameter file")
 
 
+@links
+@pytest.mark.parametrize("target", ["../stage.toml", "/dev/zero", "missing.toml"])
+def test_the_default_parameter_file_is_no_link_out_of_the_folder(
+    folder: Path, monkeypatch, capsys, target: str
+) -> None:
+    from workbench.cli import run
+
+    (folder.parent / "stage.toml").write_text('extends = "thesis"\n')
+    (folder / "stage.toml").symlink_to(target)
+    monkeypatch.chdir(folder)
+    assert run(["workbench", "--no-browser", "--port", "0"]) == 2
+    err = capsys.readouterr().err
+    assert "stage.toml" in err and err.count("\n") == 1
+
+
 def test_results_belong_to_the_path_of_an_experiment(client: TestClient, folder: Path) -> None:
     for place in ("a", "b"):
         (folder / place / "rig").mkdir(parents=True)

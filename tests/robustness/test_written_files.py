@@ -1,5 +1,5 @@
-"""Every command: only files below `--out`, those that it is told to write and, of `add`, the experiment's own are created
-or changed, whatever names are in the user's files."""
+"""Every command creates and changes only files below `--out`, those that it is told to write and, of `add`, the
+experiment's own, whatever names are in the user's files."""
 
 from __future__ import annotations
 

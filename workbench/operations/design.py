@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -67,7 +68,7 @@ class Design(Result):
         cls, params: Path | None, overrides: tuple[str, ...] = (), rules: bool = True, earlier: Path | None = None
     ) -> Design:
         """The design of `--params`, else of stage.toml in the working folder, else the packaged one."""
-        return cls(STAGE if params is None and STAGE.is_file() else params, overrides, rules, earlier=earlier)
+        return cls(STAGE if params is None and os.path.lexists(STAGE) else params, overrides, rules, earlier=earlier)
 
     @cached_property
     def values(self) -> Values:

@@ -200,30 +200,27 @@ def serve(
     import uvicorn
 
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listening = socket.socket(family, socket.SOCK_STREAM)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        listening.bind((host, port))
-        # A browser that is opened at once waits until the server answers, and is not refused.
-        listening.listen()
-    except OSError as error:
-        listening.close()
-        reason = error.strerror or error
-        raise InputError(f"--host {host} --port {port}: {reason}; choose another with --port") from None
-    port = listening.getsockname()[1]
-    shown = f"[{host}]" if ":" in host else host
-    address = f"http://{shown}:{port}/" + (f"?token={token}" if token is not None else "")
-    app = create_app(project)
-    guarded = Guard(app, allowed_hosts(host, port), token, every_address=host in EVERY_ADDRESS)
-    config = uvicorn.Config(guarded, log_level="warning", access_log=False, timeout_graceful_shutdown=1)
-    note(f"workbench: {address}  (Ctrl-C ends it)")
-    if browser:
-        import webbrowser
+    with socket.socket(family, socket.SOCK_STREAM) as listening:
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listening.bind((host, port))
+            # A browser that is opened at once waits until the server answers, and is not refused.
+            listening.listen()
+        except OSError as error:
+            reason = error.strerror or error
+            raise InputError(f"--host {host} --port {port}: {reason}; choose another with --port") from None
+        port = listening.getsockname()[1]
+        shown = f"[{host}]" if ":" in host else host
+        address = f"http://{shown}:{port}/" + (f"?token={token}" if token is not None else "")
+        app = create_app(project)
+        guarded = Guard(app, allowed_hosts(host, port), token, every_address=host in EVERY_ADDRESS)
+        config = uvicorn.Config(guarded, log_level="warning", access_log=False, timeout_graceful_shutdown=1)
+        note(f"workbench: {address}  (Ctrl-C ends it)")
+        if browser:
+            import webbrowser
 
-        threading.Timer(0.3, webbrowser.open, (address,)).start()
-    server = uvicorn.Server(config)
-    try:
-        server.run(sockets=[listening])
-    finally:
-        app.state.jobs.close()
-        listening.close()
+            threading.Timer(0.3, webbrowser.open, (address,)).start()
+        try:
+            uvicorn.Server(config).run(sockets=[listening])
+        finally:
+            app.state.jobs.close()
