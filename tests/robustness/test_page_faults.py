@@ -8,9 +8,11 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
+from stagecad.parameters.errors import InputError
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.project import Project
 from workbench.page.security import Guard, allowed_hosts
@@ -153,6 +155,79 @@ def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient,
     with TestClient(create_app(Project(folder, Path("build")))) as again:
         found = again.get("/api/machine")
         assert (found.status_code, found.json()["changes"]) == (200, {})
+
+
+JOB = {
+    "schema": 1,
+    "number": 7,
+    "lane": "simulation",
+    "task": "simulate",
+    "title": "",
+    "subject": "",
+    "state": "done",
+    "error": "",
+    "created": 1.0,
+    "began": 1.0,
+    "ended": 2.0,
+    "arguments": {},
+}
+CURVES = "/api/jobs/7/curves/0?series="
+
+
+def kept_job(folder: Path, text: str, **files: bytes) -> None:
+    place = folder / "build" / "workbench" / "jobs" / "00007"
+    place.mkdir(parents=True)
+    for name, data in {"job.json": text.encode(), "result.json": b"{}", **files}.items():
+        (place / name).write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["5", "null", "[]", "[" * 100_000, *(json.dumps({**JOB, **one}) for one in (
+        {"number": 10**30}, {"number": -1}, {"number": 8}, {"state": "no"}, {"title": {}}, {"schema": 0}
+    ))],
+)  # fmt: skip
+def test_a_job_that_is_not_one_is_left_out(client: TestClient, folder: Path, text: str) -> None:
+    kept_job(folder, text)
+    with TestClient(create_app(Project(folder, Path("build")))) as again:
+        assert again.get("/api/jobs").json() == []
+
+
+@pytest.mark.parametrize("data", [b"{", b"\xff\xfe", b"[" * 100_000, b"\x93NUMPY"])
+def test_damaged_results_of_a_job_are_said(folder: Path, data: bytes) -> None:
+    kept_job(folder, json.dumps(JOB), **{"result.json": data, "curves_0.npy": data})
+    with TestClient(create_app(Project(folder, Path("build"))), raise_server_exceptions=False) as again:
+        refused(again.get("/api/jobs/7/result"), "damaged")
+        refused(again.get(f"{CURVES}0"), "damaged")
+
+
+def test_positions_of_series_are_decimal_numbers(folder: Path) -> None:
+    kept_job(folder, json.dumps(JOB))
+    np.save(folder / "build" / "workbench" / "jobs" / "00007" / "curves_0.npy", np.zeros((2, 9)))
+    with TestClient(create_app(Project(folder, Path("build"))), raise_server_exceptions=False) as again:
+        assert again.get(f"{CURVES}1&start=nan&stop=-inf&columns=-5").status_code == 200
+        for words in ("2", "-1", "\u00b2", "0,x", "9" * 5000):
+            refused(again.get(f"{CURVES}{words}"), "series")
+
+
+@links
+@pytest.mark.parametrize("name", ["build", "build/workbench", "build/workbench/jobs", "build/workbench/machine.json"])
+def test_results_are_not_linked_out_of_the_folder(folder: Path, name: str) -> None:
+    (folder.parent / "elsewhere").mkdir()
+    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    (folder / name).symlink_to(folder.parent / "elsewhere")
+    with pytest.raises(InputError, match="leads out of the folder"):
+        create_app(Project(folder, Path("build")))
+
+
+@links
+def test_results_of_an_experiment_are_not_linked_out_of_the_folder(client: TestClient, folder: Path) -> None:
+    (folder.parent / "elsewhere").mkdir()
+    (folder / "rig").mkdir()
+    (folder / "rig" / "experiment.toml").write_text(RIG + RECORD.format("fit.csv"))
+    (folder / "build").mkdir(exist_ok=True)
+    (folder / "build" / "rig").symlink_to(folder.parent / "elsewhere")
+    every_route(client, "rig", "leads out of the folder")
 
 
 def test_what_no_route_answers_has_the_form_of_errors(client: TestClient) -> None:

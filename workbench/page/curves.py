@@ -45,7 +45,13 @@ def read_curves(folder: Path, number: int) -> np.ndarray:
     path = folder / f"curves_{number}.npy"
     if not path.is_file():
         raise InputError(f"curves {number}: there are none")
-    return np.load(path, mmap_mode="r", allow_pickle=False)
+    try:
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    except ValueError:
+        array = np.empty(0)
+    if array.ndim != 2 or array.dtype.kind != "f" or not array.size:
+        raise InputError(f"curves {number}: are damaged; start the job again")
+    return array
 
 
 def read_blocks(folder: Path, number: int) -> np.ndarray | None:

@@ -21,8 +21,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from pydantic import TypeAdapter
+
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.input_file import read_input
 from stagecad.processes import started_pool
 from workbench.operations.result import finite
 from workbench.page.job_process import begin_jobs, perform
@@ -132,7 +135,10 @@ class JobRunner:
         path = self.folder / f"{number:05d}" / "result.json"
         if self.get(number).state != "done" or not path.is_file():
             raise InputError(f"job {number}: has no result")
-        return json.loads(path.read_text("utf-8"))
+        try:
+            return json.loads(path.read_text("utf-8"))
+        except (ValueError, RecursionError):
+            raise InputError(f"job {number}: its result is damaged; start it again") from None
 
     def cancel(self, number: int) -> Job:
         """Cancel a waiting or running job; a finished one stays as it is."""
@@ -246,10 +252,10 @@ class JobRunner:
 
     def _read(self) -> None:
         for path in sorted(self.folder.glob("*/job.json")):
-            with suppress(OSError, ValueError, TypeError, KeyError):
-                kept = json.loads(path.read_text("utf-8"))
-                if kept.pop("schema") == SCHEMA:
-                    job = Job(**kept)
+            with suppress(OSError, ValueError, TypeError, LookupError, RecursionError):
+                text = read_input(path)
+                job = TypeAdapter(Job).validate_json(text)
+                if json.loads(text)["schema"] == SCHEMA and self.job_folder(job) == path.parent:
                     if job.state in ("waiting", "running"):
                         job.state, job.error = "cancelled", "the server ended"
                     self.jobs[job.number] = job

@@ -205,7 +205,7 @@ class MachineSession:
                 self._history, self._place = history, place
         except FileNotFoundError:
             pass
-        except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+        except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
             self.file, self._text = first
             reason = " ".join(str(error).split())[:200]
             remark(f"{self._state}: the changes of an earlier server are left out ({reason})")

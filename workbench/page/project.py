@@ -11,7 +11,7 @@ from typing import Any
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from workbench.operations.design import Design
-from workbench.operations.measurement.experiment import named_files
+from workbench.operations.measurement.experiment import named_files, results_key
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3
@@ -38,6 +38,15 @@ class Project:
     out: Path
     params: Path | None = None
     trust: bool = False
+
+    def __post_init__(self) -> None:
+        for path in (self.results, self.state, self.state / "jobs", self.state / "machine.json"):
+            self.require_own(path)
+
+    def require_own(self, path: Path) -> None:
+        """Refuse a place of results that a link leads out of the folder."""
+        if not self.out.is_absolute() and not path.resolve().is_relative_to(self.folder.resolve()):
+            raise InputError(f"{path}: is a link that leads out of the folder; name the place by --out")
 
     @property
     def results(self) -> Path:
@@ -80,6 +89,7 @@ class Project:
             self.inside(f"{name}/{file}" if not os.path.isabs(file) else file)
         for rung in (folder / "ladder").glob("*"):
             self.inside(f"{name}/ladder/{rung.name}")
+        self.require_own(self.results / results_key(self.results, folder, self.folder))
         if code and not self.trust:
             raise InputError(
                 f"{name}/{EXPERIMENT}: [model] custom names Python code; only 'stagecad workbench --trust' runs it"

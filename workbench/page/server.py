@@ -141,10 +141,12 @@ def _add_common_routes(app: FastAPI) -> None:
         """
         folder = jobs.job_folder(jobs.get(number))
         array = read_curves(folder, curves)
-        words = series.split(",")
-        if not all(word.isdigit() and int(word) < len(array) for word in words) or len(words) > 20:
+        try:
+            rows = [int(word) for word in series.split(",")]
+        except ValueError:  # Python converts no number of more than 4300 digits
+            rows = [-1]
+        if not all(0 <= row < len(array) for row in rows) or len(rows) > 20:
             raise InputError(f"series {series!r}: positions below {len(array)} are required")
-        rows = [int(word) for word in words]
         if pairs:
             found = sampled(array, rows, start, stop, columns)
         else:
@@ -182,6 +184,11 @@ def _add_errors(app: FastAPI) -> None:
     async def no_file(request: Request, error: OSError) -> JSONResponse:
         name = str(error.filename or "file").replace(f"{app.state.project.folder}{os.sep}", "")
         return JSONResponse({"error": f"{name}: {error.strerror or error}"}, status_code=500)
+
+    @app.exception_handler(Exception)
+    async def unexpected(request: Request, error: Exception) -> JSONResponse:
+        # The server writes the traceback to its standard error.
+        return JSONResponse({"error": f"unexpected {type(error).__name__}; please report it"}, status_code=500)
 
 
 def _warm_up(app: FastAPI) -> None:
