@@ -40,51 +40,22 @@ class Look(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each channel of each record: range, gaps, rows of each fault; SI."""
-        return frame(self._rows(), "record", "channel")
-
-    def _rows(self) -> list[dict[str, Any]]:
-        rows = []
-        for record in self.records:
-            for channel, values in record.channels.items():
-                counts = {
-                    kind: sum(int(f.rows.sum()) for f in record.faults if (f.channel, f.kind) == (channel, kind))
-                    for kind in ("clipped", "frozen", "dropped")
-                }
-                some = np.isfinite(values).any()
-                rows.append(
-                    {
-                        "record": record.name,
-                        "channel": channel,
-                        "unit": record.units[channel],
-                        "low": float(np.nanmin(values)) if some else None,
-                        "high": float(np.nanmax(values)) if some else None,
-                        "gaps": int(np.isnan(values).sum()) - sum(counts.values()),
-                        **counts,
-                    }
-                )
-        return rows
+        rows = [{"record": r.name, "channel": name, **row} for r in self.records for name, row in _channels(r).items()]
+        return frame(rows, "record", "channel")
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad look --json`."""
         records = [
             {
-                "name": record.name,
-                "role": record.role,
-                "file": record.file,
+                **{name: getattr(record, name) for name in ("name", "role", "file", "uniform", "sha256")},
                 "rows": record.size,
                 "seconds": float(record.time[-1] - record.time[0]),
                 "step": {"value": record.step, "unit": "s"},
-                "uniform": record.uniform,
                 "notes": list(record.notes),
-                "sha256": record.sha256,
                 "channels": {
-                    row["channel"]: {
-                        "low": {"value": row["low"], "unit": row["unit"]},
-                        "high": {"value": row["high"], "unit": row["unit"]},
-                        **{key: row[key] for key in ("gaps", "clipped", "frozen", "dropped")},
-                    }
-                    for row in self._rows()
-                    if row["record"] == record.name
+                    channel: {**row, **{end: {"value": row[end], "unit": unit} for end in ("low", "high")}}
+                    for channel, row in _channels(record).items()
+                    if (unit := row.pop("unit"))
                 },
             }
             for record in self.records
@@ -97,14 +68,11 @@ class Look(Result):
         for record in self.records:
             span = format_quantity(float(record.time[-1] - record.time[0]), "s", 4)
             shown.append(f"{record.name} ({record.role}): {record.size} rows, {span}, {record.file}")
-            for row in self._rows():
-                if row["record"] != record.name:
-                    continue
-                ends = [
-                    "none" if row[end] is None else format_quantity(row[end], row["unit"], 4) for end in ("low", "high")
-                ]
-                faults = [f"{row[kind]} {kind}" for kind in ("gaps", "clipped", "frozen", "dropped") if row[kind]]
-                shown.append(f"  {row['channel']}: {' .. '.join(ends)}" + (f"; {', '.join(faults)}" if faults else ""))
+            for channel, row in _channels(record).items():
+                ends = " .. ".join(format_quantity(row[end], row["unit"], 4) for end in ("low", "high"))
+                shown.append(
+                    "; ".join([f"  {channel}: {ends}", *(f"{row[kind]} {kind}" for kind in KINDS if row[kind])])
+                )
         return shown
 
     def plot(self) -> Plot:
@@ -115,6 +83,23 @@ class Look(Result):
 
     def __repr__(self) -> str:
         return f"<Look at {len(self.records)} records: {len(self.warnings)} warnings>"
+
+
+KINDS = ("gaps", "clipped", "frozen", "dropped")
+"""What a row of a channel may be in place of a measurement."""
+
+
+def _channels(record: Record) -> dict[str, dict[str, Any]]:
+    """Unit, range, gaps and rows of each fault of each channel, SI."""
+    found = {}
+    for channel, values in record.channels.items():
+        counts = dict.fromkeys(KINDS, 0)
+        for fault in record.faults:
+            counts[fault.kind] += int(fault.rows.sum()) if fault.channel == channel else 0
+        counts["gaps"] = int(np.isnan(values).sum()) - sum(counts.values())
+        ends = {"low": float(np.nanmin(values)), "high": float(np.nanmax(values))}
+        found[channel] = {"unit": record.units[channel], **ends, **counts}
+    return found
 
 
 def look(experiment: str | Path | Experiment, design: Design | None = None) -> Look:
