@@ -151,9 +151,10 @@ def run_line(arguments: Sequence[str]) -> int:
         if isinstance(error, ImportError) and "failed to map segment" not in str(error):
             raise
         return _refused("there is not enough memory; give shorter records, or fewer of them")
-    except SystemExit:
-        return _refused("Python code of your own ended the program (sys.exit); it must return")
-    except BrokenPipeError:
+    except (SystemExit, BrokenPipeError) as error:
+        # Rich ends the program where its reader has gone.
+        if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
+            return _refused("Python code of your own ended the program (sys.exit); it must return")
         # The reader (head, less) has gone; this is not an error. Prevent the interpreter's message at exit.
         sys.stdout = None
         return 0
