@@ -34,7 +34,7 @@ _LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 
 Kind = Literal["number", "quantity", "date", "day", "compact", "clock", "minutes", "stamp", "gap", "text"]
 _TIMES: tuple[Kind, ...] = ("date", "day", "compact", "clock", "minutes", "stamp")
-_VALUED: tuple[Kind, ...] = ("number", "quantity", *_TIMES)
+_VALUED: tuple[Kind, ...] = ("number", "quantity", *(kind for kind in _TIMES if kind != "day"))
 
 
 Row = tuple[int, list[str]]
@@ -108,7 +108,7 @@ def kind_of_cell(cell: str, form: NumberForm, settings: Format) -> Kind:
 def unit_of_cell(cell: str, form: NumberForm) -> str:
     """The unit behind the number in a cell, as written; empty where there is no such unit."""
     match = _QUANTITY.fullmatch(cell) if len(cell) < 80 else None
-    if match is None or form.respelled(match["number"]) is None or is_hexadecimal(cell):
+    if match is None or form.respelled(match["number"]) is None or is_hexadecimal(cell) or form.respelled(cell):
         return ""
     return match["unit"] if column_unit(match["unit"]) is not None else ""
 
