@@ -262,9 +262,10 @@ def _term(
             'form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
         )
     if not stated and setting.scale is None:
+        key = str(column.index + 1) if header.numbered else f'"{column.name}"'
         raise InputError(
             f"{place} has no unit; write '{column.name} [{declared.unit}]' in the header, or "
-            f'[channels] {channel} = {{column = {_key(column, header)}, unit = "{declared.unit}"}} in the experiment'
+            f'[channels] {channel} = {{column = {key}, unit = "{declared.unit}"}} in the experiment'
         )
     unit = column_unit(stated) or stated if stated else "count"
     scale = setting.scale or (rated if unit == "%" else None)
@@ -294,10 +295,6 @@ def _term(
         f"{setting.where or place}: '{unit}' times scale = '{scale.text}' is no '{declared.unit}'"
         + (f" or '{torque}'" if torque != declared.unit else "")
     )
-
-
-def _key(column: Column, header: Header) -> str:
-    return str(column.index + 1) if header.numbered else f'"{column.name}"'
 
 
 def _check_present(

@@ -51,8 +51,10 @@ def _locked(path: Path, end: float, busy: str) -> int:
         try:
             while not _try(handle):
                 if time.monotonic() >= end:
+                    found = re.fullmatch(rb"(\d+)\s*", _text(handle))
+                    holder = found[1].decode() if found else "unknown"
                     raise InputError(
-                        f"{busy}: another run is at work on it (process {_holder(handle)}); try again when it is done"
+                        f"{busy}: another run is at work on it (process {holder}); try again when it is done"
                     )
                 time.sleep(POLL_SECONDS)
             if _has_name(handle, path):
@@ -90,11 +92,6 @@ def _has_name(handle: int, path: Path) -> bool:
 def _text(handle: int) -> bytes:
     os.lseek(handle, 0, os.SEEK_SET)
     return os.read(handle, LONGEST)
-
-
-def _holder(handle: int) -> str:
-    found = re.fullmatch(rb"(\d+)\s*", _text(handle))
-    return found[1].decode() if found else "unknown"
 
 
 def _write_holder(handle: int) -> None:

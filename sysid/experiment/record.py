@@ -163,7 +163,11 @@ def _record(
     notes: list[str],
 ) -> Record:
     """One run of a file as a record, with gaps where its sensors have no value of their own."""
-    units = {channel: _si_unit(channel, spec, rig, rotary) for channel in values}
+    computed = spec.balance.kind.balance if spec.balance is not None else {}
+    units = {
+        channel: rig.declared(channel).si_unit(rotary) if channel in computed else spec.sources[channel].si_unit
+        for channel in values
+    }
     faults = faults_of(time, values, units, [channel for channel in rig.measured_channels if channel in values])
     steps = np.diff(time)
     step = float(np.median(steps))
@@ -185,12 +189,6 @@ def _record(
         noise={**noise, **spec.noise},
         faults=tuple(faults),
     )
-
-
-def _si_unit(channel: str, spec: RecordSpec, rig: RigKind, rotary: bool) -> str:
-    """SI unit of a channel that was recorded or computed."""
-    computed = spec.balance is not None and channel in spec.balance.kind.balance
-    return rig.declared(channel).si_unit(rotary) if computed else spec.sources[channel].si_unit
 
 
 def _check_rows(rows: int, name: str) -> None:

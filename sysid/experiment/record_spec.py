@@ -105,7 +105,10 @@ def _read_spec(
     )
     if opened.header.remarks:
         notes.insert(0, f"read as: {', '.join(opened.header.remarks)}")
-    start, stop = (_bound(table, key) if key in table.data else None for key in ("from", "to"))
+    start, stop = (
+        Bound(quantity(table, key, "s"), table.text(key).lstrip().startswith("+")) if key in table.data else None
+        for key in ("from", "to")
+    )
     if start and stop and start.relative == stop.relative and start.value >= stop.value:
         raise InputError(f"{table.where()}: from = '{table.data['from']}' is not before to = '{table.data['to']}'")
     spec = RecordSpec(
@@ -122,11 +125,6 @@ def _read_spec(
         where=table.where(),
     )
     return spec, [(f"column '{sources[channel].label}' of {written}", turns) for channel, turns in rotary.items()]
-
-
-def _bound(table: TomlTable, key: str) -> Bound:
-    value = quantity(table, key, "s")
-    return Bound(value, table.text(key).lstrip().startswith("+"))
 
 
 def _unique_name(table: TomlTable, written: str, taken: list[str]) -> str:

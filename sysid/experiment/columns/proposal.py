@@ -161,7 +161,11 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     rig = find_rig(chosen, "--kind")
     found = _channels(guesses, rig, reasons)
     units = [guess.unit for index, guess in guesses.items() if index in found]
-    rotary = any(_is_rotary(unit) for unit in units if unit) if rig.rotary is None else rig.rotary
+    rotary = (
+        any(_fits(unit, si) for unit in units if unit for si in ("rad", "rad/s", "N*m"))
+        if rig.rotary is None
+        else rig.rotary
+    )
     proposals = [
         _proposal(index, opened, *found[index], guesses[index].unit, rig, rotary)
         if index in found
@@ -266,10 +270,6 @@ def _by_dimension(unit: str | None) -> str | None:
         if unit_dimension(unit) == unit_dimension(si):
             return meaning
     return None
-
-
-def _is_rotary(unit: str) -> bool:
-    return any(unit_dimension(unit) == unit_dimension(si) for si in ("rad", "rad/s", "N*m"))
 
 
 def _by_numbers(guesses: dict[int, Guess], columns: Mapping[int, np.ndarray]) -> None:

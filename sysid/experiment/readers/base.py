@@ -56,13 +56,7 @@ class Column(NamedTuple):
 
 
 class Reader(Protocol):
-    """The reader of one format. Its functions take what they need and keep nothing.
-
-    Args of the functions:
-        path: the file.
-        name: shown in messages.
-        settings: `[format]` of the experiment.
-    """
+    """The reader of one format: its functions keep nothing. `name` stands in messages, `settings` is `[format]`."""
 
     def read_header(self, path: Path, name: str, settings: Format) -> Header:
         """The labels. InputError: not readable in this format."""

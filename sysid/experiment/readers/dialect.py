@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -199,7 +199,9 @@ def _layout(
     labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
     start = settings.first_row or max(header[0], units[0]) + 1
     if not header[0] and not settings.first_row:
-        start = _first_of_numbers(rows, first, columns, form, settings)
+        # The first row of the columns' width that holds a number: gaps may stand beside it.
+        above = [row for row, cells in rows[:first] if len(cells) == width and any(map(form.value, cells))]
+        start = above[0] if above else rows[first][0] if first < len(rows) else 1
     days = [k for k, kind in enumerate(columns) if kind == "day"]
     dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
     by_column = {k: "date" if k in dates else kind for k, kind in enumerate(columns) if kind in _TIMES}
@@ -280,13 +282,11 @@ def _spelled(rows: Sequence[Sequence[str]], columns: Sequence[Kind], form: Numbe
         cells = [row[k] for row in rows if row[k] not in GAPS]
         if kind == "quantity":
             found[k] = unit_of_cell(cells[0], form)
-        elif kind == "number" and any(re.search(r"[^0-9.,eE+\-]", cell) or _has_groups(cell, form) for cell in cells):
+        elif kind == "number" and any(
+            re.search(r"[^0-9.,eE+\-]", cell) or (form.thousands and form.thousands in cell) for cell in cells
+        ):
             found[k] = ""
     return found
-
-
-def _has_groups(cell: str, form: NumberForm) -> bool:
-    return form.thousands != "" and form.thousands in cell
 
 
 def _kinds(rows: Sequence[Row], width: int, form: NumberForm, settings: Format) -> list[Kind]:
@@ -324,7 +324,7 @@ def _header(
 
     def cells_of(row: int) -> list[str]:
         text = lines[row - 1] if row <= len(lines) else ""
-        return split(_uncommented(text), way.delimiter)
+        return split(re.sub(r"^\s*(#+|%+|//+)\s*", "", text), way.delimiter)
 
     none: Row = (0, [])
     header, units = none, none
@@ -333,7 +333,8 @@ def _header(
     if settings.header is not None:
         header = (settings.header, cells_of(settings.header)) if settings.header else none
         if settings.header and settings.units_row is None and settings.first_row is None:
-            units = _units_below(settings.header, cells_of)
+            below = cells_of(settings.header + 1)
+            units = (settings.header + 1, [_bare(cell) for cell in below]) if _is_units(below) else none
         return header, units
     if first == len(rows):
         return (rows[0] if rows else none), units
@@ -358,11 +359,6 @@ def _header(
     return header, units
 
 
-def _units_below(header: int, cells_of: Callable[[int], list[str]]) -> Row:
-    below = cells_of(header + 1)
-    return (header + 1, [_bare(cell) for cell in below]) if _is_units(below) else (0, [])
-
-
 def _is_units(cells: Sequence[str]) -> bool:
     """Whether each filled cell is a unit, in brackets or not."""
     filled = [_bare(cell) for cell in cells if cell not in ("", "-")]
@@ -374,20 +370,6 @@ def _bare(cell: str) -> str:
     inner = re.fullmatch(r"[\[(<]\s*(.*?)\s*[\])>]", cell)
     text = inner[1] if inner else cell
     return "" if text == "-" else text
-
-
-def _uncommented(line: str) -> str:
-    return re.sub(r"^\s*(#+|%+|//+)\s*", "", line)
-
-
-def _first_of_numbers(
-    rows: Sequence[Row], first: int, columns: Sequence[Kind], form: NumberForm, settings: Format
-) -> int:
-    """Row from which a file without a header is read: the first of the columns' width that holds a number."""
-    for row, cells in rows[:first]:
-        if len(cells) == len(columns) and any(kind_of_cell(cell, form, settings) == "number" for cell in cells):
-            return row
-    return rows[first][0] if first < len(rows) else 1
 
 
 def _refuse_grouped(rows: Sequence[Sequence[str]], form: NumberForm, name: str) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from sysid.experiment.readers.format import Format
 
 
 class MemoryTable:
-    """Columns of one record in memory; stands in place of the path of a record file.
+    """Columns of one record in memory, and their `Reader`; stands in place of the path of a record file.
 
     Args:
         name: of the record, shown in messages.
@@ -40,22 +39,18 @@ class MemoryTable:
             found.update(np.ascontiguousarray(values).data)
         return found.hexdigest()
 
-
-class MemoryReader:
-    """A `Reader` of tables in memory, which stand in place of the path."""
-
-    def read_header(self, path: Path | MemoryTable, name: str, settings: Format) -> Header:
+    def read_header(self, path: Path, name: str, settings: Format) -> Header:
         """The labels; see `Reader`."""
-        return Header(tuple(cast(MemoryTable, path).columns))
+        return Header(tuple(self.columns))
 
     def read_columns(
-        self, path: Path | MemoryTable, name: str, header: Header, indices: Sequence[int], settings: Format
+        self, path: Path, name: str, header: Header, indices: Sequence[int], settings: Format
     ) -> list[Column]:
         """Columns as floats; see `Reader`."""
         found = []
         for index in indices:
             label = header.labels[index]
-            values = cast(MemoryTable, path).columns[label]
+            values = self.columns[label]
             if values.dtype.kind not in "biuf":
                 raise InputError(f"{name}: column '{label}': holds {values.dtype}, numbers are required")
             array = values.astype(float)

@@ -66,8 +66,9 @@ class NumberForm:
         """Regular expression (of RE2 too) of a number whose digits are grouped by one mark."""
         marks = (self.thousands, "[" + APOSTROPHES + "]", "[" + NO_BREAK + " " * self.blanks + "]")
         patterns = [mark if mark.startswith("[") else re.escape(mark) for mark in marks if mark]
-        # Groups before the last may have two digits, as in India.
-        forms = "|".join(rf"\d{{1,3}}(?:{mark}\d{{2,3}})*{mark}\d{{3}}" for mark in patterns)
+        # With commas, groups before the last may have two digits, as in India.
+        least = {mark: 2 if mark == "," else 3 for mark in patterns}
+        forms = "|".join(rf"\d{{1,3}}(?:{mark}\d{{{least[mark]},3}})*{mark}\d{{3}}" for mark in patterns)
         return rf"[+-]?(?:{forms})(?:{re.escape(self.decimal)}\d*)?{_EXPONENT}"
 
     @cached_property

@@ -22,7 +22,7 @@ from sysid.experiment.readers.base import (
 )
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.isolated import IsolatedReader
-from sysid.experiment.readers.memory import MemoryReader, MemoryTable
+from sysid.experiment.readers.memory import MemoryTable
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".lvm")
 """Text files with columns, also with .gz behind."""
@@ -94,8 +94,7 @@ def open_record_file(path: Path | MemoryTable, name: str, settings: Format | Non
     """Open a record file by its suffix, or a table in memory."""
     settings = settings or Format()
     if isinstance(path, MemoryTable):
-        reader = cast(Reader, MemoryReader())
-        return RecordFile(path, name, settings, reader, reader.read_header(cast(Path, path), name, settings))
+        return RecordFile(path, name, settings, path, path.read_header(Path(), name, settings))
     suffix = record_suffix(path.name)
     if suffix is None and not is_folder(path):
         raise InputError(f"{shown_path(name)}: {unknown_format(path.name)}")

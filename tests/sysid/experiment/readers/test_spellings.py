@@ -77,10 +77,10 @@ def test_a_mark_that_may_be_either_is_asked_for(tmp_path: Path) -> None:
 
 def test_what_is_no_number() -> None:
     form = NumberForm(",", ".")
-    for cell in ("1.23,4", "1,2,3", "--1", "1e", "0x1F", "1.2345,6", "12.34.56", "", "-", "1_000", "٣"):
+    for cell in ("1.23,4", "1,2,3", "--1", "1e", "0x1F", "1.2345,6", "12.34.567", "", "-", "1_000", "٣"):
         assert form.value(cell) is None or cell == "٣", cell
-    # Groups of two before the last three are Indian.
-    assert form.value("12.34.567") == 1_234_567.0 and NumberForm().value("1D-02") == 0.01
+    assert NumberForm(thousands=",").value("1,23,456.5") == 123456.5
+    assert [NumberForm().value(cell) for cell in ("1D-02", "3.25-", "0.5-102")] == [0.01, -3.25, 0.5e-102]
 
 
 MIDNIGHT = datetime(2024, 7, 30, 23, 59, 59, 800_000)
