@@ -203,7 +203,7 @@ def read_motion(experiment: Experiment, motion: str | Path | MemoryTable) -> Rec
     rig = replace(rig, measured=(), optional_measured=())
     file = motion if isinstance(motion, MemoryTable) else Path(motion)
     name = shown_path(str(file))
-    sources, rotary, notes = choose_columns(open_record_file(file, name).header, rig, name, {}, {}, name)
+    sources, rotary, notes = choose_columns(open_record_file(file, name).header, rig, name, {}, {}, name, {})
     for channel, turns in rotary.items():
         if turns != experiment.rig.rotary:
             kinds = ("rotary", "linear") if turns else ("linear", "rotary")
