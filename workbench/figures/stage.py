@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -196,7 +197,7 @@ def planar_figure(study: PlanarStudy) -> Plot:
 def positioning_figure(study: PositioningStudy) -> Plot:
     """Moves in time, and the size of their errors."""
     figure, axes = new_plot(2, len(study.moves), 3.9 * len(study.moves), 6.0, sharex="col", sharey="row")
-    for column, (ink, (name, move)) in enumerate(zip(INK, study.moves.items())):
+    for column, (ink, (name, move)) in enumerate(zip(cycle(INK), study.moves.items())):
         run = move.run
         axes[0, column].plot(run.time, run.position[:, 0] * 1e3, color=ink)
         axes[0, column].axhline(move.target * 1e3, color=GREY, linewidth=0.8)
