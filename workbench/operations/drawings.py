@@ -254,7 +254,7 @@ def sheets(design: Design, names: Sequence[str]) -> list[dict[str, Any]]:
 def cached_file(key: str, name: str) -> Path:
     """A file of the cache of solids and drawings, by the key of its entry."""
     path = ArtefactStore().folder / "entries" / key / name
-    if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3}", name):
+    if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3,4}", name):
         raise InputError(f"{key}/{name}: no file of the cache")
     if not path.is_file():
         raise InputError(f"{name}: no such file in the cache; make the solids again")

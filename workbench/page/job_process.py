@@ -25,6 +25,7 @@ TASKS = {
     "add": "tasks.measurement",
     "undo": "tasks.measurement",
     "suggest": "tasks.measurement",
+    "export": "tasks.measurement",
     "simulate": "tasks.simulation",
 }
 """Module of each task, of the function of the same name."""

@@ -19,6 +19,7 @@ FULL = 1e9
 """Limit of time for an answer that has all checks, s."""
 
 ARTEFACTS = {".glb": "model/gltf-binary", ".svg": "image/svg+xml", ".pdf": "application/pdf", ".png": "image/png"}
+ARTEFACTS |= {".dxf": "image/vnd.dxf", ".step": "model/step", ".stl": "model/stl"}
 IMMUTABLE = {"cache-control": "private, max-age=31536000, immutable"}
 
 Text = Annotated[str, Field(max_length=300)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse
@@ -11,6 +11,7 @@ from pydantic import Field
 from stagecad.parameters.errors import InputError
 from workbench.operations.measurement.experiment import results_key
 from workbench.operations.result import finite
+from workbench.page.project import plain_name
 from workbench.page.routes.experiments import project_of
 from workbench.page.routes.machine import Body, Text
 from workbench.page.security import REPORT_POLICY
@@ -30,6 +31,12 @@ class AddBody(Body):
     every: bool = False
     effects: Annotated[list[Text], Field(max_length=20)] = []
     drop: Annotated[list[Text], Field(max_length=20)] = []
+
+
+class ExportBody(Body):
+    """The language."""
+
+    to: Literal["python", "c", "modelica", "fmu", "matlab", "table"]
 
 
 class PredictBody(Body):
@@ -102,6 +109,23 @@ def undo(request: Request, name: str) -> dict[str, Any]:
 def suggest(request: Request, name: str) -> dict[str, Any]:
     """Start `stagecad suggest`."""
     return _submit(request, name, "suggest", "Next measurement")
+
+
+@router.post("/{name:path}/export")
+def export(request: Request, name: str, body: ExportBody) -> dict[str, Any]:
+    """Start `stagecad export`."""
+    return _submit(request, name, "export", f"Export to {body.to}", to=body.to)
+
+
+@router.get("/{name:path}/export/{file}")
+def exported(request: Request, name: str, file: str) -> FileResponse:
+    """A file of the exported model."""
+    project = project_of(request)
+    folder = project.experiment(name)
+    path = project.results_of(folder) / folder.name / "export" / plain_name(file)
+    if not path.is_file():
+        raise InputError(f"{name}: no exported file '{file}'")
+    return FileResponse(path, media_type="application/octet-stream", filename=file)
 
 
 @router.get("/{name:path}/report")

@@ -24,7 +24,7 @@ export class CheckList {
     this.data = new Map();
     this.counts = h('span', { class: 'counts' }, '–');
     this.failing = h('button', { class: 'small', 'aria-pressed': 'false', onclick: () => { toggle(this.failing); this.arrange(); } }, 'failing');
-    this.byMargin = h('button', { class: 'small', 'aria-pressed': 'false', title: 'Smallest margin first', onclick: () => { toggle(this.byMargin); this.arrange(); } }, 'by margin');
+    this.byMargin = h('button', { class: 'small', 'aria-pressed': 'false', title: 'Smallest margin first', onclick: () => { toggle(this.byMargin); this.arrange(); this.list.scrollTop = 0; } }, 'by margin');
     this.list = h('div', { class: 'scroll checks' });
     this.detail = h('div', { class: 'detail' }, h('p', { class: 'dim' }, 'Select a check for its formula, numbers and source.'));
     place.append(h('div', { class: 'head' }, h('h2', {}, 'Checks'), this.counts, h('span', { class: 'space' }), this.failing, this.byMargin), this.list, this.detail);

@@ -97,3 +97,9 @@ export function withdraw(text) { if (document.getElementById('message').textCont
 
 /** A short line in a colour, for a legend. */
 export const swatch = (ink) => { const s = h('i', { class: 'swatch' }); s.style.background = ink; return s; };
+
+/** An entry of a legend that switches its curve: `hidden` is the set of the labels that are not drawn. */
+export function legendItem(ink, label, hidden, redraw) {
+  return h('button', { 'aria-pressed': String(!hidden.has(label)), title: `show or hide: ${label}`, onclick: () => { if (!hidden.delete(label)) hidden.add(label); redraw(); } },
+    swatch(ink.startsWith('#') ? ink : `var(--${ink})`), label);
+}

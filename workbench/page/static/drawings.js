@@ -35,6 +35,9 @@ export class Drawings {
     fill(this.names, Object.entries(sheets).flatMap(([subject, names]) => names.map((name) =>
       h('button', { class: 'sheet', dataset: { name }, onclick: () => this.open(subject, name) }, words(name)))));
     this.mark();
+    // Something to look at: the first sheet, until another one is chosen.
+    const [[subject, [first]]] = Object.entries(sheets);
+    if (!this.name) this.open(subject, first);
   }
 
   mark() { for (const one of this.names.children) one.setAttribute('aria-pressed', String(one.dataset.name === this.name)); }
@@ -50,9 +53,9 @@ export class Drawings {
       const sheet = found.sheets.find((one) => one.name === name) ?? found.sheets[0];
       if (!current()) return;
       this.paper.src = `/api/machine/artefacts/${sheet.key}/${sheet.name}.svg`;
-      fill(this.note, `${words(sheet.name)}   ${sheet.paper}   ${sheet.scale}   ${sheet.views.join(', ')}   `,
-        h('a', { href: `/api/machine/artefacts/${sheet.key}/${sheet.name}.pdf`, target: '_blank' }, 'PDF'),
-        sheet.hits.length ? h('span', { class: 'bad' }, `   ${sheet.hits.length} lint hits`) : '   no lint hits');
+      const file = (kind) => h('a', { href: `/api/machine/artefacts/${sheet.key}/${sheet.name}.${kind}`, ...(kind === 'dxf' ? { download: `${sheet.name}.dxf` } : { target: '_blank' }) }, kind.toUpperCase());
+      fill(this.note, ['pdf', 'dxf', 'svg'].map(file), sheet.hits.length ? h('span', { class: 'bad' }, `${sheet.hits.length} lint hits`) : h('span', {}, 'no lint hits'),
+        h('span', {}, words(sheet.name)), h('span', {}, sheet.paper), h('span', {}, sheet.scale), h('span', { class: 'views', title: sheet.views.join(', ') }, sheet.views.join(', ')));
     } catch (error) {
       if (!current()) return;
       if (error.name === 'Cancelled') fill(this.note, `${words(name)}: ${error.message}; choose the sheet again`);

@@ -38,7 +38,7 @@ class Machine {
     };
     this.makeSolids(this.panes.solids);
     this.drawings = new Drawings(this.panes.drawings);
-    this.violations = h('div', { class: 'violations', role: 'alert' });
+    this.violations = h('div', { class: 'violations', role: 'alert', hidden: true });
     middle.append(
       h('div', { class: 'head' }, h('span', { class: 'group' }, Object.values(this.tabs)), h('span', { class: 'space' }), this.file, this.undo, this.redo, this.save),
       this.place = h('div', { class: 'panes' }, Object.values(this.panes), this.violations));
@@ -248,6 +248,7 @@ class Machine {
         h('dt', {}, 'material'), h('dd', {}, words(found.material))),
       h('div', { class: 'actions' },
         h('button', { class: 'small', onclick: () => this.parameters.only(found.reads, `read by ${words(name)}`) }, `${found.reads.length} parameters`),
+        ['step', 'stl'].map((kind) => h('a', { class: 'report', href: `/api/machine/artefacts/${found.key}/${name}.${kind}`, download: `${name}.${kind}` }, kind.toUpperCase())),
         h('button', { class: 'small', onclick: () => this.view.hide(name) }, this.view.hidden.has(name) ? 'show' : 'hide')));
   }
 

@@ -1,6 +1,6 @@
 // Residual maps: mean residual, in deviations of the noise, over each coordinate.
 import { h, fill, number, scaleOf, words } from './dom.js';
-import { INKS, XyPlot } from './plot.js';
+import { XyPlot } from './plot.js';
 
 let plots = [];
 let redraw = () => {};
@@ -20,11 +20,10 @@ export function drawMaps(place, maps) {
   maps.forEach((map, k) => {
     const { factor, unit } = scaleOf(Math.max(...map.centres.map(Math.abs)), map.unit);
     const plot = new XyPlot(place.children[k].lastChild, { x: unit, y: '', xFactor: factor });
-    const inks = INKS();
     if (map.coordinate === 'frequency') {
-      plot.set([{ x: map.centres, y: map.forward.map((v) => v ?? 0), ink: inks[0], width: 1.2 }]);
+      plot.set([{ x: map.centres, y: map.forward.map((v) => v ?? 0), ink: 'accent', width: 1.2 }]);
     } else {
-      const sets = [['backward', inks[3]], ['forward', inks[0]]].flatMap(([side, ink]) => {
+      const sets = [['backward', 'map-backward'], ['forward', 'map-forward']].flatMap(([side, ink]) => {
         const kept = map.centres.map((x, i) => [x, map[side][i], map[`${side}_error`][i]]).filter(([, y]) => y !== null);
         const bars = kept.flatMap(([x, y, e]) => (e ? [{ x: [x, x], y: [y - 2 * e, y + 2 * e], ink, width: 1 }] : []));
         return [...bars, { x: kept.map(([x]) => x), y: kept.map(([, y]) => y), ink, width: 1.4 }, { x: kept.map(([x]) => x), y: kept.map(([, y]) => y), ink, points: true, width: 4 }];

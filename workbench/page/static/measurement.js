@@ -7,7 +7,8 @@ import { drawMaps } from './maps.js';
 import { Overlay } from './overlay.js';
 import { ModelSliders, predictor } from './sliders.js';
 
-const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest']);
+const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest', 'export']);
+const LANGUAGES = { python: 'Python', c: 'C', fmu: 'FMU', modelica: 'Modelica', matlab: 'MATLAB', table: 'table' };
 
 class Measurement {
   constructor(section) {
@@ -49,7 +50,7 @@ class Measurement {
     this.overlay = new Overlay();
     this.sliders = new ModelSliders((body) => predictor(path(this.name))(body), this.overlay);
     this.overlay.onchoose = () => { if (Object.keys(this.sliders.values ?? {}).length) this.sliders.ask(); };
-    this.maps = h('div', { class: 'maps' });
+    this.maps = h('div', { class: 'maps', tabindex: '0', role: 'region', 'aria-label': 'residual over each coordinate' });
     this.statement = h('p', { class: 'statement' }, 'Choose an experiment, or drop record files on the page.');
     this.warnings = h('ul', { class: 'warnings warn' });
     this.raw = h('details', { class: 'raw', hidden: true }, h('summary', {}, 'Channels as logged'), this.picture = h('img', { alt: 'every channel over time, with its faults marked' }));
@@ -62,10 +63,12 @@ class Measurement {
     this.undo = h('button', { disabled: true, title: 'Back to the rung before', onclick: () => this.start('undo') }, 'Undo');
     this.report = h('a', { class: 'report', target: '_blank', hidden: true }, 'Report');
     this.json = h('a', { class: 'report', target: '_blank', hidden: true }, 'JSON');
+    this.language = h('select', { class: 'small', hidden: true, 'aria-label': 'export the fitted model', title: 'Write the fitted model in another language', onchange: () => { const to = this.language.value; this.language.value = ''; if (to) this.start('export', { to }); } },
+      h('option', { value: '' }, 'Export model'), Object.entries(LANGUAGES).map(([value, text]) => h('option', { value }, text)));
     this.progress = h('div', { class: 'search' });
     this.ranking = h('div', { class: 'scroll' });
     fill(this.right, h('div', { class: 'head' }, this.diagnose, this.suggest, h('span', { class: 'space' }), this.undo), this.progress, this.ranking,
-      h('div', { class: 'foot' }, this.report, this.json));
+      h('div', { class: 'foot' }, this.report, this.json, h('span', { class: 'space' }), this.language));
   }
 
   async start_() {
@@ -96,7 +99,19 @@ class Measurement {
       this.available.map(({ name, meaning }) => h('button', { class: 'offer', onclick: () => this.copy(name) }, h('b', {}, words(name)), h('span', { class: 'dim' }, meaning))));
   }
 
-  shown(name) { if (name && name !== this.name && this.experiments?.some((one) => one.name === name)) this.choose(name); }
+  /** `#measurement/NAME?with=EFFECT`: an experiment, and the candidate that is drawn over its record. */
+  shown(link) {
+    const [name, candidate] = link.split('?with=');
+    if (!name) { this.link(); return; }
+    this.wanted = candidate ?? null;
+    if (name !== this.name) { if (this.experiments?.some((one) => one.name === name)) this.choose(name); } else if (this.candidates?.has(candidate) && this.preview !== candidate) this.previewOf(candidate);
+  }
+
+  /** The address names what is shown, so that it can be kept or sent. */
+  link() {
+    if (this.section.hidden || !this.name) return;
+    history.replaceState(null, '', `#measurement/${path(this.name)}${this.preview ? `?with=${encodeURIComponent(this.preview)}` : ''}`);
+  }
 
   async choose(name) {
     const current = this.turn.choice();
@@ -111,7 +126,8 @@ class Measurement {
     this.found = this.shownJob = null;
     this.middle.classList.add('blank');
     fill(this.statement, '');
-    this.warnings.hidden = this.report.hidden = this.json.hidden = this.raw.hidden = true;
+    this.warnings.hidden = this.report.hidden = this.json.hidden = this.raw.hidden = this.language.hidden = true;
+    this.link();
     try {
       await this.readLadder();
     } catch (error) {
@@ -124,7 +140,7 @@ class Measurement {
     this.look(name).catch((error) => say(error.message, 'bad'));
     const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
     const active = mine.filter((job) => job.state === 'running' || job.state === 'waiting').at(-1);
-    const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest').at(-1);
+    const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest' && job.task !== 'export').at(-1);
     // What was found before a reload is shown again, as long as the file of the experiment is the same.
     if (done) {
       const found = await result(done).catch(() => null);
@@ -250,6 +266,7 @@ class Measurement {
 
   show(job, found) {
     if (job.task === 'suggest') { this.showSuggestion(found); return; }
+    if (job.task === 'export') { this.showExport(found); return; }
     const view = found.comparison ?? found;
     this.found = found;
     this.shownJob = job.number;
@@ -264,7 +281,7 @@ class Measurement {
     this.warn(view.document.warnings ?? []);
     this.raw.open = false;
     if (job.task === 'diagnose') this.showDiagnosis(found); else this.showComparison(view);
-    this.report.hidden = this.json.hidden = false;
+    this.report.hidden = this.json.hidden = this.language.hidden = false;
     this.report.href = `/api/experiment/${path(this.name)}/report`;
     this.json.href = `/api/jobs/${job.number}/result`;
   }
@@ -290,8 +307,9 @@ class Measurement {
         h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
       errorTable(document.before, 'Error of the present model'), this.sliders.card(document, [], document.effect ? `Fitted values with ${words(document.effect)}` : 'Fitted values'), this.records(found));
-    const first = document.effect ?? document.ranking[0]?.effect;
-    if (first && document.verdict !== 'adequate') this.previewOf(first);
+    const first = this.candidates.has(this.wanted) ? this.wanted : document.effect ?? document.ranking[0]?.effect;
+    if (first && (document.verdict !== 'adequate' || first === this.wanted)) this.previewOf(first);
+    this.wanted = null;
   }
 
   addAll({ ledger }) {
@@ -327,6 +345,7 @@ class Measurement {
     this.preview = this.preview === effect ? null : effect;
     for (const [name, element] of this.candidates) element.setAttribute('aria-selected', String(name === this.preview));
     this.overlay.compareWith(this.preview);
+    this.link();
   }
 
   records(found) {
@@ -342,6 +361,13 @@ class Measurement {
       h('table', {}, h('thead', {}, h('tr', {}, h('th', {}, 'motion'), h('th', { class: 'num' }, 'time'), h('th', { class: 'num' }, 'separates'))),
         h('tbody', {}, best.map((row) => h('tr', { title: `${row.reason}\n${row.file}` }, h('td', {}, row.motion), h('td', { class: 'num' }, `${number(row.seconds, 3)} s`), h('td', { class: 'num' }, row.deviations ? `${number(row.deviations, 3)} σ` : '–'))))),
       h('p', { class: 'dim', title: best[0]?.file }, `Written as CSV files to ${best[0]?.file.split(/[\\/]/).slice(-4, -1).join('/')}`)));
+    this.ranking.scrollTop = 0;
+  }
+
+  showExport(found) {
+    this.ranking.querySelector('.exported')?.remove();
+    const file = (name) => h('p', {}, h('a', { class: 'report', href: `/api/experiment/${path(this.name)}/export/${name}`, download: name }, name));
+    this.ranking.prepend(h('div', { class: 'card exported' }, h('h3', {}, 'Exported model'), found.names.map(file), found.left_out.map((text) => h('p', { class: 'dim' }, `left out: ${text}`))));
     this.ranking.scrollTop = 0;
   }
 

@@ -1,6 +1,6 @@
 // Model over measurement: signal and residual with linked zoom, or force over velocity and position.
 import { curves } from './api.js';
-import { h, fill, number, say, scaleOf, swatch, words } from './dom.js';
+import { h, fill, legendItem, number, say, scaleOf, words } from './dom.js';
 import { INKS, LinePlot, XyPlot, scaled } from './plot.js';
 
 export class Overlay {
@@ -18,6 +18,7 @@ export class Overlay {
     addEventListener('themechange', () => { if (this.one) this.build(); });
     this.range = null;
     this.shifted = null;
+    this.hidden = new Set();
   }
 
   /** Overlays of a job; the same record and channel as before where there is one. */
@@ -62,14 +63,15 @@ export class Overlay {
 
   get lines() {
     const inks = INKS();
-    const models = this.shifted ? [['model', inks[3]], ['moved', inks[0]]] : this.other ? [['model', inks[3]], [this.other, inks[0]]] : [['model', inks[0]]];
+    // One colour for each meaning: the fitted model, a candidate, and values that are moved by hand.
+    const models = [['model', inks[0]], ...(this.shifted ? [['moved', 'map-forward']] : this.other ? [[this.other, 'good']] : [])];
     return models.map(([name, ink]) => ({ name, ink, label: name === 'model' ? 'model' : name === 'moved' ? 'changed' : `with ${words(name)}` }));
   }
 
   async build() {
     const turn = this.turn = (this.turn ?? 0) + 1;
     const lines = this.lines;
-    fill(this.legend, h('span', {}, swatch('var(--measured)'), 'measured'), lines.map(({ ink, label }) => h('span', {}, swatch(ink), label)));
+    fill(this.legend, [{ ink: 'measured', label: 'measured' }, ...lines].map(({ ink, label }) => legendItem(ink, label, this.hidden, () => this.build())));
     try {
       if (this.abscissa.value) await this.overMotion(lines, turn); else await this.overTime(lines);
     } catch (error) { say(error.message, 'bad'); }
@@ -95,7 +97,8 @@ export class Overlay {
     const whole = [one.from, one.to];
     const read = (plot, k) => (index) => this.readOut(plot(), k, index);
     const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => this.load().catch((error) => say(error.message, 'bad')) };
-    const measured = { label: 'measured', ink: 'measured', width: 2.4 };
+    const shown = (label) => !this.hidden.has(label);
+    const measured = { label: 'measured', ink: 'measured', width: 2.4, show: shown('measured') };
     const { factor, unit } = scaleOf(one.largest, one.unit);
     const usual = one.usual || one.noise;
     const small = scaleOf(Math.max(usual, 2 * one.noise), one.unit);
@@ -107,8 +110,8 @@ export class Overlay {
     this.scales = [factor, small.factor];
     const reach = Math.max(2.2 * usual, 4 * one.noise) * small.factor;
     this.plots = [
-      new LinePlot(this.signal, { ...common, oncursor: read(() => this.plots[0], 0), x: '', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2 }))] }),
-      new LinePlot(this.residual, { ...common, oncursor: read(() => this.plots[1], 1), x: 'time (s)', y: `residual (${small.unit})`, band: 2 * one.noise * small.factor, series: lines.map(({ label, ink }) => ({ label, ink, width: 1 })),
+      new LinePlot(this.signal, { ...common, oncursor: read(() => this.plots[0], 0), x: '', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2, show: shown(label) }))] }),
+      new LinePlot(this.residual, { ...common, oncursor: read(() => this.plots[1], 1), x: 'time (s)', y: `residual (${small.unit})`, band: 2 * one.noise * small.factor, series: lines.map(({ label, ink }) => ({ label, ink, width: 1, show: shown(label) })),
         yRange: (low, high) => { const top = Math.min(Math.max(Math.abs(low), Math.abs(high)) * 1.1 || reach, reach); return [-Math.max(top, 3 * one.noise * small.factor), Math.max(top, 3 * one.noise * small.factor)]; } }),
     ];
     await this.load();
@@ -145,11 +148,12 @@ export class Overlay {
     const top = new XyPlot(this.signal, { x: label, y: `${words(one.channel)} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });
     const bottom = new XyPlot(this.residual, { x: label, y: `residual (${small.unit})`, xFactor: sx.factor, yFactor: small.factor });
     this.plots = [top, bottom];
-    top.set([{ x, y: measured, ink: 'measured', points: true, width: 2.6 }, ...lines.map(({ ink }, k) => ({ x, y: rest[2 * k], ink, points: true, width: 1.6 }))]);
+    const shown = ({ label }) => !this.hidden.has(label);
+    top.set([{ x, y: measured, ink: 'measured', label: 'measured', points: true, width: 2.6 }, ...lines.map(({ ink, label }, k) => ({ x, y: rest[2 * k], ink, label, points: true, width: 1.6 }))].filter(shown));
     // A few samples next to reversals would set the scale and hide all others.
     const reach = Math.max(2.2 * one.usual, 4 * one.noise);
     const ends = x.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-    bottom.set(residuals.map((y, k) => ({ x, y, ink: lines[k].ink, points: true, width: 1.6 })), [...ends, -reach, reach]);
+    bottom.set(residuals.map((y, k) => ({ x, y, ink: lines[k].ink, label: lines[k].label, points: true, width: 1.6 })).filter(shown), [...ends, -reach, reach]);
   }
 }
 

@@ -21,6 +21,9 @@ export const valueText = (p, value, step) => {
   return p.unit ? `${rounded} ${p.unit}` : rounded;
 };
 
+/** A number without a unit takes the unit that stands in its field. */
+export const inUnit = (text, present, p) => (p.unit && /^[-+]?[\d.]+(e[-+]?\d+)?$/i.test(text) ? `${text} ${present.match(/[^\d\s.+-].*$/)?.[0] ?? p.unit}` : text);
+
 const BOUND = 1e300;
 const rangeText = (p) => {
   if (p.allowed.length) return p.allowed.map(words).join(', ');
@@ -90,7 +93,10 @@ export class ParameterList {
       return row;
     }
     const field = h('input', { type: 'text', value: p.text, spellcheck: 'false', 'aria-label': p.key });
-    const settle = () => { if (field.value.trim() !== (this.texts?.[p.key] ?? p.text)) this.on.commit(p.key, field.value.trim()); };
+    const settle = () => {
+      const text = inUnit(field.value.trim(), this.texts?.[p.key] ?? p.text, p);
+      if (text !== (this.texts?.[p.key] ?? p.text)) this.on.commit(p.key, text); else field.value = text;
+    };
     field.addEventListener('change', settle);
     field.addEventListener('keydown', (event) => { if (event.key === 'Escape') { field.value = this.texts?.[p.key] ?? p.text; field.blur(); } });
     let slider = null;

@@ -1,6 +1,6 @@
 // The simulations: the path of the tip at once, the experiments on one body with friction as jobs.
 import { curves, get, jobs, post, result } from './api.js';
-import { h, fill, newest, number, quantity, say, scaleOf, swatch, unitText, words, eachFrame } from './dom.js';
+import { eachFrame, fill, h, legendItem, newest, number, quantity, say, scaleOf, swatch, unitText, words } from './dom.js';
 import { sliderRange, valueText } from './parameters.js';
 import { DASHES, INKS, LinePlot, XyPlot, isDense, scaled } from './plot.js';
 
@@ -58,6 +58,7 @@ class Simulation {
     cancelAnimationFrame(this.animation);
     for (const plot of this.plots ?? []) plot.destroy();
     this.plots = [];
+    this.hidden = new Set();
     if (name === 'tip') this.openTip(); else this.openExperiment(job);
   }
 
@@ -218,7 +219,7 @@ class Simulation {
     const selector = (value, set) => { const s = h('select', { 'aria-label': 'quantity', onchange: () => { set(s.value); this.draw(job, found); } }, quantities.map((name) => h('option', { value: name }, title(name)))); s.value = value; return s; };
     const inks = INKS();
     const inkOf = (k) => inks[k % inks.length];
-    const legend = h('span', { class: 'legend' }, cases.map((name, k) => h('span', {}, swatch(inkOf(k)), words(name))));
+    const legend = h('span', { class: 'legend' }, cases.map((name, k) => legendItem(inkOf(k), words(name), this.hidden, () => this.draw(job, found))));
     const places = pick.y.map(() => h('div', { class: 'plot' }));
     const phase = h('div', { class: 'plot' });
     fill(this.middle,
@@ -238,7 +239,7 @@ class Simulation {
     const { job } = this;
     const turn = newest();
     const plots = names.map((name, k) => new LinePlot(places[k], {
-      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4] })),
+      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4], show: !this.hidden.has(words(one.title)) })),
       onzoom: (next) => { range = next; load(); },
     }));
     this.plots.push(...plots);
@@ -272,7 +273,7 @@ class Simulation {
     const [sx, sy] = [scaleOf(peak(1), unitOf(xName)), scaleOf(peak(2), unitOf(yName))];
     const plot = new XyPlot(place, { x: `${words(xName.split(' [')[0])} (${sx.unit})`, y: `${words(yName.split(' [')[0])} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });
     this.plots.push(plot);
-    plot.set(found.map(([, x, y], k) => ({ x, y, ink: inkOf(k), width: 1.4, dash: DASHES[k % 4] })));
+    plot.set(found.map(([, x, y], k) => ({ x, y, ink: inkOf(k), width: 1.4, dash: DASHES[k % 4], label: words(shown.curves[k].title) })).filter(({ label }) => !this.hidden.has(label)));
   }
 
   showFeatures(features) {

@@ -14,6 +14,7 @@ from workbench.operations.measurement.compare import Comparison
 from workbench.operations.measurement.compare import compare as compare_model
 from workbench.operations.measurement.diagnose import diagnose as diagnose_model
 from workbench.operations.measurement.experiment import Experiment
+from workbench.operations.measurement.export import export as export_model
 from workbench.operations.measurement.fitted import FittedResult
 from workbench.operations.measurement.suggest import suggest as suggest_motions
 from workbench.page.curves import write_curves
@@ -117,6 +118,13 @@ def suggest(experiment: str, params: str | None, out: str, folder: str, report: 
     """The document of `stagecad suggest --json`, and its statements; the motions are written as CSV files."""
     found = suggest_motions(_experiment(experiment, params), progress=report).write_below(out)
     return {"document": found.to_json(), "statements": found.statements, "report": str(found.write_report(out))}
+
+
+def export(experiment: str, to: str, params: str | None, out: str, folder: str, report: Report) -> dict[str, Any]:
+    """Write the fitted model in another language: the document of `stagecad export --json`, and the names of files."""
+    report("fitting the model", 0, 0)
+    document = export_model(_experiment(experiment, params), to, out).to_json()
+    return {**document, "names": [Path(file).name for file in document["files"]]}
 
 
 def _experiment(path: str, params: str | None) -> Experiment:
