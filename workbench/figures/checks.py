@@ -39,32 +39,8 @@ def _figure(width: float, height: float) -> tuple[Figure, Any]:
     return figure, figure.subplots()
 
 
-def _space(figure: Any, panels: np.ndarray, left: float, top: float, between: tuple[float, float]) -> None:
-    """Set the margins of a figure of several panels, in inches: a constrained layout takes longer than the drawing.
-
-    Args:
-        figure: without a layout engine.
-        panels: its axes (rows, columns).
-        left, top: margins with room for labels and titles; those at the right and at the bottom are the same in all.
-        between: two columns, and two rows.
-    """
-    (rows, columns), (width, height) = panels.shape, figure.get_size_inches()
-    right, bottom = 0.15, 0.45
-    inside = (width - left - right - (columns - 1) * between[0]) / columns
-    tall = (height - bottom - top - (rows - 1) * between[1]) / rows
-    figure.subplots_adjust(
-        left=left / width,
-        right=1 - right / width,
-        bottom=bottom / height,
-        top=1 - top / height,
-        wspace=between[0] / inside,
-        hspace=between[1] / tall,
-    )
-
-
 def _left_title(axes: Any, text: str) -> None:
-    """Title of a panel at its upper left corner; a place that is stated need not be found from the ticks."""
-    axes.set_title(text, fontsize=9, loc="left", y=1.0)
+    axes.set_title(text, fontsize=9, loc="left")
 
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -88,15 +64,6 @@ def power_of_ten(value: float) -> str:
     """A power of ten as the label of a tick: 0.01, 1, 1000, 10⁴."""
     exponent = round(np.log10(value))
     return f"{value:g}" if -3 <= exponent <= 3 else f"10{str(exponent).translate(SUPERSCRIPTS)}"
-
-
-def _width_of_labels(figure: Any) -> float:
-    """Width of the longest label of the vertical axes, inches."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    renderer = FigureCanvasAgg(figure).get_renderer()
-    labels = [label for axes in figure.axes for label in axes.get_yticklabels()]
-    return max(label.get_window_extent(renderer).width for label in labels) / figure.dpi
 
 
 @check_figure(6.4, 4.0)
@@ -240,7 +207,7 @@ def budget_figure(design: Design, masses: Masses | None) -> Figure:
     r = DesignInputs(design, masses)
     found = budgets(r)
     heights = [len(one.rows) + 1 for one in found]
-    figure = Figure(figsize=(6.8, 0.28 * sum(heights) + 1.8))
+    figure = Figure(figsize=(6.8, 0.28 * sum(heights) + 1.8), layout="constrained")
     panels = figure.subplots(len(found), 1, height_ratios=heights, squeeze=False)[:, 0]
     for axes, one in zip(panels, found, strict=True):
         names = [cause.name for cause, _ in one.rows] + ["total"]
@@ -255,7 +222,6 @@ def budget_figure(design: Design, masses: Masses | None) -> Figure:
         axes.tick_params(labelsize=8)
         _left_title(axes, f"{one.name}, {one.direction}")
     panels[-1].set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: limit)", fontsize=9)
-    _space(figure, panels[:, None], left=_width_of_labels(figure) + 0.15, top=0.25, between=(0.0, 0.5))
     return figure
 
 
@@ -267,7 +233,7 @@ def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
 
     r = DesignInputs(design, masses)
     found, lowest = dynamic_budgets(r), 1 / r("loop.observation")
-    figure = Figure(figsize=(10.0, 3.1 * len(found)))
+    figure = Figure(figsize=(10.0, 3.1 * len(found)), layout="constrained")
     panels = figure.subplots(len(found), 2, sharex=True, squeeze=False)
     names = list(dict.fromkeys(row.name for one in found for row in one.rows))
     colours = {name: f"C{k}" for k, name in enumerate(names)}
@@ -298,7 +264,6 @@ def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("frequency, Hz", fontsize=9)
     _left_title(panels[0, 1], f"from {lowest:.3g} Hz upwards; dashed: limit")
-    _space(figure, panels, left=0.65, top=0.25, between=(0.75, 0.35))
     return figure
 
 
