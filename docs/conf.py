@@ -37,6 +37,7 @@ CONTENTS: dict[str, tuple[str, ...]] = {
         "notebooks/design_and_checks",
         "notebooks/measurement_to_model",
         "notebooks/new_friction_law",
+        "notebooks/compensation",
     ),
     "How to": ("workbench", "checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
     "Reference": ("reference_python", "reference_commands", "reference_parameters", "effects"),

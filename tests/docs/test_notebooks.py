@@ -37,9 +37,21 @@ def _law(names: dict[str, Any]) -> None:
         assert parameters.loc[key, "low"] < true < parameters.loc[key, "high"]
 
 
+def _compensation(names: dict[str, Any]) -> None:
+    # What the simulated axis has beside Coulomb and viscous friction.
+    assert set(names["established"]) == {"stribeck", "magnetic_cogging", "presliding"}
+    parameters = names["step"].parameters["value"]
+    assert abs(parameters["magnetic_cogging.pitch"] - names["PITCH"]) < 1e-3 * names["PITCH"]
+    # In a stiff loop the error is the force that is not fed forward over the stiffness: both fall by the same factor,
+    # as far as the largest errors, those after a reversal, are slow against the loop.
+    assert 0.5 < names["factor"] * names["share"] < 2.0
+    assert names["factor"] > names["table"].loc["none", "rms [um]"] / names["table"].loc["mass", "rms [um]"]
+
+
 KNOWN: dict[str, Callable[[dict[str, Any]], None]] = {
     "design_and_checks": _design,
     "measurement_to_model": _measurement,
+    "compensation": _compensation,
     "new_friction_law": _law,
 }
 
