@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from workbench.operations.lines import ProgressCallback
 
 
+FILE = click.Path(path_type=Path)
+
+
 @dataclass(frozen=True)
 class Run:
     """One run of a command: the options every command has, and its two streams.
@@ -178,7 +181,7 @@ def _need_writable(file: Path) -> None:
 def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the argument EXPERIMENT, and `--trust`; below `common_options`, whose `Run` comes first."""
 
-    @click.argument("experiment", type=click.Path(path_type=Path))
+    @click.argument("experiment", type=FILE)
     @trust_option
     @functools.wraps(function)
     def wrapper(run: Run, experiment: Path, trust: bool, **rest: Any) -> Any:
@@ -212,9 +215,7 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options of every command; the function receives them as its first argument, a `Run`."""
 
     @click.option(
-        "--params",
-        type=click.Path(path_type=Path),
-        help="Parameter file (default: stage.toml here, else the packaged thesis design).",
+        "--params", type=FILE, help="Parameter file (default: stage.toml here, else the packaged thesis design)."
     )
     @click.option(
         "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a parameter; may be repeated."

@@ -9,14 +9,14 @@ import click
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import PACKAGED
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.design import Design
 from workbench.operations.diff import diff
 
 
 @click.command("diff")
-@click.argument("first", metavar="A.toml", type=click.Path(path_type=Path))
-@click.argument("second", metavar="B.toml", type=click.Path(path_type=Path))
+@click.argument("first", metavar="A.toml", type=FILE)
+@click.argument("second", metavar="B.toml", type=FILE)
 @click.option("--solids/--no-solids", default=True, help="Compare masses, volumes and drawing sheets too.")
 @common_options
 def command(run: Run, first: Path, second: Path, solids: bool) -> None:

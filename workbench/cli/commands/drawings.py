@@ -9,7 +9,7 @@ import click
 from stagecad.parameters.errors import InputError
 from workbench.cli.commands.check import trust as trust_files
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.design import Design
 from workbench.operations.drawings import drawings, write_flat
 from workbench.operations.proposed_part import draw_file
@@ -20,7 +20,7 @@ from workbench.operations.proposed_part import draw_file
 @click.option(
     "--part",
     "part",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FILE.py|FILE.step",
     help="Draw a part of your own instead, from a Python file (see `stagecad new part`), a CadQuery script or a STEP "
     "file; dimensions are proposed where none are declared.",
@@ -37,7 +37,7 @@ from workbench.operations.proposed_part import draw_file
 @click.option("--approved", metavar="NAME", help="Approved by (drawing.approved).")
 @click.option(
     "--since",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="EARLIER.toml",
     help="Parameter file of the earlier issue: the differences form the revision table.",
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.effects import effect, effect_json, effect_lines, effects, library_table
 from workbench.operations.templates import write_effect
 
@@ -18,16 +18,12 @@ from workbench.operations.templates import write_effect
     "--custom",
     "custom_files",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FILE.py",
     help="A file of your own effects, checked and listed with the built-in ones; may be repeated.",
 )
 @click.option(
-    "--write",
-    "target",
-    type=click.Path(path_type=Path),
-    metavar="FILE.py",
-    help="Write an effect of your own to a new file to start from.",
+    "--write", "target", type=FILE, metavar="FILE.py", help="Write an effect of your own to a new file to start from."
 )
 @common_options
 def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:

@@ -10,7 +10,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ROW
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.templates import EXAMPLES, copy_example, table_text, template, write_machine, write_new
 
 
@@ -31,8 +31,8 @@ def command() -> None:
 
 
 @command.command("experiment")
-@click.argument("folder", type=click.Path(path_type=Path))
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE...")
+@click.argument("folder", type=FILE)
+@click.argument("files", nargs=-1, required=True, type=FILE, metavar="FILE...")
 @click.option("--kind", default=None, metavar="KIND", help="Kind of rig, where it is not to be guessed.")
 @common_options
 def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None) -> None:

@@ -12,7 +12,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import parse_quantity
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options, without_rules
+from workbench.cli.options import FILE, Run, common_options, without_rules
 from workbench.figures.plot import save
 from workbench.operations.levels import reached_levels
 from workbench.operations.optimise import Search, optimised
@@ -31,7 +31,7 @@ from workbench.operations.optimise import Search, optimised
     metavar="CHECK",
     help="Require these checks only: a name, a pattern with *, or 'Table 1: speed'.",
 )
-@click.option("--write", "target", type=click.Path(path_type=Path), metavar="FILE.toml", help="Write the design found.")
+@click.option("--write", "target", type=FILE, metavar="FILE.toml", help="Write the design found.")
 @click.option(
     "--relax", is_flag=True, help="Write the design that meets all requirements except those that cannot be met."
 )

@@ -10,7 +10,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import diff, load_design
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.parameters import (
     difference_json,
     difference_lines,
@@ -23,17 +23,11 @@ from workbench.operations.parameters import (
 
 @click.command("params")
 @click.argument("names", nargs=-1, metavar="[TABLE|KEY...]")
-@click.option(
-    "--diff",
-    "other",
-    type=click.Path(path_type=Path),
-    metavar="OTHER.toml",
-    help="Show only what differs from OTHER.toml.",
-)
+@click.option("--diff", "other", type=FILE, metavar="OTHER.toml", help="Show only what differs from OTHER.toml.")
 @click.option(
     "--write",
     "target",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FILE.toml",
     help="Write the parameters, with --set applied and comments kept, to a new file to start from.",
 )

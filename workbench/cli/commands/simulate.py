@@ -10,7 +10,7 @@ import click
 
 from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.errors import InputError
-from workbench.cli.options import Run, common_options, consent, trust_option
+from workbench.cli.options import FILE, Run, common_options, consent, trust_option
 
 
 @click.command("simulate")
@@ -50,7 +50,7 @@ from workbench.cli.options import Run, common_options, consent, trust_option
 )
 @click.option(
     "--motion",
-    type=click.Path(path_type=Path),
+    type=FILE,
     default=None,
     metavar="FILE",
     help="Simulate EXPERIMENT on the inputs in this file (CSV, Parquet, MAT) instead of its own.",
