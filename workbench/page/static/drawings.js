@@ -36,8 +36,8 @@ export class Drawings {
       h('button', { class: 'sheet', dataset: { name }, onclick: () => this.open(subject, name) }, words(name)))));
     this.mark();
     // Something to look at: the first sheet, until another one is chosen.
-    const [[subject, [first]]] = Object.entries(sheets);
-    if (!this.name) this.open(subject, first);
+    const [subject, [first] = []] = Object.entries(sheets)[0] ?? [];
+    if (!this.name && first) this.open(subject, first);
   }
 
   mark() { for (const one of this.names.children) one.setAttribute('aria-pressed', String(one.dataset.name === this.name)); }

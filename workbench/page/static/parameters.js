@@ -22,7 +22,10 @@ export const valueText = (p, value, step) => {
 };
 
 /** A number without a unit takes the unit that stands in its field. */
-export const inUnit = (text, present, p) => (p.unit && /^[-+]?[\d.]+(e[-+]?\d+)?$/i.test(text) ? `${text} ${present.match(/[^\d\s.+-].*$/)?.[0] ?? p.unit}` : text);
+export const inUnit = (text, present, p) => {
+  if (!p.unit || !/^[-+]?[\d.]+(e[-+]?\d+)?$/i.test(text)) return text;
+  return `${text} ${present.startsWith('=') ? p.unit : present.match(/[A-Za-zµ°%]\S*$/)?.[0] ?? p.unit}`;
+};
 
 const BOUND = 1e300;
 const rangeText = (p) => {
