@@ -399,3 +399,34 @@ def _drop(page: Any, *paths: Path) -> None:
 
 def _times(text: str) -> float:
     return float(text.removesuffix("×").strip())
+
+
+OUTSIDE = """() => [...document.querySelectorAll('button, select, a, input')].filter((one) => one.offsetParent
+  && one.getBoundingClientRect().right > innerWidth + 1).map((one) => `${one.className} ${one.textContent}`)"""
+"""Controls that reach beyond the right edge of the window."""
+
+
+@pytest.mark.parametrize("view", ["machine", "simulation", "measurement"])
+def test_a_narrow_window_has_every_control_and_axe_finds_no_fault(browser: Browser, view: str) -> None:
+    page = browser.page
+    browser.open(view)
+    page.locator(f"#{view}:not([hidden]) .panel").last.wait_for()
+    for width in (1280, 1150, 960, 700):
+        page.set_viewport_size({"width": width, "height": 800})
+        page.wait_for_timeout(200)
+        assert page.evaluate(OUTSIDE) == [], width
+    axe = pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python")
+    page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
+    faults = page.evaluate("async () => (await axe.run()).violations.map((one) => [one.id, one.nodes[0].html])")
+    assert faults == []
+
+
+def test_a_bare_number_takes_the_unit_of_its_field(browser: Browser) -> None:
+    page = browser.page
+    browser.open("machine")
+    field = page.get_by_label("stage.thickness", exact=True)
+    field.fill("14")
+    field.press("Enter")
+    page.locator(".row.set[data-key='stage.thickness']").wait_for()
+    assert field.input_value() == "14 mm"
+    assert page.locator(".violations").is_hidden()
