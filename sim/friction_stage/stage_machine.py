@@ -192,7 +192,6 @@ def _sensors(design: Design) -> Sensors:
     filtered, fringe = design.sensors.filtered_probe, design.sensors.interferometer
     return Sensors(
         interferometer_count=fringe.resolution,
-        interferometer_speed=fringe.highest_speed,
         probe_noise=probe.resolution,
         probe_bandwidth=probe.bandwidth,
         filter_frequency=filtered.filter_frequency,

@@ -137,7 +137,6 @@ class Sensors:
     """Sensors of the control loop."""
 
     interferometer_count: float  # m
-    interferometer_speed: float  # highest, m/s
     probe_noise: float  # m rms within probe_bandwidth, Hz
     probe_bandwidth: float
     filter_frequency: float  # corner of the RC filter behind the probe, Hz

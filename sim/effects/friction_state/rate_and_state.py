@@ -6,7 +6,8 @@
 a is the direct effect: the force rises with the logarithm of the slip rate w. b is the evolution: the level rises with
 the age of the contacts. In steady sliding below v_0 the force falls with the speed where b is larger than a, which is
 the condition of stick-slip. The first line is regularised, w = 2 v_0 sinh(friction/(a g)) exp(-1/a): so w is zero
-without force, and the contact creeps under any.
+without force, and the contact creeps under any. At v_0 the friction is the level of age L/v_0, force (1 + b ln 2). The
+age falls with the motion of the body: while a contact only stretches, the slip rate of Ruina's law would let it age on.
 """
 
 from __future__ import annotations

@@ -44,7 +44,6 @@ def example() -> StageMachine:
         ),
         sensors=Sensors(
             interferometer_count=0.62e-9,
-            interferometer_speed=0.5,
             probe_noise=25e-9,
             probe_bandwidth=5e3,
             filter_frequency=24.0,
