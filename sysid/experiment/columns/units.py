@@ -20,7 +20,9 @@ _SPELLINGS = {
     "lb": "lbf",
     "lbs": "lbf",
 }
-_WHOLE = dict.fromkeys(("1/min", "min^-1", "min-1", "r/min", "rev/min", "u/min", "umdr/min", "upm"), "rpm")
+_WHOLE: dict[str, str] = dict.fromkeys(
+    ("1/min", "min^-1", "min-1", "r/min", "rev/min", "u/min", "umdr/min", "upm"), "rpm"
+)
 _WHOLE |= dict.fromkeys(("tr/min", "t/min", "giri/min"), "rpm")
 _WHOLE |= {"rps": "rev/s", "u/s": "rev/s", "r/s": "rev/s", "tr/s": "rev/s", "ips": "in/s"}
 _MASS_TIMES_LENGTH = re.compile(

@@ -62,8 +62,9 @@ class RecordFile:
 
     def row_name(self, row: int) -> str:
         """Name under which a user finds row `row` (from 0) of the columns in the file."""
-        of_text = self.reader is csv and isinstance(self.path, Path)
-        return f"row {csv.row_number(self.path, self.name, self.header, row, self.settings) if of_text else row + 1}"
+        if self.reader is csv and isinstance(self.path, Path):
+            row = csv.row_number(self.path, self.name, self.header, row, self.settings) - 1
+        return f"row {row + 1}"
 
     @cached_property
     def sha256(self) -> str:

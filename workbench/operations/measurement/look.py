@@ -93,7 +93,7 @@ def _channels(record: Record) -> dict[str, dict[str, Any]]:
     """Unit, range, gaps and rows of each fault of each channel, SI."""
     found = {}
     for channel, values in record.channels.items():
-        counts = dict.fromkeys(KINDS, 0)
+        counts: dict[str, int] = dict.fromkeys(KINDS, 0)
         for fault in record.faults:
             counts[fault.kind] += int(fault.rows.sum()) if fault.channel == channel else 0
         counts["gaps"] = int(np.isnan(values).sum()) - sum(counts.values())

@@ -122,7 +122,7 @@ def exported(request: Request, name: str, file: str) -> FileResponse:
     """A file of the exported model."""
     project = project_of(request)
     folder = project.experiment(name)
-    path = project.results_of(folder) / folder.name / "export" / plain_name(file)
+    path = project.results / results_key(project.results, folder, project.folder) / "export" / plain_name(file)
     if not path.is_file():
         raise InputError(f"{name}: no exported file '{file}'")
     return FileResponse(path, media_type="application/octet-stream", filename=file)
