@@ -48,6 +48,8 @@ def test_bristles_of_zero_stretch_are_no_rival_of_rigid_friction(tmp_path: Path)
     assert any(trial.public_name == "presliding" for trial in found.trials)
 
 
+# In each run: the cubic spring of tests/recovery/hidden_effect/test_loop.py, also unexplained and located.
+@pytest.mark.slow
 def test_slightly_nonlinear_spring_is_not_a_linear_one_plus_another_effect(tmp_path: Path) -> None:
     middle = POSITION - POSITION.mean()
     cubic = 0.08 * (middle / np.max(np.abs(middle))) ** 3
