@@ -55,14 +55,8 @@ class Fault:
 def faults_of(
     time: np.ndarray, values: Mapping[str, np.ndarray], units: Mapping[str, str], measured: Collection[str]
 ) -> list[Fault]:
-    """The faults of a record's measured channels.
-
-    Args:
-        time: s, (n,).
-        values: SI, (n,) by channel, NaN in gaps.
-        units: SI unit by channel.
-        measured: channels of sensors; of other channels only positions are looked at, for dropped values.
-    """
+    """The faults of a record: channels (n,), SI, with gaps as NaN, and their units. All are looked for in `measured`
+    channels; in other positions, dropped values."""
     faults: list[Fault] = []
     moving = _moving(values)
     for channel, signal in values.items():

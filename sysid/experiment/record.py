@@ -33,23 +33,10 @@ HELD_OUT_SHARE = 0.3
 class Record:
     """One record, ready for comparison.
 
-    Args:
-        name: unique.
-        role: `fit` or `validate`.
-        file: as written in the experiment.
-        time: s, shape (n,), strictly increasing, as logged (not necessarily from zero); time stamps are counted from
-            the first row.
-        channels: SI values of shape (n,) by channel, NaN in gaps; `time` is not among them.
-        units: SI unit by channel.
-        rotary: whether the axis is rotary.
-        notes: for the user: unused columns, gaps, omitted rows, a held-out part.
-        sha256: of the file's bytes.
-        step: sampling step, s.
-        uniform: whether every step equals the median within 1 %.
-        continues: name of the record that this one continues; None if there is none.
-        noise: standard deviation by channel as given for this record or the experiment, SI.
-        faults: rows without a value of their own, which are gaps of the channels.
-    """
+    `time` (n,), s, increases strictly, as logged or from the first row of time stamps; `channels` are SI values (n,)
+    with gaps as NaN, also in the rows of `faults`; `step` is the sampling step, s, `uniform` whether every step equals
+    it within 1 %; `continues` names the record that this one continues; `noise` is the stated standard deviation by
+    channel, SI; `sha256` is that of the file, `notes` are for the user."""
 
     name: str
     role: Literal["fit", "validate"]

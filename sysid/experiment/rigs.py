@@ -74,23 +74,12 @@ _ZERO = re.compile(r"\s*0(\.0*)?\s*\*[^+-]*")
 
 @dataclass(frozen=True)
 class RigKind:
-    """A kind of rig.
+    """A kind of rig; `known` are the permitted keys of `[rig.known]`.
 
-    Args:
-        name: the name in `[rig] kind`.
-        inputs: groups of input channels; of each group at least one must be recorded.
-        optional_inputs: further inputs that may be recorded.
-        measured: groups of measured channels; of each group at least one must be recorded.
-        optional_measured: further measured channels that may be recorded.
-        known: permitted keys of `[rig.known]`.
-        sensed_inputs: inputs that are logged by a sensor whose noise enters the residual.
-        own: channels that only this kind has.
-        base: name of the kind whose channels are made of its own by `balance`; empty for a kind that is its own base.
-        balance: formulas of the base's channels.
-        constants: formulas of the base's known quantities.
-        defaults: quantities for channels that are not recorded and known quantities that are not given, as written.
-        rotary: whether the axis is rotary, where the units of the channels do not tell.
-    """
+    Of each group of `inputs` and of `measured` channels at least one must be recorded, the optional ones may be. The
+    noise of `sensed_inputs` enters the residual. A declared kind has `own` channels, of which those of its `base` are
+    made by the formulas of `balance`, and `constants` the base's known quantities; `defaults` are quantities, as
+    written, for what is not given; `rotary` is whether the axis is, where units do not tell."""
 
     name: str
     inputs: tuple[tuple[str, ...], ...]

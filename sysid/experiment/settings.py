@@ -125,33 +125,27 @@ def _setting(
         raise InputError(
             f"{table.where()}: low = {_text(table, 'low', low)} is not below high = {_text(table, 'high', high)}"
         )
-    # A fitted value at a bound is written with nine digits, so it may exceed the bound by rounding.
-    room = 0.0 if start is None else ROUNDING * abs(start)
-    for bound, key in ((low, "low"), (high, "high")):
-        if start is not None and bound is not None and (start < bound - room if key == "low" else start > bound + room):
-            raise InputError(
-                f"{table.where()}: start = {_text(table, 'start', start)} is outside {key} = {_text(table, key, bound)}"
-            )
-    _within_declared(table, parameter, start, low, high, fixed)
+    if start is not None:
+        _within_bounds(table, parameter, start, {"low": low, "high": high}, fixed)
     return Setting(start, low, high, fixed, None if fixed else std)
 
 
-def _within_declared(
-    table: TomlTable, parameter: Parameter, start: float | None, low: float | None, high: float | None, fixed: bool
+def _within_bounds(
+    table: TomlTable, parameter: Parameter, start: float, given: Mapping[str, float | None], fixed: bool
 ) -> None:
-    """Refuse a start outside the effect's own bounds, unless the file gives other bounds; fixed values are exempt."""
-    if start is None or fixed:
-        return
+    """Refuse a start outside the bounds in the file, or outside the effect's own where the file has none; a fixed value
+    may be beyond those."""
+    # A fitted value at a bound is written with nine digits, so it may exceed the bound by rounding.
     room = ROUNDING * abs(start)
-    for beyond, given, bound, key in (
-        (start < parameter.low - room, low, parameter.low, "low"),
-        (start > parameter.high + room, high, parameter.high, "high"),
-    ):
-        if beyond and given is None:
-            raise InputError(
-                f"{table.where()}: start = {_text(table, 'start', start)} is outside the effect's own {key} = "
-                f"{bound:g}; give {key} with it if it is meant"
-            )
+    for key, declared in (("low", parameter.low), ("high", parameter.high)):
+        bound = given[key]
+        limit = declared if bound is None else bound
+        if not (start < limit - room if key == "low" else start > limit + room) or (fixed and bound is None):
+            continue
+        outside = f"{table.where()}: start = {_text(table, 'start', start)} is outside"
+        if bound is not None:
+            raise InputError(f"{outside} {key} = {_text(table, key, bound)}")
+        raise InputError(f"{outside} the effect's own {key} = {declared:g}; give {key} with it if it is meant")
 
 
 def _text(table: TomlTable, key: str, value: float) -> str:

@@ -21,12 +21,8 @@ CUT_SMOOTHING = 6.0
 
 
 class NoiseSpectrum(NamedTuple):
-    """Spectrum of noise of unit variance: white noise and a first-order autoregression.
-
-    Args:
-        correlation: of neighbouring samples of the autoregressive part.
-        white: part of the variance that is white.
-    """
+    """Spectrum of noise of unit variance: a `white` part of the variance, and a first-order autoregression with this
+    `correlation` of neighbouring samples."""
 
     correlation: float = 0.0
     white: float = 1.0
@@ -54,13 +50,8 @@ WHITE = NoiseSpectrum()
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
 def _smoothed_at(signal: np.ndarray, kernel: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Convolution with a symmetric kernel at selected samples, ends continued by odd reflection.
-
-    Args:
-        signal: (n,).
-        kernel: (2 h + 1,).
-        index: of the samples to compute, (k,).
-    """
+    """Convolution of a signal (n,) with a symmetric kernel (2 h + 1,) at the samples `index` (k,); odd reflection at
+    the ends."""
     n, size = signal.size, kernel.size
     out = np.empty(index.size)
     for j in range(index.size):

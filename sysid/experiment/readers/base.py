@@ -24,17 +24,11 @@ MOST_ROWS = 20_000_000
 
 @dataclass(frozen=True)
 class Header:
-    """Columns of a file, as the file describes them.
+    """Columns of a file, as the file describes them: labels as written, and units by label where they stand apart.
 
-    Args:
-        labels: of the columns, as written.
-        units: by label, where the file has them apart from the labels.
-        remarks: how the file is read where it is not the plain form of its format, for one line to the user.
-        texts: the first cell, by label, of columns that hold text.
-        dates: columns of dates, which are read with the time of day of another column.
-        numbered: the file has no labels; they are made of the columns' numbers.
-        layout: where the reader finds the columns.
-    """
+    `remarks` say how the file is read where it is not the plain form of its format; `texts` is the first cell, by
+    label, of columns of text; `dates` are columns that are read with the time of day of another; a file without labels
+    is `numbered`; `layout` is where the reader finds the columns."""
 
     labels: tuple[str, ...]
     units: Mapping[str, str] = field(default_factory=dict)

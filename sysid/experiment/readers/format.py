@@ -19,23 +19,12 @@ REPEATED_TIME = ("first", "mean", "spread")
 
 @dataclass(frozen=True)
 class Format:
-    """Settings of `[format]`; what is None is detected in the file.
+    """Settings of `[format]` (docs/records.md); what is None is detected in the file.
 
-    Args:
-        delimiter: between columns, a key of `DELIMITERS`.
-        decimal: decimal sign.
-        thousands: mark between groups of three digits; a blank is "none", since blanks and apostrophes between digits
-            mean nothing else.
-        header: number of the header's row, from 1, as an editor counts it; 0 for a file without a header.
-        units_row: number of the row of units; 0 for none.
-        first_row: number of the first row of numbers.
-        encoding: of the text.
-        missing: cells that mark a gap, besides empty ones.
-        time_format: of time stamps that are not ISO 8601, with the codes of `strptime`.
-        repeated_time: what to make of rows with the time of the row before: keep the `first` row, take the `mean`
-            of the rows, or `spread` the rows evenly up to the next time.
-        sample_rate: Hz, of a file without a time column.
-    """
+    Rows are numbered from 1, as an editor counts them; 0 stands for none. Blanks and apostrophes between digits mean
+    nothing but groups, so that a blank as `thousands` is none. `missing` are cells that mark a gap, besides empty ones;
+    `time_format` has the codes of `strptime`; `repeated_time` says what to make of rows with the time of the row
+    before; `sample_rate` is in Hz."""
 
     delimiter: str | None = None
     decimal: str | None = None

@@ -14,12 +14,8 @@ from sysid.experiment.readers.format import Format
 
 
 class MemoryTable:
-    """Columns of one record in memory, and their `Reader`; stands in place of the path of a record file.
-
-    Args:
-        name: of the record, shown in messages.
-        columns: values (n,) by label, `name [unit]` or `name` alone.
-    """
+    """Columns (n,) of one record in memory by `name [unit]` or `name`, and their `Reader`, in place of the path of a
+    file."""
 
     def __init__(self, name: str, columns: Mapping[str, np.ndarray]) -> None:
         self.name = name

@@ -39,14 +39,8 @@ def is_hexadecimal(cell: str) -> bool:
 
 @dataclass(frozen=True)
 class NumberForm:
-    """How the numbers of a file are written.
-
-    Args:
-        decimal: decimal sign, point or comma.
-        thousands: mark between groups of three digits, beside blanks and apostrophes, which mean nothing else; empty
-            for none.
-        blanks: whether plain blanks may group digits; not where they separate columns.
-    """
+    """How the numbers of a file are written: the decimal sign, the mark between groups of three digits beside blanks
+    and apostrophes (empty for none), and whether plain blanks group digits, too: not where they separate columns."""
 
     decimal: str = "."
     thousands: str = ""

@@ -122,11 +122,6 @@ def _required(balance: dict[str, Formula], base: RigKind, optional: set[str]) ->
     return tuple(group for group in groups if not set(group) <= measured)
 
 
-def _entry(table: TomlTable, key: str) -> TomlTable:
-    value = table.data[key]
-    return TomlTable(table.file, f"{table.name}.{key}", {"unit": value} if isinstance(value, str) else value)
-
-
 def _unit(table: TomlTable, key: str, default: str | None = None) -> str:
     written = table.text(key, default)
     unit = "" if written == "1" else written
@@ -137,23 +132,25 @@ def _unit(table: TomlTable, key: str, default: str | None = None) -> str:
     return unit
 
 
-def _channel(table: TomlTable, key: str, defaults: dict[str, str]) -> Channel:
-    entry = _entry(table, key)
-    entry.allow(("unit", "rotary_unit", "default"))
+def _units(table: TomlTable, key: str, source: str, defaults: dict[str, str]) -> tuple[TomlTable, str, str]:
+    """The entry under `key`, and its units on a linear and a rotary axis; a default is put into `defaults`."""
+    value = table.data[key]
+    entry = TomlTable(table.file, f"{table.name}.{key}", {"unit": value} if isinstance(value, str) else value)
+    entry.allow(("unit", "rotary_unit", "default", *(["positive"] if source == "known" else [])))
     unit = _unit(entry, "unit")
     rotary = _unit(entry, "rotary_unit", unit)
     if "default" in entry.data:
-        defaults[f"channel.{key}"] = _default(entry, (unit, rotary))
+        defaults[f"{source}.{key}"] = _default(entry, (unit, rotary))
+    return entry, unit, rotary
+
+
+def _channel(table: TomlTable, key: str, defaults: dict[str, str]) -> Channel:
+    _, unit, rotary = _units(table, key, "channel", defaults)
     return Channel(key, unit, rotary, shows_axis=unit != rotary)
 
 
 def _known(table: TomlTable, key: str, defaults: dict[str, str]) -> KnownQuantity:
-    entry = _entry(table, key)
-    entry.allow(("unit", "rotary_unit", "default", "positive"))
-    unit = _unit(entry, "unit")
-    rotary = _unit(entry, "rotary_unit", unit)
-    if "default" in entry.data:
-        defaults[f"known.{key}"] = _default(entry, (unit, rotary))
+    entry, unit, rotary = _units(table, key, "known", defaults)
     return KnownQuantity(unit, rotary, entry.flag("positive") if "positive" in entry.data else True)
 
 
