@@ -179,7 +179,7 @@ def _logged(bench: Bench, channels: Channels, quantised: str = "") -> list[Recor
             Record(
                 *(f"{seed}", "fit", "x.csv", time, {**channels, **noisy}, units, bench.rotary, (), "", bench.step),
                 uniform=True,
-                noise=dict(bench.noise),
+                noise={"position": 1e-12, **bench.noise},  # The imposed motion is exact.
             )
         )
     return found
