@@ -9,7 +9,7 @@ from time import perf_counter
 from sysid.diagnosis.consistency import consistency_warnings
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.misfit import ChannelMisfit, misfit
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, fit_with_observer
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reported_fit
 from sysid.experiment.experiment import DesignValues
 from sysid.prediction.problem import Problem, load_problem
 from sysid.prediction.simulation_error import SimulationErrors, simulation_errors
@@ -42,7 +42,7 @@ def compare(source: str | Path | Problem, design: DesignValues | None = None) ->
     """Fit the stated model of an experiment and compare it with the records."""
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
-    problem, base = fit_with_observer(problem, fit_stated_model(problem))
+    problem, base = reported_fit(problem, fit_stated_model(problem))
     model = base.fitted.model
     maps = residual_maps(model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights)
     fit = misfit(model, problem.fit_records)

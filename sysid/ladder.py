@@ -20,7 +20,7 @@ from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_bal
 from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import ChannelMisfit, misfit
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, fit_with_observer, reference_fit
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reference_fit, reported_fit
 from sysid.estimation.variant_selection import (
     predicts_clearly_better,
     reselectable_effects,
@@ -123,8 +123,8 @@ def add_effects(
         known = {key: value for key, value in near.values.items() if key in fitted.model.values}
         other = fit_model(fitted.model.at(known), extended.fit_records, fitted.weights, iterations=40)
         fitted = other if other.fit.cost < fitted.fit.cost else fitted
-    extended, reached = fit_with_observer(extended, reference_fit(extended, fitted))
-    problem, base = fit_with_observer(problem, base)
+    extended, reached = reported_fit(extended, reference_fit(extended, fitted))
+    problem, base = reported_fit(problem, base)
     fitted = reached.fitted
     before_fit, before_validate = _misfits(problem, base.fitted)
     after_fit, after_validate = _misfits(extended, fitted)

@@ -25,22 +25,11 @@ ResidualFunction = Callable[[np.ndarray], np.ndarray]
 
 @dataclass
 class FitResult:
-    """Outcome of a fit.
-
-    Args:
-        values: best values by key.
-        cost: half the robust sum of squares of the weighted residual.
-        jacobian: of the weighted residual at the best values, (n, p), without robust weights.
-        residual: weighted residual (n,).
-        weights: robust weights (n,) in (0, 1].
-        keys: of the values, in the order of the columns.
-        at_bound: keys of values that ended on a bound.
-        inactive: keys of values with a zero column of the Jacobian at the start.
-        iterations: accepted steps.
-        converged: whether the last step was small.
-        exact: whether the Jacobian was computed by differences at the best values, not by Broyden updates.
-        precision: term of the priors on the diagonal of J^T w J, (p,); zero without a prior.
-    """
+    """Outcome of a fit: best values by key; half the robust sum of squares of the weighted residual; Jacobian of that
+    (n, p) at the best values, without robust weights; the residual (n,) and these weights (n,) in (0, 1]; keys in the
+    order of the columns; keys of values on a bound, and of those with a zero column at the start; accepted steps;
+    whether the last one was small; whether the Jacobian is exact, not from Broyden updates; and the term of the priors
+    on the diagonal of J^T w J, (p,), zero without a prior."""
 
     values: dict[str, float]
     cost: float

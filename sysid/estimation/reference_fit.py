@@ -82,8 +82,52 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
 ROUNDS, PASSES = 3, 3
 """Fits along the motion of a state observer, each along that of the fit before, and passes of its velocity."""
 
+MOST_ATTENUATION = 0.3
+"""Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""
+
 CLEARLY_LOWER = 0.9
 """Ratio of the errors below which the fit along the observer's motion is preferred."""
+
+
+def reported_fit(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
+    """Problem and fit whose values are reported: of a driven mass along the motion of a state observer where that is
+    better, with the mass corrected for the noise of the acceleration."""
+    problem, base = fit_with_observer(problem, base)
+    return problem, _without_attenuation(problem, base)
+
+
+def _without_attenuation(problem: Problem, base: ReferenceFit) -> ReferenceFit:
+    """The fit without the bias of a fitted mass by the noise s of the measured acceleration, which is both in its
+    column of the Jacobian and in the residual: J^T w r is zero at the estimate, but m sum w s^2 at the true values
+    (compensated least squares; Stoica and Soderstrom, Int. J. Control 36 (1982) 257)."""
+    fitted, fit = base.fitted, base.fitted.fit
+    if "rig.mass" not in fit.keys:
+        return base
+    total, start = 0.0, 0
+    for record, stds in zip(problem.fit_records, fitted.weights.scored_std, strict=True):
+        for channel, std in stds.items():
+            own = fit.weights[start : start + std.size]
+            start += std.size
+            if isinstance(record, ForceBalanceRecord) and channel == record.force_channel:
+                stiffness = fitted.model.values["rig.pull_stiffness"] if channel == "position" else 1.0
+                total += float(own @ (record.acceleration_noise / stiffness / std) ** 2)
+    moves = np.array([key not in fit.at_bound for key in fit.keys]) & fit.jacobian.any(axis=0)
+    columns, at = fit.jacobian[:, moves], np.array([key == "rig.mass" for key in fit.keys])[moves]
+    normal = columns.T @ (fit.weights[:, None] * columns) + np.diag(fit.precision[moves])
+    if not at.any() or total > MOST_ATTENUATION * normal[at, at].sum():
+        return base
+    scale = np.sqrt(np.diag(normal))
+    shift = np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) @ (
+        np.where(at, fit.values["rig.mass"] * total, 0.0) / scale
+    )
+    known = np.array(list(fit.values.values()))
+    known[moves] += shift / scale
+    unknowns = zip(fitted.model.unknowns, known.tolist(), strict=True)
+    model = fitted.model.at({u.key: min(max(value, u.low), u.high) for u, value in unknowns})
+    values = {key: model.values[key] for key in fit.keys}
+    residual = weighted_residual(model, problem.fit_records, fitted.weights)
+    found = FittedModel(model, replace(fit, values=values, residual=residual), fitted.weights)
+    return reference_fit(problem, found, laws=base.laws)
 
 
 def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:

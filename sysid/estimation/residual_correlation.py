@@ -38,18 +38,9 @@ MOST_OUTSIDE = 0.05
 
 @dataclass(frozen=True)
 class ResidualCorrelation:
-    """Correlations of the residual of one channel.
-
-    Args:
-        channel: name.
-        step: time between neighbouring samples, s.
-        samples: number of them.
-        autocorrelation: r_ee at the lags 0, 1, ..., (k + 1,).
-        bound: 99 % bound of r_ee for white noise.
-        cross: r_ue at the lags -k, ..., k, (2k + 1,), by input channel.
-        cross_bound: 99 % bound of r_ue for independent series, by input channel.
-        p_value: of the Ljung-Box test that the residual is white noise.
-    """
+    """Correlations of the residual of a channel: time between neighbouring samples, s, and their number; r_ee at the
+    lags 0 .. k, (k + 1,), and its 99 % bound for white noise; r_ue at the lags -k .. k, (2k + 1,), by input, and its 99
+    % bound for independent series; p value of the Ljung-Box test that the residual is white."""
 
     channel: str
     step: float

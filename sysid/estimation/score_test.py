@@ -55,18 +55,11 @@ DEPENDENT = 1e-12
 
 @dataclass(frozen=True)
 class ScoreStatistic:
-    """Score statistic of an effect at one grid point.
-
-    Args:
-        predicted_reduction: share of the squared residual, base parameters profiled out.
-        start: values to start a refit from.
-        shape: the grid point.
-        directions: parameter values of each candidate direction, one amplitude away from zero.
-        columns: change of the residual by each direction, base Jacobian projected out, (n, k); empty for the grid
-            points beyond the first `IN_PAIRS` of an effect.
-        blocked_reduction: share that only an amplitude beyond its bound (a negative drag) would remove.
-        full_step_reduction: share with unit amplitude, for a friction core, which cannot be scaled.
-    """
+    """Score statistic of an effect at one grid point: share of the squared residual removed, base parameters profiled
+    out; values to start a refit from; the grid point; values of each candidate direction, one amplitude away from zero;
+    changes of the residual (n, k), base Jacobian projected out, empty beyond the first `IN_PAIRS` points; share that
+    only an amplitude beyond its bound (a negative drag) would remove; and, for a friction core, which cannot be scaled,
+    the share with unit amplitude."""
 
     predicted_reduction: float
     start: dict[str, float]

@@ -115,7 +115,7 @@ def _friction(
         return forces, None
     if core.has_presliding or balance.stick_fraction is None:
         p = values_of(core, values)
-        usual = _usual(core, level)
+        usual = median_level(level) if core.has_presliding else 0.0
         # The level of the law, not the median along the record: the same for each part of a record.
         declared = float(getattr(p, "force", usual))
         unseen = unobservable_part(balance, core, declared, p, values.get("rig.mass", 0.0))
@@ -144,11 +144,6 @@ def _friction(
         return forces + held, None
     resolved_friction = _event_resolved(balance, effects, values, forces, level, 0.0, core)
     return forces, resolved_friction
-
-
-def _usual(core: Effect, level: np.ndarray) -> float:
-    """Usual friction level of a core with bristles, N; zero for one without."""
-    return median_level(level) if core.has_presliding else 0.0
 
 
 LEAST_UNOBSERVABLE = 0.02
