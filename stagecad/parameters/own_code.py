@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NoReturn
 
 from stagecad.parameters.errors import InputError
 
@@ -21,6 +23,15 @@ def own_code(path: Path) -> Iterator[None]:
     Raises:
         OwnCodeError: file, line and error, of any class. Ctrl-C and an `InputError` pass as they are.
     """
+    process, leave = os.getpid(), os._exit
+
+    def refuse(status: int) -> NoReturn:
+        # A process that the code has forked ends as it should.
+        if os.getpid() != process:
+            leave(status)
+        raise SystemExit(status)
+
+    os._exit = refuse
     try:
         yield
     except (InputError, KeyboardInterrupt):
@@ -28,6 +39,8 @@ def own_code(path: Path) -> Iterator[None]:
     except BaseException as error:
         line = line_of(path, error)
         raise OwnCodeError(f"{path}: {f'line {line}: ' if line else ''}{told(error)}") from None
+    finally:
+        os._exit = leave
 
 
 def line_of(path: Path, error: BaseException) -> int | None:

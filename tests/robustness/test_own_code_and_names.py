@@ -17,6 +17,7 @@ from workbench.cli import run
 ENDS = {
     "sys.exit(0)": "SystemExit: 0",
     "sys.exit()": "SystemExit",
+    "__import__('os')._exit(0)": "SystemExit: 0",
     "raise BaseException('own')": "BaseException: own",
     "raise GeneratorExit": "GeneratorExit",
     "1 / 0": "ZeroDivisionError: division by zero",
