@@ -134,6 +134,9 @@ def test_a_small_file_of_too_many_rows_is_refused_while_it_is_read(tmp_path, mon
 def test_a_row_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "first.csv.gz").write_bytes(gzip.compress(b"1," * 400_000))
     assert "its first row is longer than 256 kB" in refusal(tmp_path / "first.csv.gz")
+    wide = b"t [s],x [m]\n" + b"%d,1\n" * 200 % tuple(range(200)) + b"1," * 20_000 + b"\n"
+    (tmp_path / "wide.csv").write_bytes(wide + b"200,x\n")
+    assert "row 202: has more than 10000 cells" in refusal(tmp_path / "wide.csv")
     monkeypatch.setattr(text, "LONGEST_ROW", 5_000_000)
     (tmp_path / "later.csv.gz").write_bytes(gzip.compress(b"t [s],x [m]\n0,1\n1,1\n" + b"1," * 8_000_000))
     assert "near row 4: a row is longer than 5 MB" in refusal(tmp_path / "later.csv.gz")

@@ -33,6 +33,8 @@ from sysid.experiment.readers.text import (
 from sysid.experiment.readers.time_stamps import seconds
 from sysid.experiment.toml_table import shown
 
+MOST_CELLS = 10_000
+"""In a row that is read cell by cell."""
 LONG_DIGITS = 10
 """Digits before the decimal sign from which a number (a Unix time) is read exactly and counted from its first row."""
 
@@ -192,6 +194,8 @@ def _rows(path: Path, name: str, dialect: Dialect) -> Iterator[tuple[int, list[s
     """Every row of numbers with its number in the file, without blank lines and comments."""
     for row, line in enumerate(lines_of(path, dialect.encoding, name), start=1):
         if row >= dialect.first_row and line.strip() and not is_comment(line):
+            if line.count(dialect.delimiter) > MOST_CELLS:
+                raise InputError(f"{name}: row {row}: has more than {MOST_CELLS} cells")
             yield row, split(line, dialect.delimiter)
 
 
@@ -205,7 +209,7 @@ def _data_rows(
     labels = [label.strip() for label in dialect.labels]
     headers = [cells for cells in (labels, [*filter(None, labels)], [*dialect.units]) if dialect.header_row and cells]
     for row, cells in _rows(path, name, dialect):
-        if len(cells) > dialect.width and all(dialect.form.value(cell) is None for cell in cells[dialect.width :]):
+        if len(cells) > dialect.width and all(dialect.form.value(cell) is None for cell in filter(None, cells[dialect.width :])):
             wider, cells = wider + 1, cells[: dialect.width]
         if cells in headers:
             repeated += 1

@@ -72,6 +72,8 @@ class NumberForm:
 
     def value(self, cell: str) -> float | None:
         """The number in a cell; None if it is none."""
+        if not cell:
+            return None
         if self.decimal == "." or ("," not in cell and "." not in cell):
             try:
                 return float(cell) if "_" not in cell else None
