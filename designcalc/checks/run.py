@@ -50,9 +50,7 @@ class Subjects:
 
     checks: Mapping[str, Callable[[Design], list[CheckFunction]]]  # of a design by subject, in the order of the report
     chains: Callable[[Design], tuple[Chain, ...]]  # tolerance chains of a design
-    # masses of a design, given another one that it differs from by tolerances, and that one's
-    scaled_masses: Callable[[Design, Design, Any], Any]
-    changed_masses: Callable[[Design, Design, Any], Any]  # the same for a design with any other values, for a search
+    changed_masses: Callable[[Design, Design, Any], Any]  # masses of a design, given another one and that one's
     mass_keys: tuple[str, ...] = ()  # beginnings of the keys that these masses depend on
     requirements: Mapping[str, str] = field(default_factory=dict)  # names that checks refer to, with their text
     not_made: tuple[str, ...] = ()  # subjects of alternatives that are not made: their tolerances do not matter
@@ -68,6 +66,11 @@ class Subjects:
 def subjects_of(design: Design) -> Subjects:
     """The checks of a design's machine."""
     return content("designcalc", design.machine, "subjects").SUBJECTS
+
+
+def changed_masses(design: Design, base: Design, masses: Any) -> Any:
+    """Masses of a design, without its solids, from those of the solids of another one; None without these."""
+    return None if masses is None else subjects_of(design).changed_masses(design, base, masses)
 
 
 def run_checks(

@@ -21,4 +21,4 @@ def _present_masses(design: Design, base: Design, masses: PartMasses) -> PartMas
     return masses
 
 
-SUBJECTS = Subjects(checks={}, chains=_chains, scaled_masses=_present_masses, changed_masses=_present_masses)
+SUBJECTS = Subjects(checks={}, chains=_chains, changed_masses=_present_masses)

@@ -45,7 +45,7 @@ MASS_KEYS = ("stage.", "tip.", "teeth.", "tooth_iron.", "magnet.", "actuator.", 
 def changed_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMasses:
     """Masses of a design from those of the solids of another one, `base`."""
     moving, tip = masses.moving, masses.tip
-    mass = moving.mass + _moving(design) - _moving(base)
+    mass = moving.mass + (_moving(design) - _moving(base))
     scale = mass / moving.mass
     lift = (design.derived.drive_surface_height - base.derived.drive_surface_height) * 1e-3
     lift += 0.5e-3 * (design.stage.thickness - base.stage.thickness)
@@ -148,25 +148,6 @@ _REQUIREMENTS: dict[str, str] = {
 """The thesis's requirements: the name that checks refer to, and the text."""
 
 
-def scaled_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMasses:
-    """Masses of a design that differs by tolerances, without building its solids.
-
-    The base design's body with the mass of the plain plate's change added: exact for a longer, wider or thicker plate
-    but for the features cut through it, a tenth of a change that is itself a hundredth of the mass.
-    """
-    change, body = _plate(design) - _plate(base), masses.moving
-    scale = (body.mass + change) / body.mass
-    inertia = np.asarray(body.inertia, float) * scale
-    moving = MassProperties(body.volume * scale, body.mass + change, body.centre_of_mass, inertia, body.bounding_box)
-    return BodyMasses(moving, masses.tip)
-
-
-def _plate(design: Design) -> float:
-    """Mass of the stage's plate without its features, kg."""
-    volume = design.si("stage.length") * design.si("stage.width") * design.si("stage.thickness")
-    return volume * design.si(f"materials.{design.value('stage.material')}.density")
-
-
 def _studies(r: DesignInputs) -> Studies:
     return Studies(alternatives.ranking(r), budget.budgets(r), dynamic_budgets(r))
 
@@ -179,7 +160,6 @@ def _figures(design: Design) -> tuple[str, ...]:
 SUBJECTS = Subjects(
     checks=_CHECKS,
     chains=tolerance_chains,
-    scaled_masses=scaled_masses,
     changed_masses=changed_masses,
     mass_keys=MASS_KEYS,
     requirements=_REQUIREMENTS,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
-from designcalc.checks.run import run_checks, subjects_of
+from designcalc.checks.run import changed_masses, run_checks, subjects_of
 from designcalc.optimisation.space import Free, distance, start_point, values_at
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.rules.registry import violations
@@ -104,16 +104,10 @@ class Evaluator:
         changed = {one.key: values[one.key] for one in self.free if values[one.key] != one.start}
         return self.variations.changed(changed) if changed else self.base
 
-    def changed_masses(self, design: Design) -> Masses | None:
-        """Masses of a changed design from those of the solids of the present one."""
-        if self.masses is None:
-            return None
-        return subjects_of(design).changed_masses(design, self.base, self.masses)
-
     def checks_of(self, values: Mapping[str, Any]) -> list[Check]:
         """All checks of the design with these values."""
         design = self.design(values)
-        return run_checks(design, self.changed_masses(design), advise=False)
+        return run_checks(design, changed_masses(design, self.base, self.masses), advise=False)
 
     def at(self, point: Array, names: Collection[str] | None = None) -> Evaluation:
         """The evaluation at a point; of all checks, or of those named."""
@@ -139,7 +133,7 @@ class Evaluator:
         except InputError as error:
             return Evaluation(point, values, {}, frozenset(), (), far, str(error))
         violated = tuple(one.rule for one in violations(design))
-        masses = self.changed_masses(design)
+        masses = changed_masses(design, self.base, self.masses)
         positions = {self.positions[name] for name in names} if names is not None else None
         found = run_checks(design, masses, None, positions, advise=False)
         if names is not None and {check.name for check in found} != set(names):

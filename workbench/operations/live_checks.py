@@ -14,9 +14,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
-from designcalc.checks.analysis.tolerance import scaled_masses
 from designcalc.checks.check import Check
-from designcalc.checks.run import run_checks, subjects_of
+from designcalc.checks.run import changed_masses, run_checks, subjects_of
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -79,7 +78,7 @@ class LiveChecks:
                 # Other parts have other checks, and a check does not state the words that it reads (a material).
                 self._functions, self._words, self._known = counts, words, {}
             count = sum(counts)
-            masses = scaled_masses(design, *self._base) if self._base is not None else None
+            masses = changed_masses(design, *self._base) if self._base is not None else None
             mark = "" if masses is None else repr(masses)
             stale = [k for k in range(count) if self._is_stale(k, by_key, mark)]
             stale.sort(key=self._cost)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from designcalc.checks.analysis.tolerance import scaled_masses
 from designcalc.checks.check import Change, Check
-from designcalc.checks.run import run_checks
+from designcalc.checks.run import changed_masses, run_checks
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import Masses
@@ -62,7 +61,7 @@ def _evaluated(
     before = {checks[k].name: checks[k].verdict for k in positions}
     after = {
         check.name: check
-        for check in run_checks(changed, scaled_masses(changed, design, masses), None, positions, advise=False)
+        for check in run_checks(changed, changed_masses(changed, design, masses), None, positions, advise=False)
     }
     if name in after and after[name].verdict != "passes":
         return replace(one, result="is not enough")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
-from designcalc.checks.run import run_checks, subject_names, subjects_of
+from designcalc.checks.run import changed_masses, run_checks, subject_names, subjects_of
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules.registry import violations
 
@@ -201,13 +201,8 @@ def _ends(
         # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
         value = float(design.value(key)) + deviation
         changed = load(*kept, f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
-        checks = run_checks(changed, scaled_masses(changed, design, masses), tuple(sorted(readers[key])))
+        checks = run_checks(changed, changed_masses(changed, design, masses), tuple(sorted(readers[key])))
         found = {check.name: check.margin for check in checks}
         values = [(found.get(name), base) for name, base in nominal.items()]
         ends.append(np.array([base if value is None else value for value, base in values], float))
     return ends
-
-
-def scaled_masses(design: Design, base: Design, masses: Any) -> Any:
-    """Masses of a design that differs from another one by tolerances, without building its solids."""
-    return None if masses is None else subjects_of(design).scaled_masses(design, base, masses)

@@ -209,7 +209,8 @@ def _data_rows(
     labels = [label.strip() for label in dialect.labels]
     headers = [cells for cells in (labels, [*filter(None, labels)], [*dialect.units]) if dialect.header_row and cells]
     for row, cells in _rows(path, name, dialect):
-        if len(cells) > dialect.width and all(dialect.form.value(cell) is None for cell in filter(None, cells[dialect.width :])):
+        beyond = filter(None, cells[dialect.width :])
+        if len(cells) > dialect.width and all(dialect.form.value(cell) is None for cell in beyond):
             wider, cells = wider + 1, cells[: dialect.width]
         if cells in headers:
             repeated += 1

@@ -285,7 +285,7 @@ def run_monte_carlo(
 
 def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
     """Results of the machines with the values of each row, (k, parameters)."""
-    from designcalc.checks.analysis.tolerance import scaled_masses
+    from designcalc.checks.run import changed_masses
 
     found = []
     for row in rows:
@@ -293,7 +293,7 @@ def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
         try:
             # Rules across values apply to the nominal design, not to a machine within its tolerances.
             design = common.design.values_with(*overrides, rules=False)
-            masses = scaled_masses(design, common.design.values, common.masses)
+            masses = changed_masses(design, common.design.values, common.masses)
             found.append(_simulate(design, common.selection, masses))
         except (InputError, SimulationError) as refused:
             found.append(Sample({}, {}, " ".join(str(refused).split())))

@@ -11,9 +11,9 @@ import pytest
 from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.analysis.report import corrections, markdown, requirements
 from designcalc.checks.analysis.sweep import changing_checks, combinations, read_range, run_points, table
-from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
+from designcalc.checks.analysis.tolerance import tolerance_study
 from designcalc.checks.check import Change, Check, Comparison, DesignInputs
-from designcalc.checks.run import run_checks
+from designcalc.checks.run import changed_masses, run_checks
 from designcalc.friction_stage.checks.alternatives import ranking
 from designcalc.friction_stage.checks.budget import budgets
 from designcalc.friction_stage.subjects import SUBJECTS
@@ -226,12 +226,12 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
 
 def test_moving_body_of_a_thicker_plate_gains_the_plates_mass():
     design, thick = load(), load("stage.thickness=15 mm")
-    heavier = scaled_masses(thick, design, MASSES)
+    heavier = changed_masses(thick, design, MASSES)
     assert heavier is not None
     assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
-    assert heavier.tip is TIP
-    assert scaled_masses(design, design, MASSES) == MASSES
-    assert scaled_masses(thick, design, None) is None
+    assert heavier.tip == TIP
+    assert changed_masses(design, design, MASSES) == MASSES
+    assert changed_masses(thick, design, None) is None
 
 
 def test_tolerances_spread_a_margin_as_its_closed_form():
