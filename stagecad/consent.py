@@ -30,20 +30,25 @@ def give_consent(files: tuple[Path, ...]) -> None:
 def store_consent(path: Path, digest: str) -> None:
     """Store the consent to run a Python file whose content has this sha256."""
     _consented.add(digest)
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
     # Where it cannot be stored, the consent is for this run.
     with suppress(OSError):
-        if folder is not None:
-            atomic_write_text(make_private(folder / "trusted") / digest, f"{path.resolve()}\n")
+        if folder := _trusted():
+            atomic_write_text(make_private(folder) / digest, f"{path.resolve()}\n")
 
 
 def has_consent(data: bytes) -> bool:
     """Whether the user has consented to a Python file with this content."""
     digest = hashlib.sha256(data).hexdigest()
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
     with suppress(OSError):
-        return digest in _consented or (folder is not None and (make_private(folder / "trusted") / digest).is_file())
+        return digest in _consented or (
+            (folder := _trusted()) is not None and (make_private(folder) / digest).is_file()
+        )
     return False
+
+
+def _trusted() -> Path | None:
+    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+    return folder and folder / "trusted"
 
 
 def require_consent(path: Path, data: bytes, what: str = "this experiment") -> None:
@@ -58,8 +63,7 @@ def require_consent(path: Path, data: bytes, what: str = "this experiment") -> N
 
 def _had_consent(path: Path) -> bool:
     """Whether the user has consented to other content of a file."""
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    line = f"{path.resolve()}\n"
+    folder, line = _trusted(), f"{path.resolve()}\n"
     with suppress(OSError, UnicodeDecodeError):
-        return folder is not None and any(one.read_text("utf-8") == line for one in (folder / "trusted").iterdir())
+        return folder is not None and any(one.read_text("utf-8") == line for one in folder.iterdir())
     return False

@@ -154,7 +154,7 @@ def depends(design: Any) -> tuple[str, ...]:
 
 
 def masses(design: Any) -> PartMasses:
-    """Mass properties of each part, and of the machine."""
+    """Mass properties of each part, and of the whole, `machine`."""
     from stagecad.solids.artefacts.part import build_parts, part_mass
 
     parts = build_parts(ArtefactStore(), list(sources(design)), design, files=False)
@@ -164,7 +164,7 @@ def masses(design: Any) -> PartMasses:
 
 
 def machine_masses(machine: BuiltMachine) -> PartMasses:
-    """Mass properties of each part, and of the whole, `machine`."""
+    """The same of a machine that is built."""
     return PartMasses({**machine.masses, "machine": machine.whole})
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
+import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
 
 from stagecad.parameters.errors import InputError
 
@@ -25,13 +25,8 @@ def own_code(path: Path) -> Iterator[None]:
     """
     process, leave = os.getpid(), os._exit
 
-    def refuse(status: int) -> NoReturn:
-        # A process that the code has forked ends as it should.
-        if os.getpid() != process:
-            leave(status)
-        raise SystemExit(status)
-
-    os._exit = refuse
+    # A process that the code has forked ends as it should.
+    os._exit = lambda status: sys.exit(status) if os.getpid() == process else leave(status)
     try:
         yield
     except (InputError, KeyboardInterrupt):

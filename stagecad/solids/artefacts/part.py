@@ -110,14 +110,10 @@ def _modules(source: PartSource) -> tuple[str, ...]:
     return (*source.modules, __name__)
 
 
-MEASURED = ":measured"
-"""Ends the name of an artefact that has `part.json` alone."""
-
-
 def find_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart | None:
     """The part from the cache, or None; without `files` one that has `part.json` alone will do."""
     source = part_source(name, design)
-    for stored in (name,) if files else (name, name + MEASURED):
+    for stored in (name,) if files else (name, f"{name}:measured"):
         entry = store.find(stored, source.design_of(design), _modules(source), source.depends)
         if entry is not None:
             return BuiltPart(name, entry)
@@ -136,10 +132,10 @@ def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True)
             _require_solid(name, solid)
         material = part.material(tracked)
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
-        geometry = geometry_of(solid)
+        geometry, summary = geometry_of(solid), (part.__doc__ or "").strip().partition("\n")[0].rstrip(".")
         document = {
             "material": material,
-            "description": part.description(tracked) if hasattr(part, "description") else _first_line(part),
+            "description": part.description(tracked) if hasattr(part, "description") else summary,
             "part_number": part.part_number(tracked) if hasattr(part, "part_number") else "",
             "geometry": geometry.as_json(),
             "datums": datums,
@@ -151,7 +147,7 @@ def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True)
             _export(name, solid, geometry.volume, colour_of(material), folder)
 
     made = store.make(
-        name if files else name + MEASURED, source.design_of(design), _modules(source), make, source.depends
+        name if files else f"{name}:measured", source.design_of(design), _modules(source), make, source.depends
     )
     return BuiltPart(name, made)
 
@@ -167,11 +163,6 @@ def kernel_errors(name: str, design: Any) -> Iterator[None]:
         if "OutOfMemory" in type(error).__name__ or "bad_alloc" in str(error):
             raise MemoryError from error
         raise PartError(name, design, f"{type(error).__name__}: {error}") from error
-
-
-def _first_line(module: Any) -> str:
-    """First line of the module's docstring, which describes the part."""
-    return (module.__doc__ or "").strip().splitlines()[0].rstrip(".")
 
 
 def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:

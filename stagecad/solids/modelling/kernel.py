@@ -23,9 +23,6 @@ def load_kernel() -> None:
     The kernel's bindings import the package `vtk` only to have it loaded; cadquery imports the modules of VTK that it
     calls (`vtkmodules`) by itself. An empty module stands for the package meanwhile; `import vtk` afterwards gives the
     real one. For processes of this program alone, since another thread could see the empty module.
-
-    Raises:
-        InputError: not enough memory.
     """
     if "vtk" in sys.modules or "cadquery" in sys.modules:
         return
