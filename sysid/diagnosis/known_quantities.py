@@ -37,7 +37,7 @@ NOTABLE = 0.1
 def contradicted_known(problem: Problem) -> list[str]:
     """One line for each known quantity that the records of the fit contradict."""
     rig, found = problem.experiment.rig, []
-    force = problem.fit_records[0].force_channel
+    force = next((record.force_channel for record in problem.fit_records), "")
     # A scale that is not exactly known is fitted.
     sources = [record.sources[force] for record in problem.experiment.records if force in record.sources]
     scaled = any(term.deviation for source in sources for term in source.terms)
