@@ -74,7 +74,7 @@ def frame(rows: Iterable[Any], *index: str, columns: Sequence[str] = ()) -> pd.D
     import pandas as pd
 
     table = pd.DataFrame(list(rows), columns=list(columns) or None)
-    return table.set_index(list(index) if len(index) > 1 else index[0]) if index else table
+    return table.set_index(index[0] if len(index) == 1 else list(index)) if index else table
 
 
 class Reported(Result):
