@@ -78,7 +78,7 @@ def speed_figure(study: SpeedStudy) -> Plot:
     speed.set(ylabel="speed (mm/s)", xscale="log", yscale="log")
     speed.legend(title="apex at mid-stroke over the surface,\nin half heights of the ellipse", loc="upper left")
     ratio.set(ylabel="speed / (X f), X as the tip moves", xlabel="frequency (Hz)", ylim=(0.0, 3.5))
-    ratio.legend(handles=[_ring(), _cross()], loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.0, ncols=2)
+    ratio.legend(handles=_marks(), loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.0, ncols=2)
     figure.suptitle(f"Lasting speed against frequency, X = {study.travel * 1e6:.1f} µm commanded")
     return figure
 
@@ -133,7 +133,7 @@ def ellipse_figure(study: EllipseSearch) -> Plot:
         speeds.plot(degrees[~steady], speed[~steady] * 1e3, "x", color=ink, markersize=9)
     speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="steady speed")
     # Outside the axes: for another design the curves may be anywhere.
-    shown = [*speeds.get_legend_handles_labels()[0], _ring(), _cross()]
+    shown = [*speeds.get_legend_handles_labels()[0], *_marks()]
     title = "apex at mid-stroke\nover the surface, in\nhalf heights"
     speeds.legend(handles=shown, title=title, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     figure.suptitle(f"Speed by phase and height of the ellipse at {study.frequency:.0f} Hz")
@@ -240,20 +240,17 @@ def hunting_figure(study: HuntingStudy) -> Plot:
     return figure
 
 
-def _ring() -> Any:
-    """Legend entry of an open ring."""
+def _mark(marker: str, label: str, **look: Any) -> Any:
+    """Legend entry of a mark."""
     from matplotlib.lines import Line2D
 
-    return Line2D(
-        [], [], linestyle="", marker="o", markersize=6, color="white", markeredgecolor=GREY, label=LIFTED_TEXT
-    )
+    return Line2D([], [], linestyle="", marker=marker, label=label, **look)
 
 
-def _cross() -> Any:
-    """Legend entry of a cross."""
-    from matplotlib.lines import Line2D
-
-    return Line2D([], [], linestyle="", marker="x", markersize=7, color=GREY, label="still changing, or uneven")
+def _marks() -> list[Any]:
+    """Legend entries of lifted pads and of what still changes."""
+    ring = _mark("o", LIFTED_TEXT, markersize=6, color="white", markeredgecolor=GREY)
+    return [ring, _mark("x", "still changing, or uneven", markersize=7, color=GREY)]
 
 
 _STUDIES = {

@@ -137,7 +137,6 @@ def stage_tables(studies: Mapping[str, Any]) -> dict[str, Columns]:
 
 def motion_columns(run: Any, rows: int = 5000) -> Columns:
     """Motion, forces and voltages of a run with one actuator, at most `rows` evenly spaced rows."""
-    taken = np.unique(np.linspace(0, run.time.size - 1, min(rows, run.time.size)).astype(int))
     position, apex, force, volts = run.position, run.apex(0), run.tip_force(0), run.voltage(0)
     columns = {"time [s]": run.time}
     columns |= {
@@ -149,7 +148,7 @@ def motion_columns(run: Any, rows: int = 5000) -> Columns:
     columns |= {f"voltage_{i + 1} [V]": volts[:, i] for i in range(3)}
     for pad in range(len(run.machine.pads.places)):
         columns[f"pad_load_{pad + 1} [N]"] = run.pad_force(pad)[:, 2]
-    return {name: values[taken] for name, values in columns.items()}
+    return {name: _thinned(values, rows) for name, values in columns.items()}
 
 
 def _steps(study: Any) -> dict[str, Columns]:
