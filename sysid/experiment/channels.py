@@ -11,7 +11,7 @@ from functools import cache
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
 from sysid.experiment.columns.settings import RATED, ChannelSettings, ColumnSetting, Scale
-from sysid.experiment.columns.units import column_unit
+from sysid.experiment.columns.units import column_unit, unit_endings
 from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
 
@@ -230,13 +230,11 @@ def _written_otherwise(column: Column, wanted: str, declared: Channel) -> Column
 
     if plain(column.name) == plain(wanted):
         return column
-    parts = re.split(r"[\s_]+", column.name.strip())
-    for k in range(1, len(parts) if column.unit is None and len(column.name) <= LONGEST_LABEL else 0):
-        if plain("_".join(parts[:k])) != plain(wanted):
-            continue
-        unit = column_unit("/".join(part for part in parts[k:] if part != "per"))
-        if unit is not None and any(same_dimension(unit, si) for si in (declared.unit, declared.rotary_unit)):
-            return Column(column.index, column.label, "_".join(parts[:k]), unit)
+    endings = unit_endings(column.name) if column.unit is None and len(column.name) <= LONGEST_LABEL else ()
+    for name, unit in endings:
+        fits = any(same_dimension(unit, si) for si in (declared.unit, declared.rotary_unit))
+        if plain(name) == plain(wanted) and fits:
+            return Column(column.index, column.label, name, unit)
     return None
 
 

@@ -15,9 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.units import unit_dimension
-from sysid.experiment.channels import parse_label
-from sysid.experiment.columns.units import column_unit
+from sysid.experiment.channels import parse_label, same_dimension
+from sysid.experiment.columns.units import column_unit, unit_endings
 from sysid.experiment.readers.numbers import is_hexadecimal
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
@@ -162,7 +161,7 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     found = _channels(guesses, rig, reasons)
     units = [guess.unit for index, guess in guesses.items() if index in found]
     rotary = (
-        any(_fits(unit, si) for unit in units if unit for si in ("rad", "rad/s", "N*m"))
+        any(same_dimension(unit, si) for unit in units if unit for si in ("rad", "rad/s", "N*m"))
         if rig.rotary is None
         else rig.rotary
     )
@@ -255,10 +254,8 @@ _ALIKE = (
 
 def _unit_of_name(name: str) -> str | None:
     """The unit at the end of a name such as `position_mm`; none where a channel has no such unit."""
-    parts = re.split(r"[\s_]+", name.strip())
-    for k in range(1, len(parts)):
-        unit = column_unit("/".join(part for part in parts[k:] if part != "per"))
-        if unit is not None and (_by_dimension(unit) or any(_fits(unit, si) for si in ("m/s", "rad/s"))):
+    for _, unit in unit_endings(name):
+        if _by_dimension(unit) or any(same_dimension(unit, si) for si in ("m/s", "rad/s")):
             return unit
     return None
 
@@ -267,7 +264,7 @@ def _by_dimension(unit: str | None) -> str | None:
     if unit is None:
         return None
     for si, meaning in _UNITS.items():
-        if unit_dimension(unit) == unit_dimension(si):
+        if same_dimension(unit, si):
             return meaning
     return None
 
@@ -338,7 +335,7 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
     more certain one. Why the others are left out is put into `reasons`."""
     force = next((name for name in ("friction_force", "spring_force", "drive_force") if name in rig.channels), None)
     found: dict[int, tuple[str, str]] = {}
-    own_voltages = [name for name in rig.own if _fits(rig.own[name].unit, "V")]
+    own_voltages = [name for name in rig.own if same_dimension(rig.own[name].unit, "V")]
     voltages = iter(own_voltages or [name for name in rig.channels if name.startswith("voltage_")])
     for index, guess in sorted(guesses.items(), key=lambda item: (item[1].rank, bool(item[1].why), item[0])):
         meaning = guess.meaning
@@ -362,7 +359,7 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
         found[load] = (force, "it is the only force: or is it the normal load?")
     for index, guess in guesses.items():
         left = [name for name in rig.own if name not in {channel for channel, _ in found.values()}]
-        own = next((name for name in left if guess.unit and _fits(guess.unit, rig.own[name].unit)), None)
+        own = next((name for name in left if guess.unit and same_dimension(guess.unit, rig.own[name].unit)), None)
         if index not in found and own is not None:
             found[index] = (own, "by its unit")
     return found
@@ -382,17 +379,13 @@ def _proposal(
     if unit is None:
         question = "; ".join(part for part in (question, "what is its unit?") if part)
         return Proposal(index + 1, label, channel, "?", None, question)
-    if _fits(unit, declared.unit) or _fits(unit, declared.rotary_unit):
+    if same_dimension(unit, declared.unit) or same_dimension(unit, declared.rotary_unit):
         return Proposal(index + 1, label, channel, written if written is None else unit, None, question)
-    scale = next((s for (name, si), s in _SCALES.items() if name == channel and _fits(unit, si)), "{si}")
+    scale = next((s for (name, si), s in _SCALES.items() if name == channel and same_dimension(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
     asked = f"what is its rated value (100 %) in {scale}?" if unit == "%" else f"what is its scale in {scale}?"
     question = "; ".join(part for part in (question, asked) if part)
     return Proposal(index + 1, label, channel, None, scale, question, percent=unit == "%")
-
-
-def _fits(unit: str, si: str) -> bool:
-    return unit_dimension(unit) == unit_dimension(si)
 
 
 @dataclass(frozen=True)

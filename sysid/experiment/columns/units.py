@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import cache
 
 from stagecad.parameters.errors import InputError
@@ -50,6 +51,15 @@ def column_unit(text: str) -> str | None:
         mass, length = torque["mass"] or torque["last"], torque["length"] or torque["first"]
         plain = f"{mass.rstrip('s')}f*{length}"
     return plain if _known(plain) else None
+
+
+def unit_endings(name: str) -> Iterator[tuple[str, str]]:
+    """The ways to read a name such as `position_mm` as a name and a unit behind it."""
+    parts = re.split(r"[\s_]+", name.strip())
+    for k in range(1, len(parts)):
+        unit = column_unit("/".join(part for part in parts[k:] if part != "per"))
+        if unit is not None:
+            yield "_".join(parts[:k]), unit
 
 
 def _symbol(symbol: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.toml_table import TomlTable, kind_of, quantity, shown
@@ -42,10 +42,9 @@ class Format:
 def read_format(table: TomlTable) -> Format:
     """The settings in a table `[format]`."""
     table.allow(Format.__dataclass_fields__)
-    delimiter = decimal = encoding = repeated = rate = None
+    delimiter = encoding = None
     if "delimiter" in table.data:
-        names = {**{sign: sign for sign in DELIMITERS}, **{name: sign for sign, name in DELIMITERS.items()}}
-        names["space"] = " "
+        names = {name: sign for sign, other in DELIMITERS.items() for name in (sign, other)} | {"space": " "}
         written = table.text("delimiter")
         if written not in names:
             raise InputError(
@@ -53,8 +52,7 @@ def read_format(table: TomlTable) -> Format:
                 "blanks, or the character itself"
             )
         delimiter = names[written]
-    if "decimal" in table.data:
-        decimal = table.choice("decimal", (".", ","))
+    decimal = table.choice("decimal", (".", ",")) if "decimal" in table.data else None
     thousands = table.choice("thousands", (".", ",", "'", " ", "none")) if "thousands" in table.data else None
     thousands = "" if thousands == "none" else thousands
     if thousands and thousands == decimal:
@@ -73,10 +71,8 @@ def read_format(table: TomlTable) -> Format:
             raise InputError(
                 f"{table.where('encoding')}: {shown(encoding)} is no text encoding; such as utf-8, utf-16, cp1252"
             )
-    if "repeated_time" in table.data:
-        repeated = table.choice("repeated_time", REPEATED_TIME)
-    if "sample_rate" in table.data:
-        rate = quantity(table, "sample_rate", "Hz", positive=True)
+    repeated: Any = table.choice("repeated_time", REPEATED_TIME) if "repeated_time" in table.data else None
+    rate = quantity(table, "sample_rate", "Hz", positive=True) if "sample_rate" in table.data else None
     return Format(
         delimiter=delimiter,
         decimal=decimal,
@@ -87,7 +83,7 @@ def read_format(table: TomlTable) -> Format:
         encoding=encoding,
         missing=table.texts("missing"),
         time_format=table.text("time_format") if "time_format" in table.data else None,
-        repeated_time=repeated,  # type: ignore[arg-type]
+        repeated_time=repeated,
         sample_rate=rate,
     )
 
