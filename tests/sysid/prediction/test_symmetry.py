@@ -15,18 +15,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.generators.every_rig import BIAS, RIGS, SIGNED, write
 from sim.effects.catalogue import find, library
 from sim.effects.effect import Effect
 from sysid.compare import compare
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.experiment.experiment import Experiment
-from sysid.experiment.record import Record
+from sysid.experiment.experiment import Experiment, load_experiment
+from sysid.experiment.record import Record, load_records
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.model import Model, predict, public_name, with_effect
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import Problem, build_problem, load_problem
-from tests.sysid.prediction.symmetry_records import BIAS, RIGS, SIGNED, load, write
 
 SIGN_SYMMETRY = Path(__file__).parents[4] / "shared" / "data" / "sign_symmetry"
 
@@ -71,7 +71,8 @@ becomes A sin(k x - p); a friction level 1 + A sin(k x + p) becomes 1 + A sin(k 
 @cache
 def _problem(rig: str, seed: int) -> tuple[Experiment, list[Record], Problem]:
     with TemporaryDirectory() as folder:
-        experiment, records = load(write(Path(folder), RIGS[rig], [], seed))
+        experiment = load_experiment(write(Path(folder), RIGS[rig], [], seed))
+        records = load_records(experiment)
     return experiment, records, build_problem(experiment, records)
 
 

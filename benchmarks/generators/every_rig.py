@@ -1,13 +1,10 @@
-"""Small records of every rig kind, and their transformations that change nothing in the physics."""
+"""Small records of every rig kind, by Euler steps of their own, in any units."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-
-from sysid.experiment.experiment import Experiment, load_experiment
-from sysid.experiment.record import Record, load_records
 
 ROWS, STEP, MASS, SPRING = 1500, 1e-3, 1.5, 4000.0
 BIAS = 60.0
@@ -136,9 +133,3 @@ def write(
         text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
     (folder / "experiment.toml").write_text(text)
     return folder
-
-
-def load(folder: Path) -> tuple[Experiment, list[Record]]:
-    """The experiment and its records."""
-    experiment = load_experiment(folder)
-    return experiment, load_records(experiment)
