@@ -15,6 +15,7 @@ from stagecad.parameters.machine import Computed
 
 if TYPE_CHECKING:
     from stagecad.friction_stage.parameters.machine import Tables
+    from stagecad.parameters.design import Design
 
 Place = tuple[float, float]
 
@@ -237,3 +238,12 @@ class Derived:
     def magnets(self) -> int:
         """Number of magnets: one in each iron pocket."""
         return 2 if self.design.teeth.fitted else 0
+
+
+BOTTOMING_TAP = 1.5
+"""Incomplete threads at the end of a bottoming tap (ISO 8830, lead form C), pitches."""
+
+
+def full_clamp_thread(design: Design) -> float:
+    """Length of full thread in the lug of a clamp, whose hole is as deep as its thread, mm."""
+    return design.base.clamp_thread_depth - BOTTOMING_TAP * design.threads.unc_3_8_pitch

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stagecad.friction_stage.parameters.derived import Derived, Place, corners
+from stagecad.friction_stage.parameters.derived import Derived, Place, corners, full_clamp_thread
 from stagecad.friction_stage.parts.base_clamp import Clamp, clamps
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, X, Y, Z
@@ -112,7 +112,8 @@ def _height_bores(d: DimensionDeclarations, design: Design) -> None:
     middle, touch = (start + end) / 2, deep - design.threads.unc_1_tap_drill / 2
     thread = ((middle, 0, deep), (middle, 0, touch))
     feature = "set screw thread"
-    d.add("tap_drill", "set screw thread", "threads.unc_1_tap_drill", thread, X, note="1-8 UNC", feature=feature)
+    named = {"note": "1-8 UNC", "major": design.thread("unc_1").major, "feature": feature}
+    d.add("tap_drill", feature, "threads.unc_1_tap_drill", thread, X, **named)
     d.remark(
         "set screw thread ends", ("base.set_screw_thread_start",), thread[1], "over the length shown", feature=feature
     )
@@ -147,8 +148,10 @@ def _clamp_screws(d: DimensionDeclarations, design: Design, clamp: Clamp) -> Non
     hole.depth("clamp thread hole depth", "clamp_thread_depth", (wall, y, z), lug, view="section", note=note)
     drill, at = "threads.unc_3_8_tap_drill", ((wall + lug[0]) / 2, y, z)
     touch = (at[0], y - design.threads.unc_3_8_tap_drill / 2, z)
-    hole.add("tap_drill", "clamp thread", drill, (at, touch), X, note="3/8-16 UNC")
-    hole.remark("clamp thread length", ("base.clamp_thread_depth",), touch, "beyond the slot, over the length in A-A")
+    thread = design.thread("unc_3_8")
+    hole.add("tap_drill", "clamp thread", drill, (at, touch), X, note=thread.designation, major=thread.major)
+    full = f"beyond the slot, full thread {full_clamp_thread(design):.1f} deep with a bottoming tap"
+    hole.remark("clamp thread length", ("base.clamp_thread_depth", "threads.unc_3_8_pitch"), touch, full)
 
 
 def _clamp_slots(d: DimensionDeclarations, design: Design, clamp: Clamp) -> None:

@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from stagecad.friction_stage.parameters.derived import corners
+from stagecad.friction_stage.parameters.derived import corners, full_clamp_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.rules.registry import ROUNDING, given, length, rule, screw_length
 
@@ -266,6 +266,11 @@ def clamp_screws(d: Design) -> Iterator[str]:
         engaged = screw.length - (to_slot - base.clamp_counterbore_depth) - base.clamp_slot_width / 2
         where = f"beyond the slot ({given(d, 'base.length', slot, 'base.clamp_counterbore_depth')})"
         yield from screw_length(d, name, engaged, "base.clamp_thread_depth", where)
+        if full_clamp_thread(d) < engaged <= base.clamp_thread_depth:
+            yield (
+                f"{given(d, f'{name}.length')} jams: {where} it goes {length(engaged)} deep, but the thread is full "
+                f"for {length(full_clamp_thread(d))} of {given(d, 'base.clamp_thread_depth')}"
+            )
         if screw.head_diameter >= base.clamp_counterbore:
             yield f"{given(d, f'{name}.head_diameter')} does not go into {given(d, 'base.clamp_counterbore')}"
         if screw.diameter >= base.clamp_hole:

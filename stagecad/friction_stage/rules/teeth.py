@@ -66,19 +66,29 @@ def tooth_gap(d: Design) -> Iterator[str]:
 
 @rule
 def iron_pockets(d: Design) -> Iterator[str]:
-    """Irons and magnet fit their pocket; the pocket fits the stage, clear of drive surface, pads and holes."""
+    """Irons and magnet fit their pocket at the limits of their tolerances; the pocket fits the stage, clear of drive
+    surface, pads and holes."""
     if not d.teeth.fitted:
         return
     stage, wall = d.stage, d.making.least_wall
+    shortest, narrowest = (
+        d.value(key) + d.deviations(key)[0] for key in ("stage.iron_pocket_length", "stage.iron_pocket_width")
+    )
     for key in ("tooth_iron.length", "magnet.length"):
-        if d.value(key) >= stage.iron_pocket_length:
-            yield f"{given(d, key)} does not go into {given(d, 'stage.iron_pocket_length')}"
-    filled = 2 * d.derived.iron_width + d.magnet.thickness
-    if filled >= stage.iron_pocket_width:
+        longest = d.value(key) + d.deviations(key)[1]
+        if longest >= shortest:
+            yield (
+                f"{given(d, key)}, at most {length(longest)}, does not go into {given(d, 'stage.iron_pocket_length')}, "
+                f"at least {length(shortest)}"
+            )
+    # An iron has the class of the pitch.
+    filled = 2 * (d.derived.iron_width + d.deviations("teeth.pitch")[1])
+    filled += d.magnet.thickness + d.deviations("magnet.thickness")[1]
+    if filled >= narrowest:
         yield (
-            f"two irons and a magnet take {length(filled)} "
-            f"({given(d, 'teeth.per_iron', 'teeth.pitch', 'magnet.thickness')}), "
-            f"and do not go into {given(d, 'stage.iron_pocket_width')}"
+            f"two irons and a magnet take {length(filled)} at most "
+            f"({given(d, 'teeth.per_iron', 'teeth.pitch', 'magnet.thickness')}), and do not go into "
+            f"{given(d, 'stage.iron_pocket_width')}, at least {length(narrowest)}"
         )
     if stage.iron_pocket_corner >= d.tooth_iron.corner_radius:
         yield (

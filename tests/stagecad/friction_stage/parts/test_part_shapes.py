@@ -76,7 +76,7 @@ def test_bounding_box_of_the_thesis_design(name: str) -> None:
 
 
 def stage_volume() -> float:
-    pocket = 40.1 * 25.1 * 3
+    pocket = 40.3 * 25.3 * 3
     holes = 20 * pointed(5, 9) + 2 * hole(5, 12) + 4 * pointed(3.3, 10) + 2 * hole(2.5, 9)
     corners = (4 - math.pi) * 5**2 * 12
     return 230 * 270 * 12 - corners - 2 * 1000 * 0.5**2 / 2 + 3 * 24 * 12 * 2 - 2 * pocket - holes - 2 * 230 * 1.5 * 0.3
