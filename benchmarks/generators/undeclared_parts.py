@@ -174,12 +174,210 @@ def clamp_ring() -> W:
         .extrude(15)
         .union(W("XY").box(16, 20, 15).translate((35, 0, 7.5)).cut(W("XY").circle(20).extrude(15)))
     )
-    ring = ring.cut(W("XY").box(40, 3, 15).translate((40, 0, 7.5)))
+    ring = ring.cut(W("XY").box(40, 3, 15).translate((35, 0, 7.5)))
     return ring.faces(">Y").workplane(origin=(37, 0, 7.5)).hole(5.5)
 
 
 def triangle_gusset() -> W:
     return W("XZ").polyline([(0, 0), (60, 0), (0, 45)]).close().extrude(-8)
+
+
+def bearing_block() -> W:
+    body = W("XY").box(90, 30, 12, centered=(True, True, False))
+    body = body.union(W("XZ").center(0, 30).circle(24).extrude(15, both=True)).union(
+        W("XY").box(48, 30, 30, centered=(True, True, False))
+    )
+    body = body.cut(W("XZ").center(0, 30).circle(13).extrude(20, both=True))
+    return body.cut(W("XY").pushPoints([(-35, 0), (35, 0)]).circle(4.5).extrude(12))
+
+
+def motor_mount() -> W:
+    body = (
+        W("XY")
+        .box(60, 60, 6, centered=(True, True, False))
+        .union(W("XZ").box(60, 56, 6, centered=(True, False, False)).translate((0, 30, 0)))
+    )
+    body = body.cut(W("XZ").center(0, 32).circle(11).extrude(40, both=True))
+    body = body.cut(
+        W("XZ").center(0, 32).rect(31, 31, forConstruction=True).vertices().circle(1.7).extrude(40, both=True)
+    )
+    return body.cut(W("XY").pushPoints([(-22, -20), (22, -20), (-22, 10), (22, 10)]).circle(2.7).extrude(6))
+
+
+def rod_end_clevis() -> W:
+    body = (
+        W("XY")
+        .box(24, 20, 40, centered=(True, True, False))
+        .cut(W("XY").box(10, 20, 24, centered=(True, True, False)).translate((0, 0, 16)))
+    )
+    body = body.cut(W("YZ").center(0, 30).circle(5).extrude(15, both=True))
+    return body.faces("<Z").workplane().hole(8.5, 12)
+
+
+def hexagon_nut() -> W:
+    return W("XY").polygon(6, 20.785).extrude(8).faces(">Z").workplane().hole(10.2)
+
+
+def shoulder_screw_blank() -> W:
+    body = W("YZ").circle(8).extrude(6).faces(">X").workplane().circle(5).extrude(25)
+    body = body.faces(">X").workplane().circle(3.9).extrude(12)
+    return body.faces(">X").edges().chamfer(0.8)
+
+
+def grooved_pin() -> W:
+    body = W("YZ").circle(6).extrude(50)
+    ring = W("YZ").workplane(offset=40).circle(7).circle(5).extrude(1.3)
+    return body.cut(ring).faces("<X or >X").edges().chamfer(1.0)
+
+
+def round_nut() -> W:
+    body = W("XY").circle(22).circle(12).extrude(10)
+    return body.cut(W("XY").polarArray(22, 0, 360, 4).rect(6, 6).extrude(10))
+
+
+def spring_seat() -> W:
+    body = W("XY").circle(20).extrude(4).faces(">Z").workplane().circle(11).extrude(10)
+    return body.faces(">Z").workplane().cboreHole(5.5, 9.5, 5).faces("<Z").edges().chamfer(0.5)
+
+
+def tube_flange() -> W:
+    body = W("XY").circle(50).extrude(8).faces(">Z").workplane().circle(26).extrude(40)
+    body = body.faces(">Z").workplane().hole(42)
+    return body.faces("<Z").workplane().polarArray(40, 22.5, 360, 8).hole(9)
+
+
+def blind_flange() -> W:
+    body = W("XY").circle(45).extrude(10).faces(">Z").workplane().circle(28).extrude(2)
+    return body.faces("<Z").workplane().polarArray(36, 30, 360, 6).hole(6.6)
+
+
+def square_flange() -> W:
+    body = W("XY").rect(60, 60).extrude(8).edges("|Z").fillet(8)
+    body = body.faces(">Z").workplane().circle(20).extrude(12).faces(">Z").workplane().hole(25)
+    return body.faces("<Z").workplane().rect(44, 44, forConstruction=True).vertices().hole(6.6)
+
+
+def stepped_bushing() -> W:
+    profile = [(8, 0), (20, 0), (20, 5), (14, 5), (14, 30), (10, 30), (10, 12), (8, 12)]
+    return W("XZ").polyline(profile).close().revolve(360, (0, 0, 0), (0, 1, 0))
+
+
+def tapered_hub() -> W:
+    profile = [(6, 0), (25, 0), (25, 8), (18, 8), (12, 30), (6, 30)]
+    return W("XZ").polyline(profile).close().revolve(360, (0, 0, 0), (0, 1, 0))
+
+
+def v_pulley() -> W:
+    profile = [(0, 0), (30, 0), (30, 3), (22, 8), (22, 12), (30, 17), (30, 20), (0, 20)]
+    body = W("XZ").polyline(profile).close().revolve(360, (0, 0, 0), (0, 1, 0)).faces(">Z").workplane().hole(12)
+    return body.cut(W("XY").center(0, 6).rect(4, 4).extrude(20))
+
+
+def crank_arm() -> W:
+    body = W("XY").circle(15).extrude(12).union(W("XY").center(60, 0).circle(10).extrude(12))
+    body = body.union(W("XY").box(60, 12, 8, centered=(False, True, False)))
+    return body.cut(W("XY").circle(8).extrude(12)).cut(W("XY").center(60, 0).circle(4).extrude(12))
+
+
+def lens_cell() -> W:
+    body = W("XY").circle(20).extrude(15).faces(">Z").workplane().hole(30, 10)
+    return body.faces("<Z").workplane().hole(26).faces(">Z").edges(">Z").chamfer(0.5)
+
+
+def mirror_plate() -> W:
+    body = W("XY").box(50, 50, 10, centered=(True, True, False))
+    body = body.faces(">Z").workplane().pushPoints([(-18, -18), (18, -18), (-18, 18)]).hole(6.35, 7)
+    return body.faces(">Z").workplane(origin=(0, 0, 10)).hole(25.4)
+
+
+def optical_post() -> W:
+    body = W("XY").circle(6.35).extrude(75)
+    body = body.faces(">Z").workplane().hole(3.3, 8).faces("<Z").workplane().hole(5, 12)
+    return body.cut(W("YZ").center(0, 70).circle(1.6).extrude(10, both=True))
+
+
+def rail() -> W:
+    profile = [(-10, 0), (10, 0), (10, 4), (6, 8), (10, 12), (10, 16), (-10, 16), (-10, 12), (-6, 8), (-10, 4)]
+    body = W("YZ").polyline(profile).close().extrude(100)
+    return body.faces(">Z").workplane(origin=(50, 0, 16)).pushPoints([(-30, 0), (0, 0), (30, 0)]).cboreHole(4.5, 8, 5)
+
+
+def dowel_plate() -> W:
+    body = W("XY").box(80, 40, 10, centered=False).edges("|Z").chamfer(3)
+    body = body.cut(W("XY").pushPoints([(10, 10), (70, 30)]).circle(3).extrude(10))
+    return body.cut(W("XY").pushPoints([(10, 30), (70, 10)]).circle(4.5).extrude(10))
+
+
+def t_slot_table() -> W:
+    body = W("XY").box(100, 60, 20, centered=(True, True, False))
+    slot = W("YZ").polyline([(-4, 20), (4, 20), (4, 13), (7, 13), (7, 8), (-7, 8), (-7, 13), (-4, 13)]).close()
+    cutter = slot.extrude(50, both=True)
+    return body.cut(cutter.translate((0, -15, 0))).cut(cutter.translate((0, 15, 0)))
+
+
+def u_channel() -> W:
+    body = W("XY").box(120, 40, 30, centered=False).cut(W("XY").box(120, 32, 26, centered=False).translate((0, 4, 4)))
+    return body.cut(W("XY").pushPoints([(20, 20), (60, 20), (100, 20)]).circle(3.3).extrude(4))
+
+
+def ribbed_bracket() -> W:
+    body = (
+        W("XY")
+        .box(60, 50, 8, centered=(False, True, False))
+        .union(W("XY").box(8, 50, 60, centered=(False, True, False)))
+    )
+    rib = W("XZ").polyline([(8, 8), (48, 8), (8, 48)]).close().extrude(3, both=True)
+    body = body.union(rib).cut(W("XY").pushPoints([(40, -17), (40, 17)]).circle(3.3).extrude(8))
+    return body.cut(W("YZ").pushPoints([(-17, 45), (17, 45)]).circle(3.3).extrude(8))
+
+
+def knob() -> W:
+    body = W("XY").circle(15).extrude(12).faces(">Z").edges().fillet(3)
+    return body.faces("<Z").workplane().circle(8).extrude(6).faces("<Z").workplane().hole(5, 12)
+
+
+def eccentric() -> W:
+    body = W("XY").circle(20).extrude(10).cut(W("XY").center(5, 0).circle(6).extrude(10))
+    return body
+
+
+def keyway_hub() -> W:
+    body = W("XY").circle(30).extrude(12).union(W("XY").circle(18).extrude(30))
+    body = body.cut(W("XY").circle(10).extrude(30))
+    return body.cut(
+        W("XY").rect(6, 12.8 * 2).extrude(30).intersect(W("XY").box(6, 40, 60, centered=(True, False, True)))
+    )
+
+
+def slotted_angle() -> W:
+    body = W("XY").box(70, 40, 5, centered=False).union(W("XY").box(5, 40, 60, centered=False))
+    body = body.cut(W("XY").center(40, 20).slot2D(30, 6.6).extrude(5))
+    return body.cut(W("YZ").center(20, 40).slot2D(20, 5.5, 90).extrude(5))
+
+
+def lofted_adapter() -> W:
+    body = W("XY").rect(40, 40).workplane(offset=30).circle(12).loft(combine=True)
+    return body.union(W("XY").box(60, 60, 6, centered=(True, True, False)).translate((0, 0, -6)))
+
+
+def swept_handle() -> W:
+    path = W("XZ").lineTo(0, 20).threePointArc((2.929, 27.071), (10, 30)).lineTo(60, 30)
+    return W("XY").circle(5).sweep(path)
+
+
+def truncated_pyramid() -> W:
+    return W("XY").rect(50, 50).workplane(offset=25).rect(30, 30).loft(combine=True)
+
+
+def hollow_box() -> W:
+    body = W("XY").box(80, 50, 30, centered=(True, True, False)).edges("|Z").fillet(6).faces(">Z").shell(-3)
+    return body.cut(W("XY").pushPoints([(-30, 0), (30, 0)]).circle(2.2).extrude(3))
+
+
+def two_way_block() -> W:
+    body = W("XY").box(50, 40, 30, centered=False).cut(W("XZ").center(25, 15).circle(7).extrude(-40))
+    body = body.cut(W("YZ").center(20, 15).circle(4).extrude(50))
+    return body.faces(">Z").workplane(origin=(0, 0, 30)).pushPoints([(8, 8), (42, 8), (8, 32), (42, 32)]).hole(5, 12)
 
 
 PARTS: dict[str, Callable[[], W]] = {
@@ -188,5 +386,10 @@ PARTS: dict[str, Callable[[], W]] = {
         plate, pillow_block, flange, hub, stepped_shaft, keyed_shaft, bushing, angle_bracket, slotted_plate,
         pocketed_block, v_block, dovetail, t_nut, countersunk_strip, hole_grid, link, manifold, hexagon_standoff,
         spacer_tube, cover, bearing_housing, yoke, stepped_block, gib, pulley, ball_stud, clamp_ring, triangle_gusset,
+        bearing_block, motor_mount, rod_end_clevis, hexagon_nut, shoulder_screw_blank, grooved_pin, round_nut,
+        spring_seat, tube_flange, blind_flange, square_flange, stepped_bushing, tapered_hub, v_pulley, crank_arm,
+        lens_cell, mirror_plate, optical_post, rail, dowel_plate, t_slot_table, u_channel, ribbed_bracket, knob,
+        eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
+        two_way_block,
     )
 }  # fmt: skip

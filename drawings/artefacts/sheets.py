@@ -242,7 +242,8 @@ def describe(
 
     A part without a plan gets one by its declarations; what it does not state is symmetric only if the solid is.
     """
-    from drawings.dimensions.definition import AXES, centred_axes, notes_on_shape
+    from drawings.dimensions.definition import centred_axes, notes_on_shape
+    from drawings.dimensions.small_edges import AXES
     from drawings.sheets.chosen_views import chosen_plan
     from drawings.sheets.part import PartDescription
 
@@ -251,16 +252,16 @@ def describe(
     dimensions = module.dimensions(design)
     requirements = module.requirements(design) if hasattr(module, "requirements") else ()
     shape, lines = notes_on_shape(module, design), notes_of(module, design)
-    plans = sheets.plans(name, design)
+    plans, stated = sheets.plans(name, design), getattr(module, "VIEWS", ())
     if not plans:
         symmetric = "".join(axis for axis in AXES if axis in shape.symmetric + centred_axes(verifier))
         shape = replace(shape, symmetric=symmetric, packaged=False)
         if symmetric:
-            lines = (*lines, f"Symmetric about the middle {' and '.join(symmetric)} unless dimensioned.")
+            lines = (*lines, "Symmetric about the centre lines unless dimensioned.")
     described = PartDescription(
         name=name,
         title=sheets.titles.get(name, name.replace("_", " ")),
-        plans=plans or (chosen_plan(name, dimensions, requirements, verifier, getattr(module, "VIEWS", ())),),
+        plans=plans or (chosen_plan(name, dimensions, requirements, verifier, stated, shape.symmetric),),
         solid=part.solid,
         dimensions=dimensions,
         requirements=requirements,

@@ -16,6 +16,7 @@ from functools import partial
 from typing import Any
 
 from drawings.dimensions.levels import NEAR, SQUARE, Levels
+from drawings.dimensions.small_edges import AXES, is_fillet, like_edges
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import View, dot
 from stagecad.parameters.dimension import (
@@ -29,10 +30,7 @@ from stagecad.parameters.dimension import (
 )
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
-AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
-WHOLE, HALF = 1.5 * math.pi, 0.95 * math.pi
-"""Angle about its axis from which on a face is a whole hole or shaft, and up to which it may be a fillet."""
 ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
 """Characteristics of orientation and of location; `stagecad.parameters.dimension.FORM` are those of form."""
 IN_VIEW = 0.1
@@ -199,10 +197,14 @@ def contradictions(
 
 
 def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool = True) -> Iterator[str]:
-    """Diameters given for more features than the solid has; with `alike`, also for holes of which some go through and
-    some do not.
+    """Diameters given for more features than the solid has; with `alike`, also fillets and chamfers, and diameters for
+    holes of which some go through and some do not.
     """
     for d in dimensions:
+        if alike and d.kind in ("radius", "chamfer") and d.count > 1:
+            edges = len(set(like_edges(verifier, d).values()))
+            if edges < d.count:
+                yield f"'{d.name}' is given for {d.count} edges, the solid has {edges} of this size"
         if d.kind not in ("diameter", "tap_drill") or d.direction is None:
             continue
         try:
@@ -214,11 +216,15 @@ def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, 
             if alike and len({len(end) for end in ends}) > 1:
                 yield f"'{d.name}' is one dimension for holes that go through and holes that do not"
             continue
-        radius = found[0].radius
-        like = [surface for surface in verifier.surfaces if surface.is_round(radius)]
-        separate = {(s.axis_key, tuple(round(end, 3) for end in s.extent(s.axis_key[3:]))) for s in like}  # type: ignore[arg-type]
-        if len(separate) < d.count:
-            yield f"'{d.name}' is given for {d.count} features, the solid has {len(separate)} of this diameter"
+        separate = _separate(verifier.surfaces, found[0].radius)
+        if separate < d.count:
+            yield f"'{d.name}' is given for {d.count} features, the solid has {separate} of this diameter"
+
+
+def _separate(surfaces: Sequence[Surface], radius: float) -> int:
+    """Number of round features of a radius."""
+    like = [surface for surface in surfaces if surface.is_round(radius)]
+    return len({(s.axis_key, tuple(round(end, 3) for end in s.extent(s.axis_key[3:]))) for s in like})  # type: ignore[arg-type]
 
 
 class _Part:
@@ -235,6 +241,7 @@ class _Part:
                 partial(self._feature_at, axis),
                 datum=notes.packaged or name in notes.symmetric or self._on_axis(axis),
                 halved=() if notes.packaged else [d for d in dimensions if self._is_slot(d)],
+                strict=not notes.packaged,
             )
             for name, axis in AXES.items()
         }
@@ -272,8 +279,10 @@ class _Part:
         """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
         flat = [(n, s) for n, s in enumerate(self._surfaces) if s.kind == "PLANE" and s.holds(point)]
         square = [n for n, surface in flat if _parallel(surface, along)]
-        if square or flat:
+        if square or (flat and self._notes.packaged):
             return square[0] if square else flat[0][0]
+        if flat and not square:
+            return ("level", round(dot(point, along), 2))
         for surface in self._surfaces:
             if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not _parallel(surface, along):
                 reach = dot(surface.origin, surface.axis)
@@ -363,7 +372,9 @@ class _StatedPart(_Part):
         self._cones: list[Dimension] = []
         self._depths = [d for d in dimensions if d.kind == "depth"]
         self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
-        for d in dimensions:
+        self._chamfers = []
+        # The ends of slots have the radius of their width, whatever fillets have the same.
+        for d in sorted(dimensions, key=lambda d: d.kind != "linear"):
             self._enter(d)
 
     def _enter(self, d: Dimension) -> None:
@@ -374,17 +385,18 @@ class _StatedPart(_Part):
             except (LookupError, StopIteration):
                 self._cones.append(d)
                 return
+            every = len(holes) < d.count and _separate(self._surfaces, holes[0].radius) <= d.count
             for number, surface in enumerate(self._surfaces):
-                if surface.is_round(holes[0].radius) and (
-                    len(holes) < d.count or any(surface.is_coaxial(hole) for hole in holes)
-                ):
+                if surface.is_round(holes[0].radius) and (every or any(surface.is_coaxial(hole) for hole in holes)):
                     self._sizes.setdefault(number, d.name)
-        elif d.kind == "radius":
-            for number, surface in enumerate(self._surfaces):
-                partial = surface.kind in ("SPHERE", "TORUS") or (
-                    surface.kind == "CYLINDER" and not self._whole(surface)
-                )
-                if partial and abs(surface.radius - d.value) < NEAR:
+        elif d.kind in ("radius", "chamfer"):
+            like = {n: key for n, key in like_edges(self._verifier, d).items() if n not in self._sizes}
+            own = [n for n, surface in enumerate(self._surfaces) if surface.holds(d.points[0])]
+            keys = {like.get(number, number) for number in own}
+            # Where the solid has more than are counted, a note says which are meant, else only the one that is touched.
+            every = len({*like.values()}) <= d.count or (d.kind == "chamfer" and d.note != "")
+            for number in (*own, *(n for n, key in like.items() if every or key in keys)):
+                if d.kind == "radius" or self._surfaces[number].kind in ("PLANE", "CONE"):
                     self._sizes.setdefault(number, d.name)
         elif d.kind == "linear" and d.direction is not None:
             middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
@@ -393,18 +405,16 @@ class _StatedPart(_Part):
                 if across and (d.count > 1 or abs(dot(surface.origin, d.direction) - middle) < NEAR):
                     self._sizes.setdefault(number, f"{d.name} (ends)")
 
-    def _whole(self, surface: Surface) -> bool:
-        """Whether the faces of one radius about an axis go around it: a diameter gives their size, no radius."""
-        like = [s for s in self._surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
-        return sum(s.span for s in like if s.outward == surface.outward) > WHOLE
-
     def size_of(self, surface: Surface) -> str:
-        number = next(n for n, other in enumerate(self._surfaces) if other is surface)
+        number = self._number(surface)
         if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
             return self._sizes.get(number, "") or self._notes.defines(_middle(surface))
         if surface.kind == "CONE" and not self._joins(surface):
             return ""
         return "-"
+
+    def _number(self, surface: Surface) -> int:
+        return next(n for n, other in enumerate(self._surfaces) if other is surface)
 
     def place_of(self, surface: Surface) -> str:
         found = super().place_of(surface)
@@ -466,6 +476,9 @@ class _StatedPart(_Part):
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
         if surface.kind == "CYLINDER" and not is_fillet(surface, self._surfaces):
             return ""
+        chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
+        if chamfer:
+            return f"{chamfer}, by the faces it joins"
         if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
             return self._notes.defines(_middle(surface))
         return super()._joins(surface)
@@ -498,23 +511,6 @@ class _StatedPart(_Part):
             if not (known or stated) or not self.levels[along].locates_end(level):
                 return ""
         return "cone between diameters, or drill point below a depth" if ends else ""
-
-
-def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
-    """Whether a part of a cylinder is tangent to two faces that are not parallel, and so placed by them."""
-    if surface.span > HALF:
-        return False
-    sides = 0
-    for edge in surface.face.Edges():
-        if edge.geomType() != "LINE":
-            continue
-        point = edge.positionAt(0.5).toTuple()  # pyright: ignore[reportAttributeAccessIssue]
-        out = surface.radial(point)
-        for other in surfaces:
-            if other is not surface and other.kind in ("PLANE", "CYLINDER") and other.holds(point):
-                normal = other.axis if other.kind == "PLANE" else other.radial(point)
-                sides += abs(abs(dot(normal, out)) - 1.0) < 1e-3
-    return sides >= 2
 
 
 def centred_axes(verifier: DimensionVerifier) -> str:

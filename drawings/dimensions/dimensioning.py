@@ -45,7 +45,7 @@ from drawings.dimensions.text import (
     wrapped_lines,
 )
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, polyline_lines
-from drawings.views.view import Arc, View, degrees_of, dot
+from drawings.views.view import Layer, View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -61,6 +61,8 @@ EXACT = 1e-6
 
 OUTLINED = 0.02
 """Half side of the box at the end of a diameter in which its outline must be drawn, mm."""
+SEEN = 6
+"""Least number of 16 points of the circle of a hole at which lines are drawn where its mouth is seen."""
 LONGEST_BESIDE = 12
 """Length of the longest note printed at its dimension, characters; a longer one is a numbered note of the sheet."""
 
@@ -175,15 +177,12 @@ class _Builder:
     def _outlined(self, view: View, d: Dimension) -> bool:
         """Whether lines of the part are drawn at both ends of a diameter that is seen from the side."""
         spec = self._diameter_from_side(view, d)
-        lines = SegmentIndex(
-            [
-                line
-                for layer in ("VISIBLE", "HIDDEN")
-                for curve in view.curves.get(layer, ())
-                for line in polyline_lines(list(curve_points(curve)))
-            ]
-        )
+        lines = self._lines(view, ("VISIBLE", "HIDDEN"))
         return all(lines.count_in(enlarged((*end, *end), OUTLINED)) for end in (spec.first, spec.second))
+
+    def _lines(self, view: View, layers: Sequence[Layer]) -> SegmentIndex:
+        curves = [curve for layer in layers for curve in view.curves.get(layer, ())]
+        return SegmentIndex([line for curve in curves for line in polyline_lines(list(curve_points(curve)))])
 
     def _compare_view(self, view: View, head: Dimension) -> None:
         """Note a dimension that is in another view than declared, and a hole whose mouth its view does not show."""
@@ -193,14 +192,11 @@ class _Builder:
                 f"'{head.name}' is declared for the view '{head.view}', which does not show it: it is in '{view.name}'"
             )
         if head.kind in ("diameter", "tap_drill") and head.direction and not view.cut and self._is_circle(view, head):
-            centre = view.projection.to_view(head.points[0])
-            radii = {
-                round(curve.radius, 3)
-                for layer in ("VISIBLE", "THREAD")
-                for curve in view.curves.get(layer, ())
-                if isinstance(curve, Arc) and math.dist(curve.centre, centre) < 1e-3
-            }
-            if not any(abs(radius - head.value / 2) < 1e-2 for radius in radii):
+            (u, v), radius = view.projection.to_view(head.points[0]), head.value / 2
+            turns = [math.tau * number / 16 for number in range(16)]
+            on = [(u + radius * math.cos(turn), v + radius * math.sin(turn)) for turn in turns]
+            lines = self._lines(view, ("VISIBLE", "THREAD"))
+            if sum(lines.count_in(enlarged((*point, *point), 5 * OUTLINED)) > 0 for point in on) < SEEN:
                 self.elsewhere.append(f"'{head.name}' is not seen in the view '{view.name}'")
 
     def _tabulate(self, group: list[Dimension]) -> None:

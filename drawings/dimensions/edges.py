@@ -132,7 +132,10 @@ def _outline(view: View, requirement: DatumFeature | GeometricTolerance, gauge: 
     if abs(dot(axis, view.projection.towards_eye)) > SQUARE:
         return None
     for surface in gauge.surfaces:
+        touched = requirement.points[1:2]
         if surface.kind == "CYLINDER" and surface.off_axis(requirement.points[0]) < 1e-6:
+            if touched and not surface.holds(touched[0]):
+                continue
             low, high = surface.extent(axis)
             at = dot(requirement.points[0], axis)
             if not low - 1e-6 <= at <= high + 1e-6:

@@ -33,6 +33,7 @@ class Levels:
         feature_at: identifies the plane face, by a number, or the axis of a round face, at a point of a dimension.
         datum: whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part.
         halved: dimensions whose middle is an axis, as the width of a slot.
+        strict: whether with a datum no other level is a reference, and a row of equal features ends where it is said.
 
     Attributes:
         superfluous: names of dimensions between faces that other dimensions tie together already.
@@ -47,8 +48,9 @@ class Levels:
         *,
         datum: bool = True,
         halved: Sequence[Dimension] = (),
+        strict: bool = False,
     ) -> None:
-        self._datum = datum
+        self._datum, self._strict, self._strict_rows = datum, strict and datum, strict
         own = [d for d in dimensions if _is_along(d, axis)]
         self._symmetric = symmetric
         self._levels: list[float] = []
@@ -78,6 +80,15 @@ class Levels:
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
         rows += self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)
+        rows_of_equal = [d for d in several if d.kind == "pitch"] if self._strict_rows else []
+        self._in_row = [
+            (low + number * (high - low) / d.count, d.name)
+            for d in rows_of_equal
+            for low, high in [(dot(d.points[0], axis), dot(d.points[1], axis))]
+            for number in range(d.count + 1)
+            if self._direct(low) and self._direct(high)
+        ]
+        several = [d for d in several if d not in rows_of_equal]
         self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
         self.superfluous = _closing([d for d in own if not _is_secondary(d)], feature_at)
 
@@ -87,6 +98,9 @@ class Levels:
             return "middle, axis or datum plane"
         if name := self._direct(level):
             return name
+        for known, name in self._in_row:
+            if abs(known - level) < NEAR:
+                return f"{name}, repeated"
         for step, name, most in self._steps:
             # A feature of the given width about a located middle, and features in a row.
             starts = [level - step / 2, level + step / 2]
@@ -168,7 +182,7 @@ class Levels:
         null = _null_space(matrix)
         free = np.abs(null).max(axis=1, initial=0.0) < 1e-6
         zero = [number for number, level in enumerate(self._levels) if abs(level) < NEAR and self._datum]
-        references = zero[:1] or ([] if self._symmetric else list(range(count)))
+        references = zero[:1] or ([] if self._symmetric or self._strict else list(range(count)))
         best = set(np.flatnonzero(free).tolist())
         for reference in references:
             # With the reference fixed, an unknown is determined if it is proportional to the reference in the space.

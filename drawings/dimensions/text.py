@@ -99,6 +99,7 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
     value = {d.name: value_text(d, p) for d, p in zip(dimensions, plus_minus, strict=True)}
     count = max(d.count for d in dimensions)
     lines: list[str] = []
+    line_of: dict[str, int] = {}
     thread = next((d.note for d in dimensions if d.kind in ("tap_drill", "thread_depth")), "")
     threaded = _thread(dimensions, value, thread) if thread else []
     for d in dimensions:
@@ -108,16 +109,16 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
         match d.kind:
             case "diameter":
                 sign = next((f"{{{word}}}" for word in ("counterbore", "countersink") if word in d.name), "")
+                line_of[d.name] = len(lines)
                 lines.append(f"{sign}{DIAMETER}{value[d.name]}")
-            case "depth" if d.note:
+            case "depth" if d.note or not lines:
                 lines.append("{depth}" + value[d.name])
             case "depth":
-                at = next((i for i, line in enumerate(lines) if line.count("{depth}") == 0 and line), None)
-                at = next((i for i, line in enumerate(lines) if _names(d, dimensions, value, line)), at)
-                if at is None:
-                    lines.append("{depth}" + value[d.name])
-                else:
-                    lines[at] += " {depth}" + value[d.name]
+                # That of the diameter with whose name its own begins: `clamp counterbore depth`.
+                named = [name for name in line_of if d.name.startswith(name)]
+                at = next((i for i, line in enumerate(lines) if "{depth}" not in line), 0)
+                at = line_of[max(named, key=len)] if named else at
+                lines[at] += " {depth}" + value[d.name]
             case "count" if int(d.value) == count and len(dimensions) > 1:
                 continue
             case "count":
@@ -160,14 +161,6 @@ def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str)
     words = [DIAMETER + value[drill.name]] if drill else []
     words += ["{depth}" + value[hole.name]] if hole else []
     return [first, *([f"drill {' '.join(words)}"] if words else [])]
-
-
-def _names(depth: Dimension, dimensions: Sequence[Dimension], value: dict[str, str], line: str) -> bool:
-    """Whether a line has the diameter with whose name that of the depth begins (`clamp counterbore depth`)."""
-    return any(
-        d.kind == "diameter" and depth.name.startswith(d.name) and f"{DIAMETER}{value[d.name]}" in line
-        for d in dimensions
-    )
 
 
 def wrapped_lines(lines: Sequence[str], longest: int = 34) -> list[str]:

@@ -63,8 +63,9 @@ INSIDE_OUTLINE_COST = 9.0
 """Cost of a text within the outline of the part, mm."""
 AXIS_PARALLEL_COST, AXIS_PARALLEL_ANGLE = 2.5, 12.0
 """Cost of a leader that resembles a line of the part, mm, and its largest angle to an axis of the paper, degrees."""
-INWARD_COST = 15.0
-"""Cost of a leader that passes through the material to its face, mm."""
+INWARD_COST, ON_CENTRE_LINE = 15.0, 0.05
+"""Cost of a leader that passes through the material to its face, or along a centre line of its hole, mm; sine of the
+greatest angle between the two."""
 COLUMN_BONUS = 2.0
 """Reduction of the cost of a callout in the column at either side of the view, mm."""
 ARC_TEXT_COST = 4.0
@@ -223,6 +224,8 @@ def callout_candidates(
             out = ((elbow[0] - at[0]) / away, (elbow[1] - at[1]) / away)
             on = view_point(plus(at, out, radius), view)
             cost = extra + LEADER_COST * (away - radius) + _leader_cost(elbow, out, outline) + rank
+            if radius and min(map(abs, out)) < ON_CENTRE_LINE:
+                cost += INWARD_COST
             if spec.outward is not None and dot(out, direction(spec.outward)) < 0.1:
                 cost += INWARD_COST
             yield cost, Callout(spec.view, on, elbow, spec.lines, spec.names, out[0] < 0)

@@ -119,7 +119,11 @@ def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequenc
             best = run
         if not run.unplaced:
             break
-        order = run.unplaced + [spec for spec in order if spec not in run.unplaced]
+        # A symbol in line with a diameter comes after it.
+        axes = {spec.diameter for spec in run.unplaced if isinstance(spec, FrameSpec)} - {0.0}
+        first = [spec for spec in order if isinstance(spec, DistanceSpec) and spec.measured in axes]
+        first += [spec for spec in run.unplaced if spec not in first]
+        order = first + [spec for spec in order if spec not in first]
     assert best is not None
     view = replace(view, label_at=best.label_at)
     return AnnotatedView(view, tuple(best.placed), best.occupancy.box, best.conflicts, tuple(specs), tuple(marks))
@@ -262,7 +266,7 @@ class _Run:
                 return angle_candidates(spec, self.view, extended=extended)
             case FrameSpec():
                 diameter = self._diameter_dimension(spec)
-                if diameter and (spec.characteristic or not extended):
+                if diameter:
                     return axis_candidates(spec, self.view, diameter)
                 return frame_candidates(spec, self.view, extended=extended)
             case TagSpec():

@@ -11,15 +11,15 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from drawings.dimensions.definition import AXES, WHOLE
+from drawings.dimensions.small_edges import AXES, WHOLE, along_of, is_chamfer
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 NEAR = 2e-3
 SQUARE = 1e-6
-LARGEST_CHAMFER = 0.2
-"""Leg of a chamfer over the largest size of the part above which the face is a slope."""
+WIDEST_CHAMFER = 1.3
+"""Diameter of a cone of 90 degrees at the mouth of a hole, over that of the hole, up to which it is a chamfer."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
     in_holes = {id(face) for hole in holes for face in hole.faces}
     slots = tuple(_slots(parts))
     in_slots = {id(end) for slot in slots for end in slot.ends}
-    size = max(s.high[n] - s.low[n] for s in surfaces for n in range(3))
-    chamfers = tuple(s for s in surfaces if id(s) not in in_holes and _is_chamfer(s, size))
+    chamfers = tuple(s for s in surfaces if id(s) not in in_holes and is_chamfer(s, surfaces))
     taken = in_holes | {id(s) for s in chamfers}
     return Features(
         holes,
@@ -118,11 +117,6 @@ def features_of(verifier: DimensionVerifier) -> Features:
     )
 
 
-def along_of(axis: Point) -> str | None:
-    """Name of the axis of the part along which a direction is; None for a slanting one."""
-    return next((name for name, unit in AXES.items() if abs(abs(dot(axis, unit)) - 1.0) < SQUARE), None)
-
-
 def is_usual(axis: Point) -> bool:
     """Whether a direction points towards the eye of the top, front or right view rather than of their opposites."""
     return axis[2] > SQUARE or (
@@ -135,12 +129,6 @@ def middle_of_face(surface: Surface) -> Point:
     u0, u1, v0, v1 = surface.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
     _, point = surface.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
     return point.toTuple()
-
-
-def outward_normal(surface: Surface) -> Point:
-    """Normal of a plane face out of the material."""
-    normal = surface.face.normalAt(surface.face.Center()).toTuple()
-    return (round(normal[0], 9) + 0.0, round(normal[1], 9) + 0.0, round(normal[2], 9) + 0.0)
 
 
 def _is_fillet(surface: Surface, parts: list[Surface]) -> bool:
@@ -251,10 +239,14 @@ def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: Dim
     into = (-side * axis[0] + 0.0, -side * axis[1] + 0.0, -side * axis[2] + 0.0)
     start = ends[first]
     sink = (0.0, 0.0)
-    if first in tips and open_ends[first]:
-        cone, far = tips[first]
+    for end in [end for end in tips if open_ends[end]]:
+        cone, far = tips[end]
         wide = max(cone.off_axis(vertex) for vertex in cone.vertices)
-        sink, start = (2 * wide, 2 * math.degrees(math.atan(abs(cone.taper)))), far
+        start = far if end == first else start
+        if wide <= WIDEST_CHAMFER * chain[-end].radius and abs(abs(cone.taper) - 1.0) < 1e-4:
+            del tips[end]
+        elif end == first:
+            sink = (2 * wide, 2 * math.degrees(math.atan(abs(cone.taper))))
     ordered = chain if first == 0 else chain[::-1]
     steps = tuple((s.radius, abs((s.high if first == 0 else s.low) - start)) for s in ordered)
     used = [s.face for s in ordered] + [tip[0] for tip in tips.values()]
@@ -294,20 +286,3 @@ def _slots(parts: list[Surface]) -> Iterator[Slot]:
         used |= {id(one), id(other)}
         first, second = sorted((centre(one), centre(other)))
         yield Slot((first, second), one.axis, one.radius, (one, other))
-
-
-def _is_chamfer(surface: Surface, size: float) -> bool:
-    """A cone at 45 degrees, or a plane at 45 degrees to two axes, whose leg is small."""
-    if surface.kind == "CONE":
-        name = along_of(surface.axis)
-        if name is None or abs(abs(surface.taper) - 1.0) > 1e-4:
-            return False
-        number = list(AXES).index(name)
-        return surface.high[number] - surface.low[number] < LARGEST_CHAMFER * size
-    if surface.kind != "PLANE":
-        return False
-    across = [n for n in range(3) if abs(abs(surface.axis[n]) - math.sqrt(0.5)) < 1e-4]
-    if len(across) != 2:
-        return False
-    legs = [surface.high[n] - surface.low[n] for n in across]
-    return abs(legs[0] - legs[1]) < NEAR and max(legs) < LARGEST_CHAMFER * size

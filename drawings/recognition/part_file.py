@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from drawings.recognition.features import along_of
-from drawings.recognition.proposal import Proposal, Proposed
+from drawings.dimensions.small_edges import along_of, is_mirrored
+from drawings.recognition.proposed import Proposal, Proposed
 from drawings.recognition.visible import ProposedDatum
 from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
@@ -97,7 +97,7 @@ def _call(one: Proposed) -> str:
 
 def _datum(one: ProposedDatum) -> str:
     more = ", round=True" if one.round else ""
-    return f"f.datum({one.letter!r}, ({one.point!r},), {one.normal!r}, {one.view!r}{more})"
+    return f"f.datum({one.letter!r}, {one.points!r}, {one.normal!r}, {one.view!r}{more})"
 
 
 def in_position(solid: cq.Solid) -> cq.Solid:
@@ -118,7 +118,7 @@ def in_position(solid: cq.Solid) -> cq.Solid:
         middle = (low[number] + high[number]) / 2
         if axis is not None and name != axis[0]:
             shift[number] = -axis[3][number]
-        elif name != "z" and axis is None and _is_mirrored(surfaces, number, middle):
+        elif name != "z" and axis is None and is_mirrored(surfaces, number, middle):
             shift[number] = -middle
     return unlocated(solid.translate((shift[0], shift[1], shift[2])))
 
@@ -141,20 +141,3 @@ def _turning_axis(surfaces: list[Surface]) -> tuple[str, float, float, tuple[flo
     if max(abs(size - 2 * largest.radius) for size in sizes) > 0.01 or math.hypot(*middles) > 0.01:
         return None
     return name, high[number] - low[number], 2 * largest.radius, largest.origin
-
-
-def _is_mirrored(surfaces: list[Surface], number: int, middle: float) -> bool:
-    """Whether the boxes of all faces are mirror images of each other about a middle plane."""
-    boxes = [(s.kind, s.low, s.high) for s in surfaces]
-
-    def mirrored(low: tuple[float, ...], high: tuple[float, ...]) -> list[tuple[float, ...]]:
-        return [
-            tuple(2 * middle - other[n] if n == number else own[n] for n in range(3))
-            for own, other in ((low, high), (high, low))
-        ]
-
-    for kind, low, high in boxes:
-        one, other = mirrored(low, high)
-        if not any(k == kind and math.dist(a, one) < 0.02 and math.dist(b, other) < 0.02 for k, a, b in boxes):
-            return False
-    return True

@@ -11,23 +11,22 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any
 
-from drawings.dimensions.definition import AXES, Notes, centred_axes, definition, is_fillet
+from drawings.dimensions.definition import Notes, centred_axes, definition
+from drawings.dimensions.small_edges import AXES, along_of, is_fillet, is_mirrored, outward_normal
 from drawings.recognition.features import (
     Features,
     Hole,
-    along_of,
     features_of,
     middle_of_face,
 )
+from drawings.recognition.proposed import Proposal, Proposed, as_dimension
 from drawings.recognition.visible import (
     PREFERRED,
     VIEW_OF,
-    ProposedDatum,
     VisibleLines,
     cross,
     negative,
@@ -37,9 +36,8 @@ from drawings.recognition.visible import (
     views_along,
 )
 from drawings.views.view import PROJECTIONS, dot
-from stagecad.parameters.dimension import Dimension, Point
+from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
-from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 NEAR = 2e-3
@@ -49,57 +47,14 @@ FACE, AXIS = "face", "axis"
 
 
 @dataclass(frozen=True)
-class Proposed:
-    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key.
-
-    Args:
-        order: of several that say the same, the one of the highest order is left out.
-    """
-
-    method: str
-    name: str
-    key: str
-    value: float
-    arguments: tuple[Any, ...]
-    fields: dict[str, Any] = field(default_factory=dict)
-    order: int = 0
-
-
-@dataclass(frozen=True)
-class Proposal:
-    """Proposed dimensions of a solid.
-
-    Args:
-        dimensions: in the order of the sheet.
-        questions: what only the designer knows, a line each.
-        open: what the dimensions leave open, a line each.
-        views: in which they are.
-        datums: a datum system.
-    """
-
-    dimensions: tuple[Proposed, ...]
-    questions: tuple[str, ...]
-    open: tuple[str, ...]
-    views: tuple[str, ...]
-    datums: tuple[ProposedDatum, ...] = ()
-
-
-@dataclass(frozen=True)
 class _Level:
-    """A coordinate that must be given: points of the part at which it can be measured."""
+    """A coordinate that must be given: points of the part at which it can be measured, and equal features there."""
 
     at: float
     points: tuple[Point, ...]
     view: str = ""
     kind: str = FACE
-
-
-def as_dimension(one: Proposed) -> Dimension:
-    """A proposal as a dimension without a design, in the general class."""
-    design = SimpleNamespace(part=SimpleNamespace(**{one.key: one.value}), tolerance=lambda key: "X.X")
-    declarations = DimensionDeclarations(design, "part")
-    getattr(declarations, one.method)(one.name, one.key, *one.arguments, **one.fields)
-    return next(iter(declarations))
+    of: frozenset[str] = frozenset()
 
 
 def propose(verifier: DimensionVerifier) -> Proposal:
@@ -118,12 +73,12 @@ def propose(verifier: DimensionVerifier) -> Proposal:
         notes = Notes(symmetric, packaged=False)
         return definition(verifier, dimensions, (), notes).problems
 
-    found = _without_superfluous(found, problems)
+    found = builder.in_fewer_views(_without_superfluous(found, problems))
     questions = tuple(builder.questions)
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
-    return Proposal(
-        tuple(found), questions, problems(found), views, tuple(proposed_datums(verifier, builder.features, views))
-    )
+    diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
+    datums = tuple(proposed_datums(verifier, builder.features, views, diameters))
+    return Proposal(tuple(found), questions, problems(found), builder.with_inside(views, found), datums)
 
 
 def _without_superfluous(
@@ -153,6 +108,7 @@ class _Builder:
         self.proposed: list[Proposed] = []
         self.questions: list[str] = []
         self._levels: dict[str, list[_Level]] = defaultdict(list)
+        self._spans: dict[str, tuple[str, _Level, _Level]] = {}
         self.lines = VisibleLines(verifier)
         surfaces = verifier.surfaces
         self._low = [min(s.low[n] for s in surfaces) for n in range(3)]
@@ -166,7 +122,13 @@ class _Builder:
         while unique in used:
             unique, number = f"{name} {number}", number + 1
         key = unique.replace(" ", "_").replace("-", "_")
-        self.proposed.append(Proposed(method, unique, key, round(value, 9), arguments, fields, order))
+        one = Proposed(method, unique, key, round(value, 9), arguments, fields, order)
+        try:
+            # Points of faces that should be one differ by the accuracy of the file.
+            measured = self.verifier.measure(as_dimension(one))
+        except (LookupError, StopIteration):
+            return
+        self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
 
     # Holes
 
@@ -186,7 +148,8 @@ class _Builder:
             else:
                 for hole in group:
                     for name, at in self._across(hole.into, hole.mouth):
-                        self._levels[name].append(_Level(at, (hole.mouth,), self._view_of(hole), AXIS))
+                        equal = frozenset((f"hole {number}",))
+                        self._levels[name].append(_Level(at, (hole.mouth,), self._view_of(hole), AXIS, equal))
 
     def _view_of(self, hole: Hole) -> str:
         """View from the side of the mouth of a hole; the section for a slanting one."""
@@ -245,11 +208,14 @@ class _Builder:
         expected = sorted(2 * radii[0] * math.sin(math.pi * number / count) for number in range(count))
         if max(abs(a - b) for a, b in zip(gaps, expected, strict=True)) > NEAR:
             return None
-        about = any(
-            s.kind == "CYLINDER" and abs(abs(dot(s.axis, group[0].into)) - 1) < 1e-6 and s.off_axis(centre) < NEAR
-            for s in self.verifier.surfaces
-        )
-        return tidy(centre) if about or (count not in (4,) and count >= 3) else None
+        corners = {tuple(round(hole.mouth[n] - centre[n], 2) for n in range(3)) for hole in group}
+        square = count == 4 and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
+        axis_key = group[0].faces[0].axis_key
+        turned = max(self.features.shafts, key=lambda one: one.radius, default=None)
+        outline = turned and turned.face.off_axis(centre) < NEAR and turned.face.axis_key[3:] == axis_key[3:]
+        size = max(self._high[n] - self._low[n] for n in range(3) if abs(group[0].into[n]) < 0.5)
+        # Corners of a rectangle are dimensioned as such, except on a disc.
+        return None if square and not (outline and turned and 2 * turned.radius > 0.95 * size) else tidy(centre)
 
     def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole]) -> None:
         hole = group[0]
@@ -360,13 +326,16 @@ class _Builder:
             number = list(AXES).index(along_of(along) or "x")
             groups[round(face.high[number] - face.low[number], 3)].append((face, positive(along)))
         for number, (leg, faces) in enumerate(groups.items(), start=1):
-            face, along = faces[0]
+            # A chamfer of a hole is not seen from the side.
+            face, along = max(faces, key=lambda one: one[0].kind == "PLANE" or one[0].outward)
             view = self._chamfer_view(face, along)
             point = _on_outline(face, view) if face.kind == "CONE" else middle_of_face(face)
             count = {"count": len(faces)} if len(faces) > 1 else {}
             self.add("chamfer", f"chamfer {number}", leg, tidy(point), along, view=view, **count)
 
     def _chamfer_view(self, face: Surface, along: Point) -> str:
+        if face.kind == "CONE" and not face.outward:
+            return self.lines.open_view(along, middle_of_face(face))
         if face.kind == "PLANE":
             free = next(u for u in AXES.values() if abs(dot(face.axis, u)) < 0.1)
             return self.lines.open_view(free, middle_of_face(face))
@@ -397,13 +366,26 @@ class _Builder:
             self._axis_levels(name, self._low[number], self._high[number])
 
     def _cone_ends(self) -> None:
+        """Levels of the ends of cones, and their diameters where no cylinder has them."""
+        known = [s for s in self.verifier.surfaces if s.kind == "CYLINDER"]
+        done: set[tuple[float, ...]] = set()
         for cone in self.features.cones:
             name = along_of(cone.axis)
             if name is None:
                 continue
             for vertex in cone.vertices:
-                if cone.off_axis(vertex) > NEAR:
-                    self._levels[name].append(_Level(dot(vertex, AXES[name]), (vertex,)))
+                radius, at = cone.off_axis(vertex), dot(vertex, AXES[name])
+                key = (*cone.axis_key, round(at, 2), round(radius, 2))
+                if radius < NEAR or key in done:
+                    continue
+                done.add(key)
+                self._levels[name].append(_Level(at, (vertex,)))
+                if not any(abs(one.radius - radius) < NEAR and one.is_coaxial(cone) for one in known):
+                    foot = tidy(moved(cone.origin, AXES[name], at - dot(cone.origin, AXES[name])))
+                    out = tuple((v - f) / radius for v, f in zip(vertex, foot, strict=True))
+                    view = self._side_view(cone.axis, radius, foot)
+                    number = 1 + sum(one.name.startswith("cone") for one in self.proposed)
+                    self.add("diameter", f"cone {number}", 2 * radius, foot, AXES[name], out, view=view)
 
     def _axis_levels(self, name: str, low: float, high: float) -> None:
         rows: list[_Level] = []
@@ -412,7 +394,8 @@ class _Builder:
                 last = rows[-1]
                 view = last.view or level.view
                 kind = FACE if FACE in (last.kind, level.kind) else AXIS
-                rows[-1] = replace(last, points=(*last.points, *level.points), view=view, kind=kind)
+                points, equal = (*last.points, *level.points), last.of | level.of
+                rows[-1] = replace(last, points=points, view=view, kind=kind, of=equal)
             else:
                 rows.append(level)
         by_level = {round(row.at, 3): row for row in rows}
@@ -427,12 +410,16 @@ class _Builder:
 
     def _pairs(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
         """Distances of levels at both sides of the middle; a level at one side only is given from an end."""
+        spaced = [row for row in _row_of_equal_steps(rows) if abs(row.at) > NEAR]
+        spaced = spaced if spaced and abs(spaced[0].at + spaced[-1].at) < NEAR else []
+        self._pitch(name, _row_of_equal_steps(rows) if spaced else [])
         for row in rows:
-            if row in ends or abs(row.at) < NEAR:
+            if row in ends or row in spaced or abs(row.at) < NEAR:
                 continue
             mirror = next((other for other in rows if abs(other.at + row.at) < NEAR), None)
             if mirror is None:
                 start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
+                start = start or next((one for one in rows if abs(one.at) < NEAR and row.kind == AXIS), None)
                 if start is None:
                     self._from_outline(name, row)
                     continue
@@ -450,52 +437,102 @@ class _Builder:
         (_, on), _ = inner
         number = list(AXES).index(name)
         own = [s for s in self.features.shafts if s.low - NEAR <= dot(on, s.face.axis) <= s.high + NEAR]
-        radius = max((s.radius for s in own), default=shaft.radius)
+        radius, view = max((s.radius for s in own), default=shaft.radius), "section"
+        across = [s.radius for hole in self.features.holes for s in hole.faces if s.axis_key == shaft.face.axis_key]
+        seat = [r for r in across if r < abs(row.at)]
+        if seat and any(on[number] * outward_normal(s)[number] < 0 for s in self.verifier.surfaces if s.holds(on)):
+            # The floor of a key seat in a bore, from the opposite wall of the bore.
+            radius, view = max(seat), VIEW_OF.get(positive(shaft.face.axis), "section")
         opposite: Point = tuple(-math.copysign(radius, row.at) if n == number else v for n, v in enumerate(on))  # type: ignore[assignment]
-        self.add(
-            "linear", f"{name} place", abs(row.at) + radius, tidy(opposite), on, AXES[name], view="section", order=1
-        )
+        self.add("linear", f"{name} place", abs(row.at) + radius, tidy(opposite), on, AXES[name], view=view, order=1)
 
     def _from_datum(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
         """Distances from a datum: the lower end, else the middle axis of the part."""
-        datum = ends[0] if ends else next((row for row in rows if abs(row.at) < NEAR), None)
+        axis = next((row for row in rows if abs(row.at) < NEAR or row.kind == AXIS), None)
+        datum = ends[0] if ends else axis
         if datum is None:
             return
-        spaced = _row_of_equal_steps([row for row in rows if row.kind == AXIS])
-        if len(spaced) > 3:
-            first, last = spaced[0], spaced[-1]
-            (one, other), view = self._points(name, first, last)
-            steps = len(spaced) - 1
-            self.add("pitch", f"{name} pitch", (last.at - first.at) / steps, one, other, steps, view=view)
+        spaced = _row_of_equal_steps(rows)
+        self._pitch(name, spaced)
         for row in rows:
             if row is not datum and row not in ends[1:] and row not in spaced[1:]:
                 self._between(f"{name} place", name, datum, row)
+
+    def _pitch(self, name: str, spaced: list[_Level]) -> None:
+        """The distance of neighbours in a row of equal features."""
+        if spaced:
+            (one, other), view = self._points(name, spaced[0], spaced[-1])
+            steps = len(spaced) - 1
+            self.add("pitch", f"{name} pitch", (spaced[-1].at - spaced[0].at) / steps, one, other, steps, view=view)
 
     def _between(self, what: str, name: str, first: _Level, second: _Level, order: int | None = None) -> None:
         (one, other), view = self._points(name, first, second)
         rank = order if order is not None else 2 if second.kind == FACE else 1
         self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], view=view, order=rank)
+        if self.proposed:
+            self._spans.setdefault(self.proposed[-1].name, (name, first, second))
+
+    def in_fewer_views(self, proposed: list[Proposed]) -> list[Proposed]:
+        """The proposals without views of which other views show all distances."""
+        for view in ("right", "left", "back", "bottom", "top"):
+            used = {one.fields.get("view") for one in proposed} | {"front"}
+            moved_to: dict[str, Proposed] = {}
+            inside = [one for one in proposed if one.fields.get("view") == view]
+            for one in inside:
+                name, first, second = self._spans.get(one.name, ("x", _Level(0.0, ()), _Level(0.0, ())))
+                shown, points, other = self._best(name, first, second, views_along(name, used - {view}))
+                if shown:
+                    fields = {**one.fields, "view": other}
+                    moved_to[one.name] = replace(one, arguments=(*points, *one.arguments[2:]), fields=fields)
+            if len(moved_to) == len(inside):
+                proposed = [moved_to.get(one.name, one) for one in proposed]
+        return proposed
+
+    def with_inside(self, views: tuple[str, ...], proposed: Sequence[Proposed]) -> tuple[str, ...]:
+        """The views, the front view as a section through the middle where this shows the holes, else with hidden lines
+        where there are blind or stepped ones."""
+        sections = [one for one in proposed if one.fields.get("view") == "section"]
+        middle = any(abs(one.arguments[0][1]) + abs(one.arguments[1][1]) < NEAR for one in sections)
+        turned = {shaft.face.axis_key for shaft in self.features.shafts}
+        deep = [h for h in self.features.holes if not h.through or len(h.steps) > 1 or h.faces[0].axis_key in turned]
+        middle |= any(abs(hole.mouth[1]) < NEAR and abs(hole.into[1]) < NEAR for hole in deep)
+        facing = any(abs(hole.into[1]) > NEAR for hole in self.features.holes)
+        long = any(abs(shaft.face.axis[0]) > 0.5 and not deep for shaft in self.features.shafts)
+        front = ""
+        if middle and not facing and not long and "y" in self.centred and is_mirrored(self.verifier.surfaces, 1, 0.0):
+            front = "front section"
+        elif deep:
+            front = "front hidden"
+        return (front, *(view for view in views if view != "front")) if front else views
 
     def _points(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str]:
         """Points of two levels in the view that shows both best: nearest to each other across the dimension. Where no
         view shows them, those of a section through the middle of a face.
         """
-        wanted = [view for view in (second.view, first.view) if view in (*PREFERRED[name], *views_along(name))]
+        wanted = [view for view in (second.view, first.view) if view in views_along(name)]
+        shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
+        inner = None if shown or second.kind == AXIS else self._in_section(name, first, second)
+        return inner or (points, view)
+
+    def _best(
+        self, name: str, first: _Level, second: _Level, views: Sequence[str]
+    ) -> tuple[bool, tuple[Point, Point], str]:
+        """Whether one of some views shows two levels, and the points and the view that show them best."""
         found: list[tuple[float, Point, Point, str]] = []
-        for rank, view in enumerate(dict.fromkeys((*wanted, *PREFERRED[name], *views_along(name)))):
+        for rank, view in enumerate(dict.fromkeys(views)):
+            if found and min(found)[0] < ANOTHER_VIEW * rank:
+                break
             for cost, one in self._shown(first, view):
                 for more, other in self._shown(second, view):
                     away = self._offset(one, other, view, name)
                     found.append((cost + more + away + ANOTHER_VIEW * rank, one, other, view))
-        cost, one, other, view = min(found, default=(math.inf, first.points[0], second.points[0], "section"))
-        shown = found and all(
-            self.lines.seen(point, view) == 0.0 or level.kind == AXIS
-            for point, level in ((one, first), (other, second))
-        )
-        if shown or second.kind == AXIS:
-            return (tidy(one), tidy(other)), view if found else PREFERRED[name][0]
-        inner = self._in_section(name, first, second)
-        return inner or ((tidy(one), tidy(other)), view if found else PREFERRED[name][0])
+        if not found:
+            points = (tidy(first.points[0]), tidy(second.points[0])) if first.points else ((0.0,) * 3, (0.0,) * 3)
+            return False, points, PREFERRED[name][0]
+        _, one, other, view = min(found)
+        ends = ((one, first), (other, second))
+        shown = all(self.lines.seen(point, view) == 0.0 or level.kind == AXIS for point, level in ends)
+        return shown, (tidy(one), tidy(other)), view
 
     def _in_section(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str] | None:
         """Ends of a distance to a face within the part, in a section through the middle of this face."""
@@ -536,11 +573,14 @@ def _on_outline(cone: Surface, view: str) -> Point:
 
 
 def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
-    """The levels of axes if they are equally spaced."""
-    if len(rows) < 4:
-        return []
-    steps = [b.at - a.at for a, b in pairwise(rows)]
-    return rows if max(steps) - min(steps) < NEAR else []
+    """The longest row of three or more equally spaced levels of equal features."""
+    found: list[_Level] = []
+    for feature in sorted({one for row in rows for one in row.of}):
+        equal = [row for row in rows if feature in row.of]
+        steps = [b.at - a.at for a, b in pairwise(equal)]
+        if len(equal) > max(2, len(found)) and max(steps) - min(steps) < NEAR:
+            found = equal
+    return found
 
 
 def _extremes(surface: Surface) -> list[Point]:

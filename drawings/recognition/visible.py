@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from drawings.dimensions.definition import AXES
-from drawings.recognition.features import NEAR, Features, along_of, is_usual, middle_of_face, outward_normal
+from drawings.dimensions.small_edges import AXES, along_of, outward_normal
+from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Point2, dot
@@ -40,12 +41,14 @@ class VisibleLines:
 
     def __init__(self, verifier: DimensionVerifier) -> None:
         self._verifier = verifier
-        self._lines = {name: _visible(verifier, name) for name in VIEW_OF.values()}
+        self._lines: dict[str, tuple[SegmentIndex, set[Point2]]] = {}
         self._size = max(s.high[n] - s.low[n] for s in verifier.surfaces for n in range(3))
 
     def seen(self, point: Point, view: str) -> float | None:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
         u, v = PROJECTIONS[view].to_view(point)
+        if view not in self._lines:
+            self._lines[view] = _visible(self._verifier, view)
         lines, ends = self._lines[view]
         if (round(u, 2) + 0.0, round(v, 2) + 0.0) in ends:
             return 0.0
@@ -63,8 +66,10 @@ class VisibleLines:
         return VIEW_OF.get(usual, "front")
 
 
-def views_along(name: str) -> tuple[str, ...]:
-    return tuple(view for view in VIEW_OF.values() if abs(dot(PROJECTIONS[view].towards_eye, AXES[name])) < 1e-6)
+def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tuple[str, ...]:
+    """Those of some views that show lengths along an axis."""
+    true_size = [view for view in VIEW_OF.values() if abs(dot(PROJECTIONS[view].towards_eye, AXES[name])) < 1e-6]
+    return tuple(view for view in true_size if view in of)
 
 
 def _visible(verifier: DimensionVerifier, name: str) -> tuple[SegmentIndex, set[Point2]]:
@@ -98,43 +103,55 @@ def cross(a: Point, b: Point) -> Point:
 
 @dataclass(frozen=True)
 class ProposedDatum:
-    """A datum: a plane face, or the axis of the largest shaft; a point of it, its normal or axis, and its view."""
+    """A datum: a plane face, or the axis of the largest shaft; points of it, its normal or axis, and its view."""
 
     letter: str
-    point: Point
+    points: tuple[Point, ...]
     normal: Point
     view: str
     round: bool = False
 
 
-def proposed_datums(verifier: DimensionVerifier, features: Features, views: Sequence[str]) -> Iterator[ProposedDatum]:
-    """The axis of a turned part and its largest end face; else the largest faces at right angles to each other."""
+def proposed_datums(
+    verifier: DimensionVerifier, features: Features, views: Sequence[str], shown: Mapping[float, str]
+) -> Iterator[ProposedDatum]:
+    """The axis of a turned part and its largest end face; else the largest faces at right angles to each other.
+
+    Args:
+        shown: views of diameters that are dimensioned.
+    """
     used: list[Point] = []
     letters = iter("ABC")
-    # The outline of a bore about the same axis would be taken for that of the shaft.
-    bored = {face.axis_key for hole in features.holes for face in hole.faces}
-    shafts = [one for one in features.shafts if one.face.axis_key not in bored]
-    shaft = max(shafts, key=lambda one: one.radius, default=None)
+
+    def side_view(axis: Point, diameter: float = 0.0) -> str:
+        if diameter in shown:
+            return shown[diameter]
+        return next((v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6), "")
+
+    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
     if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
-        axis = positive(shaft.face.axis)
-        at = moved(
-            shaft.face.origin, shaft.face.axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, shaft.face.axis)
-        )
-        view = next((v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6), "")
-        if view:
-            yield ProposedDatum(next(letters), tidy(at), axis, view, True)
-            used = [unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6]
+        face, axis = shaft.face, positive(shaft.face.axis)
+        at = moved(face.origin, face.axis, (shaft.low + shaft.high) / 2 - dot(face.origin, face.axis))
+        rim = (moved(at, unit, side * shaft.radius) for unit in _across(axis) for side in (1.0, -1.0))
+        touch = next((point for point in rim if face.holds(tidy(point))), None)
+        if touch and side_view(axis):
+            view = side_view(axis, round(2 * shaft.radius, 9))
+            yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)
+            used = _across(axis)
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
     for surface in sorted(planes, key=lambda s: -round(s.face.Area(), 3)):
         normal = outward_normal(surface)
         if any(abs(dot(normal, other)) > 0.5 for other in used):
             continue
-        shown = (v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, normal)) < 1e-6)
-        view, letter = next(shown, ""), next(letters, "")
+        view, letter = side_view(normal), next(letters, "")
         if not view or not letter:
             break
-        point = surface.vertices[0] if surface.vertices else middle_of_face(surface)
-        yield ProposedDatum(letter, tidy(point), normal, view)
+        edges = sorted(surface.face.Edges(), key=lambda edge: -round(edge.Length(), 3))
+        # Off the middle, where centre lines and cutting lines are.
+        along = [edge.positionAt(0.3).toTuple() for edge in edges]  # pyright: ignore[reportAttributeAccessIssue]
+        points = (*along, middle_of_face(surface), *surface.vertices)
+        point = next(point for point in points if surface.holds(point))
+        yield ProposedDatum(letter, (tidy(point),), normal, view)
         used.append(normal)
 
 

@@ -1,13 +1,16 @@
 """Sheet plan of a part that states none: the views in which its dimensions are seen, at the largest usual scale.
 
 Top, front and right view and a picture, more views where a declaration names them, and a section through the points of
-each declaration that asks for one. `VIEWS` in the file of a part, or `sheets.toml`, add others.
+each declaration that asks for one. `VIEWS` in the file of a part, or `sheets.toml`, add others; `front section` is the
+front view cut through the origin, `front hidden` one with hidden lines.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
+from drawings.dimensions.small_edges import AXES
 from drawings.sheets.plans import SheetPlan, ViewPlan
 from drawings.views.view import PROJECTIONS, Cut, dot
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point
@@ -18,6 +21,8 @@ ALIGNED = {"front": "", "top": "front", "bottom": "front", "right": "front", "le
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 ROOM = (230.0, 160.0)
 """Space of the views on the smallest sheet, with gaps and dimensions, mm."""
+PICTURE = 90.0
+"""Greatest size of the picture on the sheet, mm."""
 LETTERS = "ABCDEFGH"
 BASE = ("top", "front", "right")
 """Views of every part that is not turned."""
@@ -29,24 +34,51 @@ def chosen_plan(
     requirements: Sequence[FaceRequirement],
     verifier: DimensionVerifier,
     stated: Sequence[str] = (),
+    symmetric: str = "",
 ) -> SheetPlan:
-    """The one sheet of a part, with every view that its declarations name."""
+    """The one sheet of a part, with every view that its declarations name.
+
+    Args:
+        stated: views that the part states.
+        symmetric: axes whose middle plane the sheet says to be one of symmetry, shown by lines.
+    """
     asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
+    how = {view.partition(" ")[0]: view.partition(" ")[2] for view in stated}
+    stated = tuple(how)
     wanted = [view for view in ALIGNED if view in stated or (view in BASE and not stated) or view in asked]
     if "front" not in wanted and len(wanted) > 1:
         wanted = ["front", *wanted]
-    views = [
-        ViewPlan(view, view, _beside(view, wanted), hidden=view == "front" and not stated)
-        for view in wanted
-        if view != "iso"
+    origin = (0.0, 0.0, 0.0)
+    cuts = [(PROJECTIONS[view].towards_eye, origin) for view in wanted if how.get(view) == "section"]
+    sections = {view: LETTERS[n] for n, view in enumerate(v for v in wanted if how.get(v) == "section")}
+    names = {view: f"section {letter}-{letter}" for view, letter in sections.items()}
+    views: list[ViewPlan] = []
+    for view in (view for view in wanted if view != "iso"):
+        beside, projection = _beside(view, wanted), PROJECTIONS[view]
+        lines = "".join(
+            line
+            for line, along in (("v", projection.right), ("u", projection.up))
+            if any(abs(dot(along, AXES[axis])) > 0.5 for axis in symmetric)
+        )
+        cut = Cut(origin, projection.towards_eye, sections[view]) if view in sections else None
+        hidden = how.get(view) == "hidden" or (view == "front" and not stated)
+        views.append(
+            ViewPlan(names.get(view, view), view, names.get(beside, beside), hidden=hidden, cut=cut, symmetry=lines)
+        )
+    others = [
+        plane for plane in _cuts([*dimensions, *requirements], verifier) if not any(_same(plane, one) for one in cuts)
     ]
-    for letter, (normal, point) in zip(LETTERS, _cuts([*dimensions, *requirements]), strict=False):
-        projection = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
-        views.append(ViewPlan(f"section {letter}-{letter}", projection, "front", cut=Cut(point, normal, letter)))
-    views.append(ViewPlan("iso", "iso"))
+    for letter, (normal, point) in zip(LETTERS[len(cuts) :], others, strict=False):
+        view = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
+        cut, beside = Cut(point, normal, letter), names.get("front", "front")
+        views.append(ViewPlan(f"section {letter}-{letter}", view, beside, cut=cut))
     low = [min(surface.low[n] for surface in verifier.surfaces) for n in range(3)]
     high = [max(surface.high[n] for surface in verifier.surfaces) for n in range(3)]
-    scale = usual_scale([b - a for a, b in zip(low, high, strict=True)], [view.projection for view in views])
+    x, y, z = (b - a for a, b in zip(low, high, strict=True))
+    scale = usual_scale((x, y, z), [view.projection for view in views])
+    wide, tall = 0.87 * (x + y), 0.5 * (x + y) + z
+    picture = next((one for one in SCALES if one <= scale and max(one * wide, one * tall) <= PICTURE), SCALES[-1])
+    views.append(ViewPlan("iso", "iso", scale=picture))
     return SheetPlan(name, ("A3", "A2", "A1", "A0"), scale, tuple(views))
 
 
@@ -56,14 +88,18 @@ def _beside(view: str, wanted: Sequence[str]) -> str:
     return parent if parent in wanted else "" if view == "front" or "front" not in wanted else "front"
 
 
-def _cuts(declared: Iterable[Dimension | FaceRequirement]) -> list[tuple[Point, Point]]:
-    """Normals and points of the planes in which all points of the declarations for a section lie."""
+def _cuts(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[tuple[Point, Point]]:
+    """Normals and points of the planes in which all points of the declarations for a section lie; that across a long
+    shaft along x rather than that along it (ISO 128-3)."""
     found: list[tuple[Point, Point]] = []
+    shaft = max((s for s in verifier.surfaces if s.kind == "CYLINDER"), key=lambda s: s.radius, default=None)
+    along = shaft is not None and shaft.outward and abs(shaft.axis[0]) > 1 - 1e-9
     for one in declared:
         if one.view != "section" or not one.points:
             continue
         across = getattr(one, "direction", None) or getattr(one, "normal", None)
         normals: list[Point] = [(0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+        normals = [normals[1], normals[0], normals[2]] if along else normals
         planes = [
             (normal, one.points[0])
             for normal in normals
@@ -90,3 +126,9 @@ def usual_scale(size: Sequence[float], projections: Sequence[str] = BASE) -> flo
         if scale * (x + sides * y) <= ROOM[0] and scale * (z + rows * y) <= ROOM[1]:
             return scale
     return SCALES[-1]
+
+
+def at_scale(plan: SheetPlan, scale: float) -> SheetPlan:
+    """A plan at another scale, with a picture that is not larger."""
+    views = tuple(replace(view, scale=min(view.scale, scale)) if view.scale else view for view in plan.views)
+    return replace(plan, scale=scale, views=views)

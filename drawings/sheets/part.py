@@ -14,6 +14,7 @@ from drawings.dimensions.dimensioning import SheetDimensions, sheet_dimensions
 from drawings.dimensions.hole_table import HoleTable
 from drawings.pictures.scene import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
+from drawings.sheets.chosen_views import SCALES, at_scale
 from drawings.sheets.frame import PAPERS, Paper
 from drawings.sheets.hole_table import hole_table_box, hole_table_primitives
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
@@ -127,8 +128,8 @@ def part_views(
             curves = {layer: clipped(lines, *clip) for layer, lines in curves.items()}
             curves["HATCH"] = (*curves.get("HATCH", ()), Arc(*clip))
             label = plan.letter
-        if label and scale != sheet_scale:
-            label = f"{label} ({scale_text(scale)})"
+        if scale != sheet_scale:
+            label = f"{label} ({scale_text(scale)})".strip()
         return View(
             plan.name, projection, curves, scale, label=label, clip=clip, cut=plan.cut, aligned_with=plan.aligned_with
         )
@@ -179,10 +180,19 @@ class PartDescription:
 def part_sheets(
     part: PartDescription, design: Any, verifier: DimensionVerifier | None = None, *, exact: bool = True
 ) -> tuple[Sheet, ...]:
-    """The sheets of a part."""
+    """The sheets of a part; with a chosen plan, at a smaller scale if only this fits on the smallest paper."""
+    if part.chosen:
+        for scale in (one for one in SCALES if 1.0 <= one <= part.plans[0].scale):
+            part = replace(part, plans=tuple(at_scale(plan, scale) for plan in part.plans))
+            sheets = _sheets(part, design, verifier or DimensionVerifier(part.solid), exact=exact)
+            if all(sheet.paper == plan.papers[0] for sheet, plan in zip(sheets, part.plans, strict=True)):
+                return sheets
+    return _sheets(part, design, verifier or DimensionVerifier(part.solid), exact=exact)
+
+
+def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, exact: bool) -> tuple[Sheet, ...]:
     changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in part.plans]
     plans = tuple(plan for plan, _ in changed)
-    verifier = verifier or DimensionVerifier(part.solid)
     holes = threaded_holes(part.dimensions, verifier)
     circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
     views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, exact=exact)

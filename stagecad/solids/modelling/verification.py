@@ -148,7 +148,9 @@ class DimensionVerifier:
 
     def open_ends(self, surface: Surface, along: Point) -> tuple[bool, ...]:
         """For the lower and the upper end of a bore along a direction, True where it is open; only those that are."""
-        found = []
+        if (id(surface), along) in self._open_ends:
+            return self._open_ends[id(surface), along]
+        found: list[bool] = []
         across = _cross(along, (0.36, 0.48, 0.8))
         size, side_way = math.hypot(*across), _cross(along, across)
         for end, side in zip(surface.extent(along), (-1.0, 1.0), strict=True):
@@ -158,7 +160,11 @@ class DimensionVerifier:
             reach = 0.8 * surface.radius / size
             around = [moved(foot, way, sign * reach) for way in (across, side_way) for sign in (-1.0, 1.0)]
             found.append(not any(map(self.is_inside, around)))
-        return tuple(one for one in found if one)
+        return self._open_ends.setdefault((id(surface), along), tuple(one for one in found if one))
+
+    @cached_property
+    def _open_ends(self) -> dict[tuple[int, Point], tuple[bool, ...]]:
+        return {}
 
     @cached_property
     def vertices(self) -> tuple[Point, ...]:
@@ -394,12 +400,19 @@ def _minus(a: Point, b: Point) -> Point:
 
 def _surface(face: cq.Face) -> Surface:
     from OCP.Bnd import Bnd_Box  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.BRep import BRep_Tool  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
     from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
     from OCP.BRepBndLib import BRepBndLib  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.GeomLib import GeomLib_IsPlanarSurface  # pyright: ignore[reportAttributeAccessIssue]
 
     kind, adaptor = face.geomType(), BRepAdaptor_Surface(face.wrapped)
     frame, radius, taper = None, 0.0, 0.0
-    if kind == "PLANE":
+    if kind == "BSPLINE":
+        # A ruled face of a loft may be plane.
+        plane = GeomLib_IsPlanarSurface(BRep_Tool.Surface_s(face.wrapped), NEAR)
+        if plane.IsPlanar():
+            kind, frame = "PLANE", plane.Plan().Position()
+    elif kind == "PLANE":
         frame = adaptor.Plane().Position()
     elif kind == "CYLINDER":
         frame, radius = adaptor.Cylinder().Position(), adaptor.Cylinder().Radius()
