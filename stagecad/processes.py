@@ -477,11 +477,7 @@ def end_with_parent(pipe: int | None = None) -> None:
 
 @contextlib.contextmanager
 def _on_cluster(address: str, function: Callable[[Any], Any]) -> Iterator[Submit]:
-    """What begins an item on a worker of a dask cluster, which needs the same packages.
-
-    Raises:
-        InputError: the package `distributed`, the cluster or its workers are not available, or a worker died.
-    """
+    """What begins an item on a worker of a dask cluster, which needs the same packages; an InputError without them."""
     try:
         from distributed import Client
         from distributed.scheduler import KilledWorker

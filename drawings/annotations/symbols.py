@@ -29,13 +29,7 @@ _SPACE = 0.35
 
 
 class _Shape(NamedTuple):
-    """A symbol at a height of capitals of 1, its lower left corner at the origin.
-
-    Attributes:
-        lines: polylines.
-        circles: centre and radius.
-        polygons: filled.
-    """
+    """A symbol at a height of capitals of 1, its lower left corner at the origin: polylines, circles, polygons."""
 
     width: float
     lines: tuple[tuple[Point2, ...], ...]

@@ -17,7 +17,7 @@ from typing import Any
 
 from drawings.dimensions.levels import NEAR, SQUARE, Levels
 from drawings.dimensions.small_edges import AXES, is_fillet, like_edges
-from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
+from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View, dot
 from stagecad.parameters.dimension import (
     FORM,
@@ -140,7 +140,7 @@ def definition(
 ) -> Definition:
     """Definition of a part by its declarations."""
     part = _Part(verifier, dimensions, notes) if notes.packaged else _StatedPart(verifier, dimensions, notes)
-    drawn = [_drawn(view) for view in views if not view.clip]
+    drawn = [(view, lines_of(view.on("VISIBLE", "HIDDEN"))) for view in views if not view.clip]
     faces = []
     for number, surface in enumerate(verifier.surfaces, start=1):
         tolerances = [r for r in requirements if _is_on(surface, r)]
@@ -429,8 +429,15 @@ class _StatedPart(_Part):
         if surface.kind == "CYLINDER":
             for d in self._circles:
                 centre, _ = d.points
-                on = d.direction and _parallel(surface, d.direction) and self._centre_is_located(centre, d.direction)
-                if on and abs(2 * surface.off_axis(centre) - d.value) < NEAR and self._turn_is_given(surface, d):
+                if d.direction is None or not _parallel(surface, d.direction):
+                    continue
+                across = [name for name, unit in AXES.items() if abs(dot(unit, d.direction)) < SQUARE]
+                placed = all(self.levels[name].located_by(dot(centre, AXES[name])) for name in across)
+                # No angle is needed where the holes are mirror images about an axis of the part.
+                u, v = (dot(surface.origin, AXES[name]) - dot(centre, AXES[name]) for name in across[:2])
+                off, step = math.degrees(math.atan2(v, u)) % (180.0 / d.count), 180.0 / d.count
+                on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and min(off, step - off) < 1e-3
+                if placed and on:
                     return f"{d.name}, equally spaced"
         return ""
 
@@ -445,18 +452,6 @@ class _StatedPart(_Part):
             for other in self._surfaces
             if d.count > 1 or other.off_axis(d.points[1]) < NEAR
         )
-
-    def _centre_is_located(self, centre: Point, axis: Point) -> bool:
-        across = [name for name, unit in AXES.items() if abs(dot(unit, axis)) < SQUARE]
-        return all(self.levels[name].located_by(dot(centre, AXES[name])) for name in across)
-
-    def _turn_is_given(self, surface: Surface, d: Dimension) -> bool:
-        """Whether the holes of a circle are mirror images about an axis of the part: no angle is needed."""
-        across = [unit for unit in AXES.values() if abs(dot(unit, d.direction or AXES["z"])) < SQUARE]
-        u, v = (dot(surface.origin, unit) - dot(d.points[0], unit) for unit in across[:2])
-        step = 180.0 / d.count
-        off = math.degrees(math.atan2(v, u)) % step
-        return min(off, step - off) < 1e-3 or (90.0 % step < 1e-9 and min(off, step - off) < 1e-3)
 
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""
@@ -516,12 +511,7 @@ class _StatedPart(_Part):
 def centred_axes(verifier: DimensionVerifier) -> str:
     """Names of the axes along which a solid reaches equally far to both sides of the origin: what is not dimensioned
     from a side is symmetric about this middle, and the sheet says so."""
-    found = ""
-    for number, name in enumerate(AXES):
-        low = min(surface.low[number] for surface in verifier.surfaces)
-        high = max(surface.high[number] for surface in verifier.surfaces)
-        found += name if abs(low + high) < NEAR else ""
-    return found
+    return "".join(name for name, low, high in zip(AXES, *verifier.box, strict=True) if abs(low + high) < NEAR)
 
 
 def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:
@@ -557,17 +547,6 @@ def _is_on(surface: Surface, requirement: FaceRequirement) -> bool:
             _parallel(surface, requirement.normal) and surface.off_axis(point) < NEAR for point in requirement.points
         )
     return any(surface.holds(point) for point in requirement.points)
-
-
-def _drawn(view: View) -> tuple[View, SegmentIndex]:
-    """A view and its lines in view coordinates."""
-    lines = [
-        line
-        for layer in ("VISIBLE", "HIDDEN")
-        for curve in view.curves.get(layer, ())
-        for line in polyline_lines(list(curve_points(curve, 1.0)))
-    ]
-    return view, SegmentIndex(lines)
 
 
 def _is_shown(surface: Surface, view: View, lines: SegmentIndex) -> bool:

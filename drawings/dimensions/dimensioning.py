@@ -44,8 +44,8 @@ from drawings.dimensions.text import (
     tolerance_text,
     wrapped_lines,
 )
-from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, polyline_lines
-from drawings.views.view import Layer, View, degrees_of, dot
+from drawings.views.segment_index import enlarged, lines_of
+from drawings.views.view import View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -114,11 +114,7 @@ def sheet_dimensions(
 
 
 class _Builder:
-    """Builds specifications from declarations.
-
-    Attributes:
-        specs, notes, missing: as of `SheetDimensions`.
-    """
+    """Builds specifications from declarations; the attributes are as of `SheetDimensions`."""
 
     def __init__(self, design: Any, gauge: DimensionVerifier, views: Sequence[View]) -> None:
         self.design, self.gauge, self.views = design, gauge, views
@@ -177,12 +173,8 @@ class _Builder:
     def _outlined(self, view: View, d: Dimension) -> bool:
         """Whether lines of the part are drawn at both ends of a diameter that is seen from the side."""
         spec = self._diameter_from_side(view, d)
-        lines = self._lines(view, ("VISIBLE", "HIDDEN"))
+        lines = lines_of(view.on("VISIBLE", "HIDDEN"))
         return all(lines.count_in(enlarged((*end, *end), OUTLINED)) for end in (spec.first, spec.second))
-
-    def _lines(self, view: View, layers: Sequence[Layer]) -> SegmentIndex:
-        curves = [curve for layer in layers for curve in view.curves.get(layer, ())]
-        return SegmentIndex([line for curve in curves for line in polyline_lines(list(curve_points(curve)))])
 
     def _compare_view(self, view: View, head: Dimension) -> None:
         """Note a dimension that is in another view than declared, and a hole whose mouth its view does not show."""
@@ -195,7 +187,7 @@ class _Builder:
             (u, v), radius = view.projection.to_view(head.points[0]), head.value / 2
             turns = [math.tau * number / 16 for number in range(16)]
             on = [(u + radius * math.cos(turn), v + radius * math.sin(turn)) for turn in turns]
-            lines = self._lines(view, ("VISIBLE", "THREAD"))
+            lines = lines_of(view.on("VISIBLE", "THREAD"))
             if sum(lines.count_in(enlarged((*point, *point), 5 * OUTLINED)) > 0 for point in on) < SEEN:
                 self.elsewhere.append(f"'{head.name}' is not seen in the view '{view.name}'")
 
@@ -254,15 +246,14 @@ class _Builder:
         """The view that shows a dimension best; None where no view shows it in true size."""
         preferred = _preferred(self.views, dimension.view, dimension.points)
         details = [v for v in self.views if v.clip and any(_parallel(v, p) for p in preferred)]
-        details = [v for v in details if self._is_in_detail(v, dimension)]
+        details = [
+            v
+            for v in details
+            if v.clip and all(math.dist(v.projection.to_view(p), v.clip[0]) < v.clip[1] for p in dimension.points)
+        ]
         if dimension.view == "section" and preferred and preferred[0].cut:
             details = []
         return next((view for view in (*details, *preferred) if self._is_true_size(view, dimension)), None)
-
-    def _is_in_detail(self, view: View, dimension: Dimension) -> bool:
-        assert view.clip is not None
-        centre, radius = view.clip
-        return all(math.dist(view.projection.to_view(p), centre) < radius for p in dimension.points)
 
     def _is_true_size(self, view: View, dimension: Dimension) -> bool:
         eye, along = view.projection.towards_eye, dimension.direction
@@ -419,11 +410,7 @@ class _Builder:
 
 
 def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> list[View]:
-    """Views that may show what is declared for a view, the best first; without details.
-
-    First the view of that name, then a section whose plane contains the points, then views from the same side, the
-    larger first.
-    """
+    """Views for what is declared for a view: that of its name, a section through the points, views from its side."""
 
     def rank(view: View) -> tuple[int, float]:
         if view.name == name:

@@ -90,7 +90,9 @@ class Levels:
         ]
         several = [d for d in several if d not in rows_of_equal]
         self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
-        self.superfluous = _closing([d for d in own if not _is_secondary(d)], feature_at)
+        # Others may repeat what follows: for reference, derived, of a hole table, the depth of a hole.
+        first = [d for d in own if not (d.reference or d.derived_from or d.table or d.kind == "depth")]
+        self.superfluous = _closing(first, feature_at)
 
     def located_by(self, level: float) -> str:
         """Name of what locates a level; empty where nothing does."""
@@ -155,8 +157,7 @@ class Levels:
         return rows
 
     def _equal_features(self, sizes: Sequence[float]) -> list[dict[int, float]]:
-        """The equations of equal features: two levels as far apart as a dimension that is given for several, or a level
-        and its mirror image."""
+        """Equations of equal features: levels as far apart as a dimension for several; or a level and its image."""
         apart = [
             {one: -1.0, other: 1.0}
             for size in sizes
@@ -224,8 +225,3 @@ def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hash
 def _is_along(d: Dimension, axis: Point) -> bool:
     along = d.direction is not None and abs(abs(dot(d.direction, axis)) - 1.0) < SQUARE
     return along and d.kind in BETWEEN and len(d.points) == 2
-
-
-def _is_secondary(d: Dimension) -> bool:
-    """Whether a dimension may repeat what follows from others: reference, derived, of a hole table, depth of a hole."""
-    return d.reference or bool(d.derived_from) or bool(d.table) or d.kind == "depth"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 
+from drawings.dimensions.levels import NEAR, SQUARE
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
@@ -12,7 +13,6 @@ from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 WHOLE, HALF = 1.5 * math.pi, 0.95 * math.pi
 """Angle about its axis from which on a face is a whole hole or shaft, and up to which it may be a fillet."""
-NEAR, SQUARE = 2e-3, 1e-6
 LARGEST_CHAMFER = 0.2
 """Leg of a chamfer over the largest size of the part above which the face is a slope."""
 
@@ -77,25 +77,20 @@ def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]
     """Numbers of the faces of all fillets or chamfers of the size of a dimension, with what tells these apart."""
     found: dict[int, Hashable] = {}
     for number, surface in enumerate(verifier.surfaces):
-        if d.kind == "radius":
-            partial = surface.kind in ("SPHERE", "TORUS") or (
-                surface.kind == "CYLINDER" and not is_whole(surface, verifier)
-            )
-            if partial and abs(surface.radius - d.value) < NEAR:
+        if d.kind == "radius" and surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
+            like = [s for s in verifier.surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
+            # Faces that go around their axis have a diameter.
+            whole = sum(s.span for s in like if s.outward == surface.outward) > WHOLE
+            if abs(surface.radius - d.value) < NEAR and not (surface.kind == "CYLINDER" and whole):
                 found[number] = surface.axis_key if surface.kind == "CYLINDER" else number
         elif (
-            surface.kind in ("PLANE", "CONE")
+            d.kind == "chamfer"
+            and surface.kind in ("PLANE", "CONE")
             and abs(_leg(surface) - d.value) < NEAR
             and is_chamfer(surface, verifier.surfaces)
         ):
             found[number] = (*surface.axis_key, round(surface.low[0] + surface.low[1] + surface.low[2], 2))
     return found
-
-
-def is_whole(surface: Surface, verifier: DimensionVerifier) -> bool:
-    """Whether the faces of one radius about an axis go around it: a diameter gives their size, no radius."""
-    like = [s for s in verifier.surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
-    return sum(s.span for s in like if s.outward == surface.outward) > WHOLE
 
 
 def _leg(chamfer: Surface) -> float:

@@ -73,7 +73,8 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
         case "chamfer":
             value = f"{value}{TIMES}45{DEGREE}"
         case "slope":
-            ratio = f"1:{1 / dimension.value:g}" if _whole(1 / dimension.value) else f"{dimension.value:g}"
+            steep = 1 / dimension.value
+            ratio = f"1:{steep:g}" if abs(steep - round(steep)) < 1e-9 else f"{dimension.value:g}"
             value = f"slope {{box:{ratio}}}" if dimension.exact else f"slope {ratio}"
         case "depth":
             value = "{depth}" + value
@@ -144,10 +145,6 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
 def frame_text(characteristic: str, tolerance: str, datums: Sequence[str]) -> str:
     """A control frame as a piece of text (`drawings.annotations.symbols` draws it): `{frame:position|⌀0.2|A|B}`."""
     return "{frame:" + "|".join((characteristic, tolerance, *datums)) + "}"
-
-
-def _whole(value: float) -> bool:
-    return abs(value - round(value)) < 1e-9
 
 
 def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str) -> list[str]:

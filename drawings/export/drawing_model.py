@@ -93,7 +93,8 @@ def drawing_model(sheet: Sheet) -> DrawingModel:
     groups = [PrimitiveGroup(fixed)]
     groups += (PrimitiveGroup(tuple(note_primitives(note))) for note in sheet.notes)
     for view in sheet.views:
-        groups.append(PrimitiveGroup((*_view_primitives(view), *label_primitives(view)), view))
+        lines = [_curve_primitive(one, layer, view) for layer, curves in view.curves.items() for one in curves]
+        groups.append(PrimitiveGroup((*lines, *label_primitives(view)), view))
     for annotation in sheet.annotations:
         view = sheet.view(annotation.view)
         primitives = tuple(map(_on_dimension_layer, annotation_primitives(annotation, view)))
@@ -107,12 +108,6 @@ def _on_dimension_layer(primitive: Primitive) -> Primitive:
     if isinstance(primitive, Text) or primitive.layer != "BORDER":
         return primitive
     return replace(primitive, layer="DIMENSION")
-
-
-def _view_primitives(view: View) -> Iterator[Primitive]:
-    for layer, curves in view.curves.items():
-        for curve in curves:
-            yield _curve_primitive(curve, layer, view)
 
 
 def _curve_primitive(curve: Curve, layer: Layer, view: View) -> Primitive:

@@ -21,7 +21,7 @@ from drawings.annotations.annotation import (
     RadialDimension,
 )
 from drawings.annotations.annotation_geometry import label_primitives, note_primitives, text_box
-from drawings.annotations.primitives import Primitive, Text
+from drawings.annotations.primitives import Text
 from drawings.placement.occupancy import (
     LINE_CLEARANCE,
     Footprint,
@@ -93,7 +93,11 @@ def lint(sheet: Sheet) -> list[Hit]:
     return [
         *_conflicts(sheet, items, labels),
         *_on_the_sheet(sheet, items, labels),
-        *_callouts(items),
+        *(
+            Hit("callout", f"'{one.words}' is defined by no standard", enclosing_box(one.footprint.boxes)[:2])
+            for one in items
+            if UNDEFINED.search(one.words)
+        ),
         *_off_the_sheet(sheet, items, labels),
         *_across_views(sheet, items),
     ]
@@ -137,16 +141,11 @@ def _text_hits(text: str, box: Box2, drawn: Occupancy, words: Sequence[str]) -> 
         yield Hit("line", f"'{text}' is over a line", middle)
 
 
-def _fixed(sheet: Sheet) -> Iterator[Primitive]:
-    """What belongs to no view: frame, title block, tables, notes."""
-    yield from (*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables)
-    for note in sheet.notes:
-        yield from note_primitives(note)
-
-
 def _on_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> Iterator[Hit]:
     """Texts of the frame, the tables and the notes on each other or on lines, and texts of views on those."""
-    fixed = list(_fixed(sheet))
+    # What belongs to no view: frame, title block, tables, notes.
+    fixed = [*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables]
+    fixed += [primitive for note in sheet.notes for primitive in note_primitives(note)]
     texts = [(piece.text, text_box(piece)) for piece in fixed if isinstance(piece, Text)]
     lines = [line for piece in fixed for line in primitive_lines(piece)]
     viewed = [(item.words, box) for item in items for box in item.footprint.texts]
@@ -169,13 +168,6 @@ def _on_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) 
         for other, below in texts:
             if boxes_overlap(enlarged(box, -TOUCH), below):
                 yield Hit("text", f"'{text}' is over '{other}'", box[:2])
-
-
-def _callouts(items: Sequence[_Item]) -> Iterator[Hit]:
-    """Wordings that no standard defines."""
-    for item in items:
-        if UNDEFINED.search(item.words):
-            yield Hit("callout", f"'{item.words}' is defined by no standard", enclosing_box(item.footprint.boxes)[:2])
 
 
 def _off_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> Iterator[Hit]:

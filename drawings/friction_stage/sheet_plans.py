@@ -67,13 +67,7 @@ def _tip(design: Any) -> tuple[SheetPlan, ...]:
 
 
 def _holder(design: Any) -> tuple[SheetPlan, ...]:
-    views = (
-        TOP,
-        FRONT,
-        _section("A", "right", (0.0, 0.0, 0.0), "front"),
-        ViewPlan("back", "back", "front"),
-        ISO,
-    )
+    views = (TOP, FRONT, _section("A", "right", (0.0, 0.0, 0.0), "front"), ViewPlan("back", "back", "front"), ISO)
     return (SheetPlan("holder", ("A3", "A2"), 1.0, views),)
 
 
@@ -99,12 +93,7 @@ def _stage(design: Any) -> tuple[SheetPlan, ...]:
 def _bearing_way(design: Any) -> tuple[SheetPlan, ...]:
     way = design.bearing_way
     first = -(way.bolt_count - 1) / 2 * way.bolt_spacing
-    views = (
-        ViewPlan("top", "top", symmetry="v"),
-        FRONT,
-        _section("A", "right", (first, 0.0, 0.0), "front", 1.0),
-        ISO,
-    )
+    views = (ViewPlan("top", "top", symmetry="v"), FRONT, _section("A", "right", (first, 0.0, 0.0), "front", 1.0), ISO)
     return (SheetPlan("bearing_way", ("A3", "A2"), 0.25, views),)
 
 
@@ -112,13 +101,7 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
     base = design.base
     first, *_ = clamps(design)
     top = ViewPlan("top", "top", symmetry="uv")
-    one = SheetPlan(
-        "base_1",
-        ("A1",),
-        0.5,
-        (top, FRONT, RIGHT, LEFT, ViewPlan("iso", "iso", scale=0.2)),
-        _BASE_1,
-    )
+    one = SheetPlan("base_1", ("A1",), 0.5, (top, FRONT, RIGHT, LEFT, ViewPlan("iso", "iso", scale=0.2)), _BASE_1)
     # From the axis of the pocket to beyond the far corner of the slot of the lug.
     finger = (*first.place(first.slot / 2, base.clamp_reach / 2), 0.0)
     reach = math.hypot(first.slot, base.clamp_reach) / 2 + 10.0
@@ -173,22 +156,13 @@ def _small(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
 
 
 def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:
-    views = (
-        ViewPlan("top", "top", symmetry="uv"),
-        FRONT,
-        _section("A", "right", (0.0, 0.0, 0.0), "front", 2.0),
-        ISO,
-    )
+    views = (ViewPlan("top", "top", symmetry="uv"), FRONT, _section("A", "right", (0.0, 0.0, 0.0), "front", 2.0), ISO)
     return (SheetPlan("tooth_bar", ("A3", "A2"), 0.5, views),)
 
 
 def _stop_bar(design: Any) -> tuple[SheetPlan, ...]:
     views = (TOP, FRONT, RIGHT, _section("A", "right", (0.0, 0.0, 0.0), ""), ISO)
     return (SheetPlan("stop_bar", ("A3", "A2"), 1.0, views),)
-
-
-def _sensor_bracket(design: Any) -> tuple[SheetPlan, ...]:
-    return (SheetPlan("sensor_bracket", ("A3", "A2"), 1.0, (TOP, FRONT, RIGHT, ISO)),)
 
 
 _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
@@ -203,5 +177,5 @@ _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
     "tooth_iron": _small("tooth_iron"),
     "tooth_bar": _tooth_bar,
     "stop_bar": _stop_bar,
-    "sensor_bracket": _sensor_bracket,
+    "sensor_bracket": lambda design: (SheetPlan("sensor_bracket", ("A3", "A2"), 1.0, (TOP, FRONT, RIGHT, ISO)),),
 }

@@ -41,7 +41,10 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Proc
                 number,
                 template.title,
                 tuple(text.format(**shown) for text in template.sentences),
-                tuple(_use(listed[part]) for part in template.parts),
+                tuple(
+                    PartUse(row.item, row.part, row.part_number, row.quantity)
+                    for row in (listed[part] for part in template.parts)
+                ),
                 tuple(text.format(**shown) for text in template.tools),
                 figures[template.torque] if template.torque else None,
                 used,
@@ -52,10 +55,6 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Proc
 
 def _names(text: str) -> Iterable[str]:
     return [name for _, name, _, _ in string.Formatter().parse(text) if name]
-
-
-def _use(row: Row) -> PartUse:
-    return PartUse(row.item, row.part, row.part_number, row.quantity)
 
 
 ALONG = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
@@ -81,10 +80,6 @@ def _views(design: Any, instances: Sequence[Instance], parts: Mapping[str, Built
     return VIEWS
 
 
-def _procedure(design: Any, rows: Sequence[Row], values: Mapping[str, Any]) -> Procedure:
-    return procedure(design, rows, ProcedureValues(**values))
-
-
 def _travel(design: Any) -> float:
     return design.stage.travel
 
@@ -94,7 +89,7 @@ SHEETS = Sheets(
     # Titles of the thesis.
     titles={"tip": "actuator tip", "holder": "piezo holder"},
     views=_views,
-    procedure=_procedure,
+    procedure=lambda design, rows, values: procedure(design, rows, ProcedureValues(**values)),
     travel=_travel,
     modules=(__name__,),
 )

@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from stagecad.solids.modelling.registry import Instance
 
 EYE_BELOW = Projection(
-    FROM_BELOW,
-    (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0),
-    (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6)),
+    FROM_BELOW, (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0), (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6))
 )
 """The isometric direction from below, for the parts under the stage."""
 

@@ -141,15 +141,7 @@ def distance_candidates(
         for text_cost, middle in _text_positions(spec.text, ends[0], ends[1], extended):
             text_at = plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
             dimension = LinearDimension(
-                spec.view,
-                starts[0],
-                starts[1],
-                spec.angle,
-                line_at,
-                spec.text,
-                spec.measured,
-                spec.names,
-                text_at,
+                spec.view, starts[0], starts[1], spec.angle, line_at, spec.text, spec.measured, spec.names, text_at
             )
             yield cost + text_cost, dimension
 
@@ -309,12 +301,7 @@ def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> I
     ISO 5459). A control frame may also be at the end of the dimension line that is extended under its text."""
     u = direction(diameter.angle)
     base = dot(diameter.line_at, u)
-    for point, out in (
-        (diameter.first, 1.0),
-        (diameter.second, 1.0),
-        (diameter.first, -1.0),
-        (diameter.second, -1.0),
-    ):
+    for point, out in ((diameter.first, 1.0), (diameter.second, 1.0), (diameter.first, -1.0), (diameter.second, -1.0)):
         step = dot(view.to_paper(point), u) - base
         other = diameter.second if point is diameter.first else diameter.first
         if out * (dot(view.to_paper(other), u) - base - step) > 0.0:
@@ -362,10 +349,7 @@ def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:
     u = ((mark.end[0] - mark.start[0]) / length, (mark.end[1] - mark.start[1]) / length)
     for i in range(16):
         for j in range(16):
-            start, end = (
-                plus(mark.start, u, -CUTTING_LINE_STEP * i),
-                plus(mark.end, u, CUTTING_LINE_STEP * j),
-            )
+            start, end = (plus(mark.start, u, -CUTTING_LINE_STEP * i), plus(mark.end, u, CUTTING_LINE_STEP * j))
             yield CUTTING_LINE_STEP * (i + j), replace(mark, start=start, end=end)
 
 

@@ -50,14 +50,7 @@ from drawings.placement.candidates import (
     tag_candidates,
     target_candidates,
 )
-from drawings.placement.occupancy import (
-    LEADER_TIP,
-    LINE_CLEARANCE,
-    Occupancy,
-    footprint_of,
-    leader_tip,
-    view_outline,
-)
+from drawings.placement.occupancy import LEADER_TIP, LINE_CLEARANCE, Occupancy, footprint_of, leader_tip, view_outline
 from drawings.views.segment_index import Line, SegmentIndex, enlarged, line_meets_box
 from drawings.views.view import Box2, Point2, View
 
@@ -151,15 +144,7 @@ def _priority(spec: DimensionSpec) -> tuple[int, float]:
 
 
 class _Run:
-    """One run of the greedy placement.
-
-    Attributes:
-        occupancy: elements drawn so far.
-        placed: annotations in place.
-        unplaced: specifications that got no position free of conflicts.
-        conflicts: number of conflicts.
-        label_at: middle of the base line of the view's label; None for a view without a label.
-    """
+    """One run of the greedy placement: annotations placed, and specifications without a position free of conflicts."""
 
     def __init__(self, view: View) -> None:
         self.view = view

@@ -227,7 +227,10 @@ def _on_sheet(aligned: Sequence[Box2], alone: Sequence[Box2], area: SheetArea) -
     whole = enclosing_box(aligned)
     free = (x1 - x0 - (whole[2] - whole[0]), y1 - y0 - (whole[3] - whole[1]))
     best: list[Point2] | None = None
-    for fraction in _fractions():
+    # Fractions of the free width and height, from near the middle outwards.
+    steps = [i / 10 for i in range(11)]
+    places = [(a, b) for a in steps for b in steps]
+    for fraction in sorted(places, key=lambda s: (math.hypot(s[0] - 0.45, s[1] - 0.6), s)):
         shift = (x0 - whole[0] + free[0] * fraction[0], y0 - whole[1] + free[1] * fraction[1])
         placed = [_shifted(box, shift) for box in aligned]
         if not all(_free(box, area, ()) for box in placed):
@@ -244,12 +247,6 @@ def _on_sheet(aligned: Sequence[Box2], alone: Sequence[Box2], area: SheetArea) -
             return [shift, *others], True
     shift = best[0] if best else (x0 - whole[0], y1 - whole[3])
     return [shift, *((x1 - box[2], y1 - box[3]) for box in alone)], False
-
-
-def _fractions() -> list[Point2]:
-    """Positions of the aligned views as fractions of the free width and height, from near the middle outwards."""
-    steps = [i / 10 for i in range(11)]
-    return sorted(((a, b) for a in steps for b in steps), key=lambda s: (math.hypot(s[0] - 0.45, s[1] - 0.6), s))
 
 
 def _free_place(box: Box2, area: SheetArea, placed: Sequence[Box2]) -> Point2 | None:

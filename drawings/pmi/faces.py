@@ -93,14 +93,12 @@ def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceA
 
 def faces_at(verifier: DimensionVerifier, points: Iterable[Point], normal: Point) -> tuple[cq.Face, ...]:
     """The faces of a datum or a geometrical tolerance, one for each point."""
-    return tuple(_face_at(verifier, point, normal).face for point in points)
 
+    def at(point: Point) -> Surface:
+        on = (s for s in verifier.surfaces if s.holds(point) and (s.kind != "PLANE" or _parallel(s, normal)))
+        return next(on, None) or _round(verifier, (point,), normal)
 
-def _face_at(verifier: DimensionVerifier, point: Point, normal: Point) -> Surface:
-    for surface in verifier.surfaces:
-        if surface.holds(point) and (surface.kind != "PLANE" or _parallel(surface, normal)):
-            return surface
-    return _round(verifier, (point,), normal)
+    return tuple(at(point).face for point in points)
 
 
 def _distance(verifier: DimensionVerifier, dimension: Dimension, along: Point) -> FaceAssociation:

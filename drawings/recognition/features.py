@@ -11,13 +11,11 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from drawings.dimensions.small_edges import AXES, WHOLE, along_of, is_chamfer
+from drawings.dimensions.small_edges import AXES, NEAR, SQUARE, WHOLE, along_of, is_chamfer
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
-NEAR = 2e-3
-SQUARE = 1e-6
 WIDEST_CHAMFER = 1.3
 """Diameter of a cone of 90 degrees at the mouth of a hole, over that of the hole, up to which it is a chamfer."""
 
@@ -108,7 +106,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
         holes,
         slots,
         tuple(_sections(s for s in round_faces if s.outward)),
-        tuple(s for s in surfaces if _is_fillet(s, parts) and id(s) not in in_slots),
+        tuple(s for s in surfaces if (s.kind == "TORUS" or any(s is part for part in parts)) and id(s) not in in_slots),
         chamfers,
         tuple(s for s in surfaces if s.kind == "CONE" and id(s) not in taken),
         tuple(s for s in surfaces if s.kind == "SPHERE"),
@@ -129,10 +127,6 @@ def middle_of_face(surface: Surface) -> Point:
     u0, u1, v0, v1 = surface.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
     _, point = surface.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
     return point.toTuple()
-
-
-def _is_fillet(surface: Surface, parts: list[Surface]) -> bool:
-    return surface.kind == "TORUS" or any(surface is one for one in parts)
 
 
 def _round_and_partial(surfaces: list[Surface]) -> tuple[list[Surface], list[Surface]]:
@@ -191,7 +185,10 @@ def _holes(inner: list[Surface], cones: list[Surface], verifier: DimensionVerifi
         )
         chain: list[Section] = []
         for section in sections:
-            if chain and section.low - chain[-1].high > NEAR and not _bridged(chain[-1].high, section.low, own, axis):
+            gap = (chain[-1].high, section.low) if chain else (0.0, 0.0)
+            cones_between = (_extent(cone, axis) for cone in own)
+            bridged = any(abs(low - gap[0]) < NEAR and abs(high - gap[1]) < NEAR for low, high in cones_between)
+            if gap[1] - gap[0] > NEAR and not bridged:
                 yield _hole(chain, own, axis, verifier)
                 chain = []
             chain.append(section)
@@ -203,10 +200,6 @@ def replace_axis(section: Section, axis: Point) -> Section:
     if dot(section.face.axis, axis) > 0:
         return section
     return Section(section.radius, -section.high, -section.low, section.face)
-
-
-def _bridged(end: float, start: float, cones: list[Surface], axis: Point) -> bool:
-    return any(abs(low - end) < NEAR and abs(high - start) < NEAR for low, high in (_extent(c, axis) for c in cones))
 
 
 def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: DimensionVerifier) -> Hole:
@@ -226,7 +219,9 @@ def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: Dim
         reach = tips[end][1] if end in tips else ends[end]
         section = chain[0 if end == 0 else -1]
         around = moved(on_axis, axis, reach + side * 0.02)
-        open_ends.append(not verifier.is_inside(around) and not _tip_is_closed(tips.get(end), section.radius))
+        # The cone of a drill becomes narrower than the hole.
+        drilled = end in tips and min(map(tips[end][0].off_axis, tips[end][0].vertices)) < section.radius - NEAR
+        open_ends.append(not verifier.is_inside(around) and not drilled)
     # The mouth is the wider open end; of two equal ones that towards the eye of the top, front or right view.
     radii = [chain[0].radius, chain[-1].radius]
     upward = is_usual(axis)
@@ -251,11 +246,6 @@ def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: Dim
     steps = tuple((s.radius, abs((s.high if first == 0 else s.low) - start)) for s in ordered)
     used = [s.face for s in ordered] + [tip[0] for tip in tips.values()]
     return Hole(moved(on_axis, axis, start), into, steps, tuple(used), all(open_ends), sink)
-
-
-def _tip_is_closed(tip: tuple[Surface, float] | None, radius: float) -> bool:
-    """Whether the cone at an end is that of a drill: it becomes narrower than the hole."""
-    return tip is not None and min((tip[0].off_axis(v) for v in tip[0].vertices), default=0.0) < radius - NEAR
 
 
 def _slots(parts: list[Surface]) -> Iterator[Slot]:

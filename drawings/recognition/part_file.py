@@ -1,20 +1,22 @@
-"""Solids without declarations: in the position in which they are drawn, and their proposal as a part in Python."""
+"""Solids without declarations in the position in which they are drawn, and their proposal: as data, and in Python."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from drawings.dimensions.small_edges import along_of, is_mirrored
-from drawings.recognition.proposed import Proposal, Proposed
 from drawings.recognition.visible import ProposedDatum
+from stagecad.parameters.dimension import Dimension
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-NEAR = 2e-3
 TURNS = {"x": None, "y": ((0, 0, 1), -90.0), "z": ((0, 1, 0), 90.0)}
 """Rotation that brings an axis of the part to x."""
 UPRIGHT = {"x": ((0, 1, 0), -90.0), "y": ((1, 0, 0), 90.0), "z": None}
@@ -60,6 +62,50 @@ def requirements(design):
     f = FaceRequirements(design)
 {datums}    return tuple(f)
 '''
+
+
+@dataclass(frozen=True)
+class Proposed:
+    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key.
+
+    Args:
+        order: of several that say the same, the one of the highest order is left out.
+    """
+
+    method: str
+    name: str
+    key: str
+    value: float
+    arguments: tuple[Any, ...]
+    fields: dict[str, Any] = field(default_factory=dict)
+    order: int = 0
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Proposed dimensions of a solid.
+
+    Args:
+        dimensions: in the order of the sheet.
+        questions: what only the designer knows, a line each.
+        open: what the dimensions leave open, a line each.
+        views: in which they are.
+        datums: a datum system.
+    """
+
+    dimensions: tuple[Proposed, ...]
+    questions: tuple[str, ...]
+    open: tuple[str, ...]
+    views: tuple[str, ...]
+    datums: tuple[ProposedDatum, ...] = ()
+
+
+def as_dimension(one: Proposed) -> Dimension:
+    """A proposal as a dimension without a design, in the general class."""
+    design = SimpleNamespace(part=SimpleNamespace(**{one.key: one.value}), tolerance=lambda key: "X.X")
+    declarations = DimensionDeclarations(design, "part")
+    getattr(declarations, one.method)(one.name, one.key, *one.arguments, **one.fields)
+    return next(iter(declarations))
 
 
 def part_text(name: str, source: str, proposal: Proposal, material: str = "steel") -> str:

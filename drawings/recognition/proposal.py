@@ -16,14 +16,9 @@ from itertools import pairwise
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.small_edges import AXES, along_of, is_fillet, is_mirrored, outward_normal
-from drawings.recognition.features import (
-    Features,
-    Hole,
-    features_of,
-    middle_of_face,
-)
-from drawings.recognition.proposed import Proposal, Proposed, as_dimension
+from drawings.dimensions.small_edges import AXES, NEAR, along_of, is_fillet, is_mirrored, outward_normal
+from drawings.recognition.features import Features, Hole, features_of, middle_of_face
+from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.visible import (
     PREFERRED,
     VIEW_OF,
@@ -40,7 +35,6 @@ from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
-NEAR = 2e-3
 ANOTHER_VIEW = 25.0
 """Cost of each less usual view, mm."""
 FACE, AXIS = "face", "axis"
@@ -94,12 +88,7 @@ def _without_superfluous(
 
 
 class _Builder:
-    """Collects proposals.
-
-    Attributes:
-        proposed: dimensions so far.
-        questions: of threads.
-    """
+    """Collects proposals, and questions of threads."""
 
     def __init__(self, verifier: DimensionVerifier) -> None:
         self.verifier = verifier
@@ -110,9 +99,7 @@ class _Builder:
         self._levels: dict[str, list[_Level]] = defaultdict(list)
         self._spans: dict[str, tuple[str, _Level, _Level]] = {}
         self.lines = VisibleLines(verifier)
-        surfaces = verifier.surfaces
-        self._low = [min(s.low[n] for s in surfaces) for n in range(3)]
-        self._high = [max(s.high[n] for s in surfaces) for n in range(3)]
+        self._low, self._high = verifier.box
 
     def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
         """Add a proposal under a name and key of its own."""
@@ -506,9 +493,7 @@ class _Builder:
         return (front, *(view for view in views if view != "front")) if front else views
 
     def _points(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str]:
-        """Points of two levels in the view that shows both best: nearest to each other across the dimension. Where no
-        view shows them, those of a section through the middle of a face.
-        """
+        """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
         wanted = [view for view in (second.view, first.view) if view in views_along(name)]
         shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
         inner = None if shown or second.kind == AXIS else self._in_section(name, first, second)
@@ -584,8 +569,7 @@ def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
 
 
 def _extremes(surface: Surface) -> list[Point]:
-    """Outermost points of the circles of a plane face along the axes of the part: the ends of its outline from the
-    side."""
+    """Ends of the outline of a plane face from the side: outermost points of its circles along the axes of the part."""
     found = []
     for edge in surface.face.Edges():
         if edge.geomType() == "CIRCLE":

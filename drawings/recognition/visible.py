@@ -33,6 +33,8 @@ PREFERRED = {
 """Views that show lengths along an axis, the usual ones first."""
 PASSING = 60.0
 """Cost of a point through which lines only pass, mm."""
+SMALL_FACE = 20.0
+"""Longest edge of a face whose datum symbol is at its middle, mm."""
 NEIGHBOURS = (-0.01, 0.0, 0.01)
 
 
@@ -42,7 +44,7 @@ class VisibleLines:
     def __init__(self, verifier: DimensionVerifier) -> None:
         self._verifier = verifier
         self._lines: dict[str, tuple[SegmentIndex, set[Point2]]] = {}
-        self._size = max(s.high[n] - s.low[n] for s in verifier.surfaces for n in range(3))
+        self._size = verifier.size
 
     def seen(self, point: Point, view: str) -> float | None:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
@@ -147,9 +149,11 @@ def proposed_datums(
         if not view or not letter:
             break
         edges = sorted(surface.face.Edges(), key=lambda edge: -round(edge.Length(), 3))
-        # Off the middle, where centre lines and cutting lines are.
+        # Off the middle, where centre lines and cutting lines are, except on a small face between others.
         along = [edge.positionAt(0.3).toTuple() for edge in edges]  # pyright: ignore[reportAttributeAccessIssue]
-        points = (*along, middle_of_face(surface), *surface.vertices)
+        points = [*along, middle_of_face(surface), *surface.vertices]
+        if edges[0].Length() < SMALL_FACE:
+            points.insert(0, middle_of_face(surface))
         point = next(point for point in points if surface.holds(point))
         yield ProposedDatum(letter, (tidy(point),), normal, view)
         used.append(normal)

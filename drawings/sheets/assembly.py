@@ -392,10 +392,7 @@ def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = 
 
 
 def _column_widths(cells: Sequence[Sequence[str]], whole: float) -> list[float]:
-    """Widths of the columns in proportion to their longest texts, mm.
-
-    The specification of what has no material does not count: it continues into the next columns.
-    """
+    """Column widths by their longest texts, mm; a specification without material continues into the next ones."""
     needed = [
         CELL + max(text_width(row[n], SMALL_HEIGHT) for row in cells if n + 1 == len(row) or row[n + 1])
         for n in range(len(HEADINGS))

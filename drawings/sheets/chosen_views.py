@@ -72,9 +72,7 @@ def chosen_plan(
         view = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
         cut, beside = Cut(point, normal, letter), names.get("front", "front")
         views.append(ViewPlan(f"section {letter}-{letter}", view, beside, cut=cut))
-    low = [min(surface.low[n] for surface in verifier.surfaces) for n in range(3)]
-    high = [max(surface.high[n] for surface in verifier.surfaces) for n in range(3)]
-    x, y, z = (b - a for a, b in zip(low, high, strict=True))
+    x, y, z = (b - a for a, b in zip(*verifier.box, strict=True))
     scale = usual_scale((x, y, z), [view.projection for view in views])
     wide, tall = 0.87 * (x + y), 0.5 * (x + y) + z
     picture = next((one for one in SCALES if one <= scale and max(one * wide, one * tall) <= PICTURE), SCALES[-1])
@@ -89,8 +87,7 @@ def _beside(view: str, wanted: Sequence[str]) -> str:
 
 
 def _cuts(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[tuple[Point, Point]]:
-    """Normals and points of the planes in which all points of the declarations for a section lie; that across a long
-    shaft along x rather than that along it (ISO 128-3)."""
+    """Normals and points of the planes of declarations for a section; across a long shaft rather than along it."""
     found: list[tuple[Point, Point]] = []
     shaft = max((s for s in verifier.surfaces if s.kind == "CYLINDER"), key=lambda s: s.radius, default=None)
     along = shaft is not None and shaft.outward and abs(shaft.axis[0]) > 1 - 1e-9

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 from drawings.annotations.annotation import Note
 from drawings.annotations.primitives import LINE_PITCH, TEXT_HEIGHT, Primitive
@@ -71,10 +71,7 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
 
 
 def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -> float:
-    """Radius of the conical chamfer in front of the mouth of a tapped hole; 0 without one.
-
-    A larger cone about the same axis, for instance the chamfer of the end of a pin, is not that of the hole.
-    """
+    """Radius of the conical chamfer of a tapped hole; 0 without one. A larger cone is that of something else."""
     level, found = dot(mouth, into), 0.0
     for surface in verifier.surfaces:
         if surface.kind == "CONE" and abs(abs(dot(surface.axis, into)) - 1) < 1e-6 and surface.off_axis(mouth) < 1e-4:
@@ -181,13 +178,14 @@ def part_sheets(
     part: PartDescription, design: Any, verifier: DimensionVerifier | None = None, *, exact: bool = True
 ) -> tuple[Sheet, ...]:
     """The sheets of a part; with a chosen plan, at a smaller scale if only this fits on the smallest paper."""
+    verifier = verifier or DimensionVerifier(part.solid)
     if part.chosen:
         for scale in (one for one in SCALES if 1.0 <= one <= part.plans[0].scale):
             part = replace(part, plans=tuple(at_scale(plan, scale) for plan in part.plans))
-            sheets = _sheets(part, design, verifier or DimensionVerifier(part.solid), exact=exact)
+            sheets = _sheets(part, design, verifier, exact=exact)
             if all(sheet.paper == plan.papers[0] for sheet, plan in zip(sheets, part.plans, strict=True)):
                 return sheets
-    return _sheets(part, design, verifier or DimensionVerifier(part.solid), exact=exact)
+    return _sheets(part, design, verifier, exact=exact)
 
 
 def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, exact: bool) -> tuple[Sheet, ...]:
@@ -217,7 +215,11 @@ def _sheet(
     requirements = [
         r
         for r in part.requirements
-        if (r.feature in features if _is_on_callout(r) else sheet_of_requirement(plans, r) is plan)
+        if (
+            r.feature in features
+            if isinstance(r, GeometricTolerance) and r.feature
+            else sheet_of_requirement(plans, r) is plan
+        )
     ]
     shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=part.chosen)
     if shown.missing:
@@ -246,11 +248,6 @@ def _sheet(
         tabulated,
         tuple(unapplied),
     )
-
-
-def _is_on_callout(requirement: FaceRequirement) -> TypeGuard[GeometricTolerance]:
-    """Whether the control frame of a requirement is below the callout of its holes."""
-    return isinstance(requirement, GeometricTolerance) and bool(requirement.feature)
 
 
 def _arranged(
@@ -359,8 +356,7 @@ def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, cou
 
 
 def _general_tolerance(part: PartDescription, design: Any) -> str:
-    """General geometrical tolerance of a sheet (ISO 22081): a profile of the width of the general class of lengths, in
-    the datum system of the part, for all faces without a control frame."""
+    """General geometrical tolerance of a sheet (ISO 22081), for all faces without a control frame."""
     letters = sorted(r.letter for r in part.requirements if isinstance(r, DatumFeature))[:3]
     return f"ISO 22081 profile {2 * design.drawing.tolerance_x_x:g} {' '.join(letters)}".strip()
 

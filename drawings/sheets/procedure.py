@@ -121,13 +121,7 @@ def procedure_sheet(
 
 
 class _Table:
-    """The steps in two columns, the second one above the title block.
-
-    Attributes:
-        primitives: lines and texts.
-        complete: whether all steps fit.
-        free: box of the second column where no step is in it.
-    """
+    """The steps in two columns, the second one above the title block."""
 
     def __init__(self, steps: Sequence[Step], paper: Paper) -> None:
         x0, y0, x1, y1 = drawing_space(paper)

@@ -53,12 +53,7 @@ def sheet_area(paper: Paper, taken: tuple[Box2, ...] = ()) -> SheetArea:
     x0, y0, x1, y1 = drawing_space(paper)
     width, height = PAPERS[paper]
     u, v = width / 2, height / 2
-    marks = (
-        (x0, v, x0 + CENTRING, v),
-        (x1 - CENTRING, v, x1, v),
-        (u, y0, u, y0 + CENTRING),
-        (u, y1 - CENTRING, u, y1),
-    )
+    marks = ((x0, v, x0 + CENTRING, v), (x1 - CENTRING, v, x1, v), (u, y0, u, y0 + CENTRING), (u, y1 - CENTRING, u, y1))
     clear = MARGIN / 2
     return SheetArea((x0 + clear, y0 + clear, x1 - clear, y1 - clear), (title_box(paper), *marks, *taken))
 

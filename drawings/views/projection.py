@@ -191,7 +191,8 @@ def _round(curve: Any, chord: float) -> Curve | None:
     points = GCPnts_QuasiUniformDeflection(curve, chord, first, last)
     found = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
     places = [(point.X(), point.Y()) for point in found]
-    return _segment(places) or _polyline(places)
+    long = max(math.dist(places[0], place) for place in places) > FLAT
+    return _segment(places) or (Polyline(tuple(places)) if long else None)
 
 
 def _at(curve: Any, parameter: float) -> Point2:
@@ -213,7 +214,3 @@ def _segment(points: list[Point2]) -> Segment | None:
     if max(abs((u - x) * (q - y) - (v - y) * (p - x)) / length for u, v in points) > FLAT:
         return None
     return Segment(*ends)
-
-
-def _polyline(points: list[Point2]) -> Polyline | None:
-    return Polyline(tuple(points)) if max(math.dist(points[0], point) for point in points) > FLAT else None

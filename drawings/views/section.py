@@ -100,10 +100,7 @@ def hatch(
 
 
 def hatch_lines(
-    loops: list[list[Point2]],
-    pitch: float,
-    angle: float = HATCH_ANGLE,
-    covers: Sequence[np.ndarray] = (),
+    loops: list[list[Point2]], pitch: float, angle: float = HATCH_ANGLE, covers: Sequence[np.ndarray] = ()
 ) -> tuple[Segment, ...]:
     """Lines within an odd number of closed loops and outside all covers; their grid contains the origin."""
     turn = math.radians(angle)

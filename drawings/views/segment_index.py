@@ -7,7 +7,7 @@ sheet: those that only count are compiled. Coordinates in mm on the paper.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numba
@@ -205,3 +205,8 @@ def curve_points(curve: Curve, scale: float = 1.0) -> Sequence[Point2]:
             return curve.points
         case Arc():
             return arc_points(curve, scale)
+
+
+def lines_of(curves: Iterable[Curve], scale: float = 1.0) -> SegmentIndex:
+    """The lines that approximate curves of a view at a scale."""
+    return SegmentIndex([line for curve in curves for line in polyline_lines(list(curve_points(curve, scale)))])

@@ -151,6 +151,10 @@ class View:
     cut: Cut | None = None
     aligned_with: str = ""
 
+    def on(self, *layers: Layer) -> list[Curve]:
+        """Curves on some layers."""
+        return [curve for layer in layers for curve in self.curves.get(layer, ())]
+
     def to_paper(self, point: Point2) -> Point2:
         """Paper coordinates of a point of the view."""
         return (self.place[0] + self.scale * point[0], self.place[1] + self.scale * point[1])

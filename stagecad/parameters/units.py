@@ -171,11 +171,7 @@ def _plain(text: str) -> str:
 
 @cache
 def _unit(unit: str) -> tuple[float, Dimension]:
-    """Size in SI and dimension of a unit.
-
-    Raises:
-        InputError: an unknown symbol, or not a product of symbols.
-    """
+    """Size in SI and dimension of a unit; an InputError where it is no product of known symbols."""
     text = _plain(unit).strip()
     size, dimension = 1.0, list(DIMENSIONLESS)
     position, sign = 0, 1

@@ -121,11 +121,7 @@ def datums(design: Design) -> dict[str, Datum]:
     """Bottom, top, and the floors under the piezos."""
     h = design.holder
     floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(Derived(design).piezo_places, start=1)]
-    return named(
-        Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
-        Datum("top", (0.0, 0.0, h.height), Z),
-        *floors,
-    )
+    return named(Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)), Datum("top", (0.0, 0.0, h.height), Z), *floors)
 
 
 def dimensions(design: Design) -> tuple[Dimension, ...]:

@@ -109,11 +109,7 @@ def datums(design: Design) -> dict[str, Datum]:
         Datum(f"bar_screw_{i}", (x, y, bar.end_height), Z)
         for i, (x, y) in enumerate(corners(bar.screw_span, bar.screw_spacing), start=1)
     ]
-    return named(
-        Datum("seat", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
-        Datum("teeth", (0.0, 0.0, bar.height), Z),
-        *heads,
-    )
+    return named(Datum("seat", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)), Datum("teeth", (0.0, 0.0, bar.height), Z), *heads)
 
 
 def dimensions(design: Design) -> tuple[Dimension, ...]:

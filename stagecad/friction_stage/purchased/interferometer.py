@@ -42,10 +42,7 @@ def description(design: Design) -> str:
 
 def datums(design: Design) -> dict[str, Datum]:
     beam = (0.0, 0.0, design.interferometer.beam_height)
-    return {
-        "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
-        "beam": Datum("beam", beam, (-1.0, 0.0, 0.0), Z),
-    }
+    return {"seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X), "beam": Datum("beam", beam, (-1.0, 0.0, 0.0), Z)}
 
 
 def dimensions(design: Design) -> tuple[Dimension, ...]:

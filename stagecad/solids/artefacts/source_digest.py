@@ -35,10 +35,7 @@ _IMPORT = re.compile(
 
 
 def _names(source: str) -> Iterator[str]:
-    """All names that a source imports, at the top or in functions; an imported name may be a module.
-
-    By a pattern: the syntax tree of all files takes seconds.
-    """
+    """All names that a source imports, by a pattern, since syntax trees take seconds; one may be a module."""
     for match in _IMPORT.finditer(source):
         listed = match["modules"] or match["block"] or match["line"] or ""
         words = re.sub(r"#[^\n]*", "", listed).replace("\\\n", " ").split(",")

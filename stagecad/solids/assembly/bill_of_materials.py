@@ -56,10 +56,7 @@ class Row:
 
 
 def bill_of_materials(
-    instances: Sequence[Instance],
-    parts: Mapping[str, BuiltPart],
-    masses: Mapping[str, MassProperties],
-    design: Any,
+    instances: Sequence[Instance], parts: Mapping[str, BuiltPart], masses: Mapping[str, MassProperties], design: Any
 ) -> tuple[Row, ...]:
     """The list of all parts in the assembly, manufactured parts first."""
     counts = count(instances)

@@ -89,11 +89,7 @@ def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
 
 
 def _is_wire(shape: cq.Shape) -> bool:
-    """Whether all faces of a solid are toroidal or plane, as of a wire of circular arcs.
-
-    There the mesher uses half the given angle, along the wire and around it, and the chords of both directions reduce
-    the volume by angle^2/12.
-    """
+    """Whether all faces are toroidal or plane: both chords of a wire reduce the volume then, by angle^2/12 in all."""
     kinds = {face.geomType() for face in shape.Faces()}
     return "TORUS" in kinds and kinds <= {"TORUS", "PLANE"}
 

@@ -58,10 +58,7 @@ class Samples(NamedTuple):
 
 @numba.njit(cache=True)
 def _columns(x, y, row, first, last):  # pragma: no cover - compiled
-    """Columns between the sides of a triangle in a row, with a margin of one, within the first and last given.
-
-    Most pixels of the bounding box of a long, thin triangle are outside it.
-    """
+    """Columns between the sides of a triangle in a row, with a margin of one, within the first and last given."""
     left, right = np.inf, -np.inf
     for side in range(3):
         other = (side + 1) % 3
@@ -182,17 +179,7 @@ def draw(
 
 @numba.njit(cache=True)
 def _compose(samples, averages, steps, colours, key, light_sign, picture):  # pragma: no cover - compiled
-    """Shade and darken each sample, lay the lines over it, and average the samples of each pixel.
-
-    Args:
-        samples: what is in front.
-        averages: (2, h / 2, w / 2) depth of the neighbourhood.
-        steps: (2,) depth behind it at which the darkening ends.
-        colours: (c, 3) sRGB, 0 to 1.
-        key: unit vector towards the key light.
-        light_sign: 1 for light from above, -1 from below.
-        picture: (h / SAMPLES, w / SAMPLES, 3); filled.
-    """
+    """Shade and darken each sample, lay the lines over it, and average samples into `picture` (h, w, 3)."""
     depth, facing, paint, ink = samples.depth, samples.facing, samples.paint, samples.ink
     height = paint.shape[0]
     half = key + np.array([0.0, 0.0, 1.0])
@@ -228,12 +215,7 @@ def _compose(samples, averages, steps, colours, key, light_sign, picture):  # pr
 
 
 def _average_depths(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For the depth darkening: averages of the depth over a narrow and a wide neighbourhood, and their steps.
-
-    Returns:
-        averages (2, h / 2, w / 2) of a depth (h, w), since they are smooth; and for each the depth behind the average
-        at which the darkening ends.
-    """
+    """Averages (2, h / 2, w / 2) of a depth (h, w) over a narrow and a wide neighbourhood, and their steps."""
     # The averages are smooth: every second sample is sufficient.
     coarse = depth[::2, ::2].copy()
     far = np.isinf(coarse)

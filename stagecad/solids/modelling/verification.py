@@ -128,6 +128,17 @@ class DimensionVerifier:
         self.solid = solid
         self.surfaces = [_surface(face) for face in solid.Faces()]
 
+    @cached_property
+    def box(self) -> tuple[Point, Point]:
+        """Lower and upper corner of the bounding box."""
+        (x, y, z), (u, v, w) = zip(*(s.low for s in self.surfaces)), zip(*(s.high for s in self.surfaces))
+        return (min(x), min(y), min(z)), (max(u), max(v), max(w))
+
+    @property
+    def size(self) -> float:
+        """Largest side of the bounding box, mm."""
+        return max(high - low for low, high in zip(*self.box))
+
     def is_inside(self, point: Point) -> bool:
         """Whether a point is in the material."""
         from OCP.gp import gp_Pnt  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
@@ -243,10 +254,7 @@ class DimensionVerifier:
         raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
 
     def _radius_about(self, points: tuple[Point, ...], axis: Point) -> float:
-        """Radius of the cylinder or cone about `axis` at the first point, which lies on the axis.
-
-        A second point, on the face, selects one of several coaxial faces.
-        """
+        """Radius about `axis` at the first point, on the axis; a second point, on the face, selects one of several."""
         point, touch = points[0], points[1] if len(points) > 1 else None
         at = _dot(point, axis)
         for surface in self._of("CYLINDER", axis):

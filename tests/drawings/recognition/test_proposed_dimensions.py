@@ -14,9 +14,8 @@ import pytest
 from benchmarks.generators.undeclared_parts import PARTS
 from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.recognition.features import features_of
-from drawings.recognition.part_file import in_position, part_text
+from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position, part_text
 from drawings.recognition.proposal import propose
-from drawings.recognition.proposed import Proposal, Proposed, as_dimension
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.operations.design import Design
 from workbench.operations.proposed_part import draw_file
