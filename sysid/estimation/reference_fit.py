@@ -85,6 +85,10 @@ ROUNDS, PASSES = 3, 3
 MOST_ATTENUATION = 0.3
 """Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""
 
+GAINS_HOLD = 3.0
+"""Error over noise up to which the gains of the observer hold, which follow from the noise of force and position alone:
+a wrong model has an error of its force beside that noise, and stays along the measured motion."""
+
 CLEARLY_LOWER = 0.9
 """Ratio of the errors below which the fit along the observer's motion is preferred."""
 
@@ -152,7 +156,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
         except (InputError, SimulationError):
             continue
         error = _over_all_noise(fitted.model, along.fit_records)
-        if error < CLEARLY_LOWER * least:
+        if error < min(CLEARLY_LOWER * least, GAINS_HOLD):
             best, least = (along, reference_fit(along, fitted, laws=laws)), error
     return best
 
@@ -166,7 +170,7 @@ def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, Fitted
         )
         fitted = fit_model(model, along.fit_records)
         model = fitted.model
-        if fitted.fit.iterations <= 1:
+        if fitted.fit.iterations <= 1 or _over_all_noise(model, along.fit_records) > GAINS_HOLD:
             break
     return along, fitted
 
