@@ -21,8 +21,9 @@ CERTAIN_Z = 4.06
 EACH_Z = 2.33
 """Least significance on the records of the fit and on the held-out ones, each: probability 1 %."""
 
-LEAST_OWN_SHARE = 0.1
-"""Least part of what is left without an effect that it removes."""
+LEAST_OWN_SHARE = 0.25
+"""Least part of what is left without an effect that it removes: otherwise more than three times its gain is left, and
+what is left may be mimicked by it."""
 
 MOST_AMPLITUDE = 2.0
 """Largest factor between the amplitude of an effect on the held-out records and the fitted one."""

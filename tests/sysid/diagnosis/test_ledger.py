@@ -25,7 +25,7 @@ WEAK = Transfer(1.0, 1.0, 5.0)
     [
         ({}, 0.95, "established"),
         ({"share": 0.01}, 0.95, "established"),
-        ({"own_share": 0.05}, 0.95, "possible"),
+        ({"own_share": 0.2}, 0.95, "possible"),
         ({"own_share": 0.4}, 0.95, "established"),
         ({"own_share": 0.4}, 0.7, "possible"),
         ({"before": 1.05}, 0.95, "possible"),
