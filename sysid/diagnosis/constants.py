@@ -37,8 +37,8 @@ FORM_ERROR = 0.08
 (benchmarks/form_errors.py). An effect must gain more than this error of the other effects can leave."""
 
 NEAR_NOISE_LOSS = 1.1
-"""Loss without an effect, over that of noise, up to which it is not established, and the search ends: without it the
-model is at the noise, as far as that is known."""
+"""Loss without an effect up to which it is not established, and the search ends: without it the model is at the noise,
+as far as that is known."""
 
 WELL_EXPLAINED = 0.75
 """Part of the excess that a set removes up to which the significance of its effects has to be twice as large: more than

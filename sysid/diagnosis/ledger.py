@@ -56,7 +56,7 @@ class Evidence:
 
     Args:
         gain, share, own_share: g, share and q.
-        before: L-, over the loss of noise.
+        before: L-.
         held: transfer to the held-out records.
         fit: the same on the records of the fit.
         exchanged: the same with the roles of the records exchanged; none where there are blocks enough.
@@ -245,7 +245,7 @@ class _Set:
             gain=gain.loss,
             share=gain.loss / max(search.reference.held_out.loss - self.noise, gain.loss, 1e-9),
             own_share=gain.loss / max(below.held_out.loss - min(self.noise, model.held_out.loss), 1e-9),
-            before=below.held_out.loss / self.noise,
+            before=below.held_out.loss,
             held=gain.transfer,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
@@ -322,7 +322,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     """
     whole = _Set(search, noise, tuple(added), search.stated, recurring)
     whole, entries = _judged_set(whole, _selected(whole, search.ranked))
-    if not _any_established(entries) and search.reference.held_out.loss > NEAR_NOISE_LOSS * noise:
+    if not _any_established(entries) and search.reference.held_out.loss > NEAR_NOISE_LOSS:
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.
         other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
         if _any_established(of_pair):
@@ -366,7 +366,7 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
     """The model with the set of effects found by forward selection, without those that fail in the complete set; it
     begins with one of the candidates `first`."""
     search, model = whole.search, whole.search.stated
-    while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS * whole.noise:
+    while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS:
         options = [c for c in (search.step(model) if model.added else first) if _is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         if not options:

@@ -17,6 +17,7 @@ from sysid.report import ledger_json
 from tests.sysid.axis_with_pitch import uneven, write
 
 CERTAIN = Evidence(5.0, 0.3, 0.9, 6.0, Transfer(1.0, 15.0, 100.0), Transfer(1.0, 15.0, 100.0))
+REPORTS = Path(__file__).parents[4] / "shared" / "failing"
 WEAK = Transfer(1.0, 1.0, 5.0)
 
 
@@ -129,3 +130,17 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
     found = diagnose(tmp_path)
     assert found.effect in (None, "gravity_torque", "cable_spring")
     assert not any(trial.effect.signal is not None for trial in found.trials)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not REPORTS.is_dir(), reason="needs the folder of reported inputs")
+@pytest.mark.parametrize(
+    "name,effects",
+    [
+        ("gen3_chain_three_missing", {"stribeck", "cable_spring", "magnetic_cogging"}),
+        ("cogging_of_several_harmonics", {"magnetic_cogging"}),
+        ("zero_drive_delay", set()),
+    ],
+)
+def test_effects_established_in_reported_records(name: str, effects: set[str]) -> None:
+    assert {entry.name for entry in diagnose(REPORTS / name).ledger.established} == effects
