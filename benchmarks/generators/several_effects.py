@@ -215,7 +215,7 @@ class UnfitError(Exception):
     """A draw in which an effect does not show."""
 
 
-def draw_case(rng: np.random.Generator, klass: str) -> tuple[str, dict[str, np.ndarray], dict[str, Any]]:
+def draw_case(rng: np.random.Generator, klass: str) -> tuple[str, dict[str, Row], dict[str, Any]]:
     """Text of the experiment file, both tables, and the entry of the key; raises UnfitError."""
     count = {"named": 1, "two": 2, "chain": 3, "none": 0, "unlisted": 1}[klass]
     names = tuple(str(n) for n in rng.choice(UNLISTED if klass == "unlisted" else NAMED, count, replace=False))
@@ -255,7 +255,7 @@ def draw_case(rng: np.random.Generator, klass: str) -> tuple[str, dict[str, np.n
     text.append(f"[model]\neffects = {json.dumps(base)}")
     if rng.random() < 0.5:
         text.append(f'[noise]\nposition = "{jitter:.4g} {length}"\n{force} = "{noise:.4g} {turn}"')
-    tables = {}
+    tables: dict[str, Row] = {}
     for role, row in zip(("fit", "validate"), rows, strict=True):
         n = row["time"].size
         columns = {"time [s]": row["time"], f"position [{length}]": row["position"] + jitter * rng.normal(size=n)}

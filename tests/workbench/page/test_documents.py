@@ -99,6 +99,10 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
     undone = _job(client, "/api/experiment/rig/undo")["document"]
     _compared(undone, _command(tmp_path, "add", "rig", "--undo"))
 
+    every = _job(client, "/api/experiment/rig/add", every=True)["document"]
+    assert every["verdict"] == diagnosed["verdict"] and every["ledger"]
+    _compared(every, _command(tmp_path, "add", "rig", "--all"))
+
 
 def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> None:
     slide(tmp_path / "rig", FORCE, '"coulomb"', held_out=True)
