@@ -512,7 +512,9 @@ class _Builder:
                     away = self._offset(one, other, view, name)
                     found.append((cost + more + away + ANOTHER_VIEW * rank, one, other, view))
         if not found:
-            points = (tidy(first.points[0]), tidy(second.points[0])) if first.points else ((0.0,) * 3, (0.0,) * 3)
+            points = (
+                (tidy(first.points[0]), tidy(second.points[0])) if first.points else ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            )
             return False, points, PREFERRED[name][0]
         _, one, other, view = min(found)
         ends = ((one, first), (other, second))

@@ -68,6 +68,15 @@ def test_a_counterbored_hole_tells_each_depth_with_its_diameter() -> None:
     assert callout(hole, [0.1] * 3) == ("4x {counterbore}⌀15.9 {depth}12.0", "⌀10.5 to the gap slot")
 
 
+def test_the_depth_of_a_counterbore_is_not_that_of_the_hole_whose_name_begins_its_own() -> None:
+    hole = [
+        declared("diameter", "hole 1", 5.5, count=4, feature="hole 1", note="through"),
+        declared("diameter", "hole 1 counterbore", 10.0, count=4, feature="hole 1"),
+        declared("depth", "hole 1 counterbore depth", 5.5, count=4, feature="hole 1"),
+    ]
+    assert callout(hole, [0.1] * 3) == ("4x ⌀5.5 through", "{counterbore}⌀10.0 {depth}5.5")
+
+
 def test_a_count_that_says_the_number_of_holes_is_not_said_twice() -> None:
     row = [
         declared("diameter", "screw hole", 10.5, count=7, note="through", feature="screw hole"),

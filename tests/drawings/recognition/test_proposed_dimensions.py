@@ -100,6 +100,24 @@ def test_features_are_recognised() -> None:
     assert len(features_of(DimensionVerifier(PARTS["gib"]().solids().val())).chamfers) == 2
 
 
+def test_a_row_of_holes_does_not_define_the_outline_beyond_it() -> None:
+    """In a plate of 120 x 80 with holes at a pitch of 20, the edges are as far from the outer holes as a pitch."""
+    _, proposal = proposed("hole_grid")
+    assert [one.value for one in proposal.dimensions if one.method == "pitch"] == [20.0, 20.0]
+    assert {120.0, 80.0} <= {one.value for one in proposal.dimensions if one.method == "linear"}
+
+
+def test_bores_are_shown_in_a_section_and_chamfers_are_counted() -> None:
+    _, proposal = proposed("hub")
+    assert proposal.views[0] == "front section"
+    (chamfer,) = [one for one in proposal.dimensions if one.method == "chamfer"]
+    assert chamfer.fields["count"] == 2
+    assert not features_of(DimensionVerifier(PARTS["rail"]().solids().val())).chamfers
+    # The datum is the axis of the largest round face, not its outline.
+    (axis,) = [one for one in proposal.datums if one.round]
+    assert axis.letter == "A" and math.dist(*axis.points) == pytest.approx(45.0)
+
+
 def test_the_position_of_a_solid_does_not_matter() -> None:
     """A shaft along y somewhere else gets the dimensions of the shaft along x."""
     solid = PARTS["stepped_shaft"]().solids().val()
