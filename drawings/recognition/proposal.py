@@ -512,10 +512,8 @@ class _Builder:
                     away = self._offset(one, other, view, name)
                     found.append((cost + more + away + ANOTHER_VIEW * rank, one, other, view))
         if not found:
-            points = (
-                (tidy(first.points[0]), tidy(second.points[0])) if first.points else ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-            )
-            return False, points, PREFERRED[name][0]
+            one, other = ((*level.points, (0.0, 0.0, 0.0))[0] for level in (first, second))
+            return False, (tidy(one), tidy(other)), PREFERRED[name][0]
         _, one, other, view = min(found)
         ends = ((one, first), (other, second))
         shown = all(self.lines.seen(point, view) == 0.0 or level.kind == AXIS for point, level in ends)
