@@ -296,10 +296,15 @@ def sweep(
     workers = 1 if len(values) <= FEW_POINTS and not solids else None
     advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
     job = partial(_run_piece, design, tuple(ranges), solids)
+
+    def report(piece: Sequence[tuple[float, ...]]) -> None:
+        for one in piece:
+            advance(one)
+
     found = parallel_map(
         job,
         _pieces(values, len(ranges[-1].values)),
-        progress=lambda piece: [advance(one) for one in piece],
+        progress=report,
         workers=workers,
         scheduler=scheduler,
     )
