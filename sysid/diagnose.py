@@ -112,7 +112,8 @@ def diagnose(
     recurring = recurring_coordinates(problem)
     noise = noise_level(search, added)
     ledger = with_mode_above_band(search, make_ledger(search, noise.loss, added, recurring))
-    decision = decide(search, ledger, noise, recurring)
+    driven = any(record.acceleration is not None for record in problem.fit_records)
+    decision = decide(search, ledger, noise, recurring, driven)
     ranked = search.ranked
     if quantised is not None:
         decision = _with_quantisation(decision, quantised)

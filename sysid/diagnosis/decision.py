@@ -22,7 +22,6 @@ from sysid.diagnosis.model_search import ModelSearch, without_added
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import ResidualWeights, blocks, huber_square, weighted_residual
 from sysid.noise.estimate import Noise
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.prepared_record import PreparedRecord
 
 
@@ -96,7 +95,9 @@ class Decision:
         return 0.0 if self.verdict == "adequate" else 1.0 - self.ledger.explained
 
 
-def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: frozenset[Coordinate]) -> Decision:
+def decide(
+    search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: frozenset[Coordinate], driven: bool = False
+) -> Decision:
     """The decision on a stated model.
 
     Args:
@@ -104,11 +105,12 @@ def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: fr
         ledger: effects that are missing from it.
         noise: noise level as far as it is known.
         recurring: coordinates whose values recur.
+        driven: whether the force of the inertia of a measured motion is part of the balance.
     """
     reference = search.reference.held_out
     curve = next(iter(search.curves), None)
     # Mass times acceleration has the errors of the measured motion: a curve of it takes them up, missing force or not.
-    deciding = recurring - {"acceleration"} if _has_measured_inertia(search) else recurring
+    deciding = recurring - {"acceleration"} if driven else recurring
     fair = next((c for c in search.curves if c.effect.coordinates[0] in deciding), None)
     named = next((c for c in search.ranked if c.implausible is None), None)
 
@@ -151,11 +153,6 @@ def decide(search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: fr
     if fair is not None and notable:
         words += f"; a free curve of {fair.effect.coordinates[0]} explains {100.0 * share(fair):.0f} %"
     return Decision("unexplained", None, ledger, words, best_curve, best_named)
-
-
-def _has_measured_inertia(search: ModelSearch) -> bool:
-    records = search.problem.fit_records
-    return any(isinstance(r, ForceBalanceRecord) and r.acceleration is not None for r in records)
 
 
 def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:
