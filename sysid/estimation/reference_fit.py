@@ -79,8 +79,9 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
     return best
 
 
-ROUNDS, PASSES = 3, 3
-"""Fits along the motion of a state observer, each along that of the fit before, and passes of its velocity."""
+ROUNDS, PASSES, STILL_FALLS = 4, 3, 0.98
+"""Fits along the motion of a state observer, each along that of the fit before, passes of its velocity, and ratio of
+the errors of two fits from which no further one follows."""
 
 MOST_ATTENUATION = 0.3
 """Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""
@@ -145,14 +146,14 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
     if not driven or least <= AT_THE_NOISE or not can_be_observed(found.effects):
         return problem, base
-    best = problem, base
+    best, first = (problem, base), least
     known = {key.partition(":")[0] + "." + key.rpartition(".")[2]: value for key, value in found.values.items()}
     stated = problem.start.at({u.key: known[u.key] for u in problem.start.unknowns if u.key in known})
     for model, laws in ((stated, ()), (found, base.laws)) if base.laws else ((found, ()),):
         if least <= AT_THE_NOISE:
             break
         try:
-            along, fitted = _fit_along_observer(problem, model)
+            along, fitted = _fit_along_observer(problem, model, first)
         except (InputError, SimulationError):
             continue
         error = _over_all_noise(fitted.model, along.fit_records)
@@ -161,7 +162,8 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     return best
 
 
-def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, FittedModel]:
+def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
+    """Problem and fit along the observer's motion, while the `error` falls, at first that along the measured motion."""
     for _ in range(ROUNDS):
         along = replace(
             problem,
@@ -170,7 +172,8 @@ def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, Fitted
         )
         fitted = fit_model(model, along.fit_records)
         model = fitted.model
-        if fitted.fit.iterations <= 1 or _over_all_noise(model, along.fit_records) > GAINS_HOLD:
+        before, error = error, _over_all_noise(model, along.fit_records)
+        if error > STILL_FALLS * before:
             break
     return along, fitted
 
