@@ -60,6 +60,11 @@ class OwnDefinition:
     module: Any
     text: str = ""
 
+    @property
+    def NAME(self) -> str:  # noqa: N802 - a word of the interface of parts
+        """Name of the part, and of the table with its parameters."""
+        return self.module.NAME
+
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
