@@ -25,7 +25,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.frame import Colour, colour_of
 from stagecad.solids.modelling.kernel import load_kernel, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
-from stagecad.solids.modelling.registry import PartSource, part_source
+from stagecad.solids.modelling.registry import part_source
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -106,15 +106,11 @@ def part_mass(part: BuiltPart, design: Any) -> MassProperties:
     return mass_properties(part.geometry, density_of(design, part.material))
 
 
-def _modules(source: PartSource) -> tuple[str, ...]:
-    return (*source.modules, __name__)
-
-
 def find_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart | None:
     """The part from the cache, or None; without `files` one that has `part.json` alone will do."""
     source = part_source(name, design)
     for stored in (name,) if files else (name, f"{name}:measured"):
-        entry = store.find(stored, source.design_of(design), _modules(source), source.depends)
+        entry = store.find(stored, source.design_of(design), (*source.modules, __name__), source.depends)
         if entry is not None:
             return BuiltPart(name, entry)
     return None
@@ -146,10 +142,8 @@ def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True)
             write_solid(solid, folder / "solid.bin")
             _export(name, solid, geometry.volume, colour_of(material), folder)
 
-    made = store.make(
-        name if files else f"{name}:measured", source.design_of(design), _modules(source), make, source.depends
-    )
-    return BuiltPart(name, made)
+    stored, modules = name if files else f"{name}:measured", (*source.modules, __name__)
+    return BuiltPart(name, store.make(stored, source.design_of(design), modules, make, source.depends))
 
 
 @contextmanager
