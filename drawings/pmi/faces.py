@@ -256,8 +256,8 @@ def _pattern(verifier: DimensionVerifier, first: Surface, count: int) -> FaceAss
     """The faces of a pattern of equal features, if there are as many as the dimension counts; else of one feature."""
     like = [s for s in verifier.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
     # A bore may be cut into several faces about one axis, and two holes may share an axis.
-    for group in (lambda: like, lambda: _of_size(like, first)):
-        faces = group()
+    alike = _of_size(like, first)
+    for faces in (like, alike, [s for s in alike if s.kind != "CYLINDER" or _parallel(s, first.axis)]):
         for features in (_features(faces), [[s] for s in faces]):
             if len(features) == count and any(first in feature for feature in features):
                 return FaceAssociation(tuple(s.face for feature in features for s in feature), count=count)

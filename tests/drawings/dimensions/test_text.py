@@ -3,7 +3,9 @@
 import pytest
 
 from drawings.dimensions.text import callout, dimension_text, number
+from stagecad.friction_stage.construction import part_definition
 from stagecad.parameters.dimension import Dimension
+from tests.drawings.drawn import thesis
 
 ENDS = ((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
 
@@ -106,3 +108,10 @@ def test_the_thread_of_a_stepped_hole_comes_in_the_order_of_its_steps() -> None:
         "3/8-16 UNC through",
         "drill \u23007.938",
     )
+
+
+def test_the_blind_thread_of_the_clamps_is_not_called_through() -> None:
+    own = [one for one in part_definition("base").dimensions(thesis()) if one.feature == "clamp screw hole"]
+    own = [one for one in own if one.view != "section"]
+    lines = callout(own, [0.1] * len(own))
+    assert "3/8-16 UNC" in lines and not any("through" in line for line in lines)
