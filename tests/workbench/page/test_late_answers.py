@@ -80,6 +80,7 @@ def _choose(page: Any, name: str) -> None:
 def _compared(page: Any) -> None:
     """The comparison of the chosen experiment is shown, and nothing is under way."""
     page.locator("#measurement .panel:not(.blank) .map canvas").first.wait_for()
+    page.locator("#measurement details.raw:not([hidden])").wait_for()
     page.locator(".search progress").wait_for(state="detached")
     page.locator("#measurement button.main:not([disabled])", has_text="Diagnose").wait_for()
 
