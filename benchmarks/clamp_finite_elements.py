@@ -11,8 +11,6 @@ the stress of a finger that has closed a gap.
 prints the results, and with `--write` replaces `tests/reference/clamp.toml`. Needs gmsh and scikit-fem (extra `fem`).
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from pathlib import Path

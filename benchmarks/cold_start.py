@@ -5,8 +5,6 @@
 Elapsed time, and the processor's, which other work on the machine hardly touches.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import statistics

@@ -6,8 +6,6 @@ Each table varies one number of the discretisation; the rows in bold are the set
 the difference from the finest row. Half a minute of processor time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -9,8 +9,6 @@ second run of an installed program on. Beside the time of day stands the process
 which depends less on other work.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import math

@@ -4,8 +4,6 @@ Random designs of the parameters marked free in the packaged file (and of those 
 estimated from plain volumes. `stagecad optimize` makes such evaluations.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -8,8 +8,6 @@ that a law of the right effect and of another form leaves; `FORM_ERROR` in sysid
     python -m benchmarks.form_errors
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import permutations
 

@@ -8,8 +8,6 @@ case is right where the name is right, or ties with at most two others, and addi
 on the held-out record; where nothing is hidden, if nothing is named; where no library has it, if `unexplained`.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -13,8 +13,6 @@ regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; 
 of features made by hand (`benchmarks/peers`).
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import importlib

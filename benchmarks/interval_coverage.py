@@ -11,8 +11,6 @@ less where they are too wide, and more where they are too narrow.
 With `--autocorrelation` the records are those of `noise_alone.py`: Coulomb and viscous friction, nothing missing.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import io

@@ -3,8 +3,6 @@
 The record is a CSV file of four columns: a slide with Coulomb and viscous friction and noise.
 """
 
-from __future__ import annotations
-
 import argparse
 import resource
 import subprocess

@@ -9,8 +9,6 @@ Asked of two records of 20 000 rows on two cores: ranking in 3 s, diagnosis in 1
 the samples. Processor seconds are those of all threads; on a machine that does other things, they are what counts.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

@@ -13,8 +13,6 @@ processes together, which depends less on other work. The stages are run one aft
 empty cache and after the first change; what the stages load and compile is in their times.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import os

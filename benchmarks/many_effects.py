@@ -7,8 +7,6 @@ not: eight evaluations of every law, one of every slope, the linear solve and th
 the median of several runs, set-up and output left out.
 """
 
-from __future__ import annotations
-
 import statistics
 import time
 

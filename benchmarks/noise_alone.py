@@ -8,8 +8,6 @@ stated. The records are computed here with numpy only. The table gives the verdi
 standard deviation of the noise to the true one.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

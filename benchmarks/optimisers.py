@@ -5,8 +5,6 @@ design, with the same number of evaluations. The requirements are failing checks
 Needs `pip install -e .[peers]`.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 import warnings

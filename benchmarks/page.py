@@ -7,8 +7,6 @@ browser's cache warm. Margins: from the event of the slider to the first changed
 plots of measurement, prediction and residual, whole record and zoomed.
 """
 
-from __future__ import annotations
-
 import json
 import statistics
 import tempfile

@@ -6,8 +6,6 @@ Writes the sheets, prints for each part its time, its lint hits and what its dim
 `contact_sheet_N.png` with twelve sheets each, to look at.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from pathlib import Path

@@ -6,8 +6,6 @@ Each time is of a fresh process with a cache of its own, the best of RUNS (defau
 program's own files already in the disk cache.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Processes of a benchmark."""
 
-from __future__ import annotations
-
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 

@@ -8,8 +8,6 @@ is known), `also` those that are documented or equivalent and may be; any other 
 established effect is added (`add --all`), and again, until none is.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import shutil

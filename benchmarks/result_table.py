@@ -3,8 +3,6 @@
 Every share has its counts and its 95 % interval. The targets apply to the loop; the peers are listed beside it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from statistics import median

@@ -1,7 +1,5 @@
 """What counts as right when a loop has judged an experiment with a known hidden effect."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ it has, with this same script. A recording has a cache of its own and works on c
 are listed for information. Rows of a table are paired by name; those whose name only one recording has, in their order.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

@@ -8,8 +8,6 @@ nobody. The time is the processor's, the median of several runs taken in turn, c
 the right side both as plain Python and compiled by numba.
 """
 
-from __future__ import annotations
-
 import math
 import statistics
 import time

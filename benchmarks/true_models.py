@@ -9,8 +9,6 @@ their values. Printed by kind of rig: error over noise on the held-out record, c
 the Stribeck curve at 50 nm, whether starts wrong by a factor of 100 end at the same optimum, and the time of `compare`.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import tempfile

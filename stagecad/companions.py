@@ -4,8 +4,6 @@ A folder with a `sim.py` or `drawings.py` stands before the installed packages o
 runs there. This finder is asked before the path is searched.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from importlib.machinery import ModuleSpec, PathFinder

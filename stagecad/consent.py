@@ -5,8 +5,6 @@ user has consented (`--trust`): the consent is stored by the sha256 of the file'
 so that a changed file requires consent again, and a copy does not.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Folders that only this user can change: caches, whose content is run as code, and consents to run a user's code."""
 
-from __future__ import annotations
-
 import atexit
 import os
 import shutil

@@ -60,15 +60,10 @@ _inside_worker = False
 
 @dataclass(frozen=True)
 class TimeLimit:
-    """Limit for each item.
+    """Limit for each item."""
 
-    Args:
-        seconds: processor time, which does not grow while others have the processor, s (on Windows elapsed time).
-        fallback: applied, in a new process, to an item that exceeded the limit.
-    """
-
-    seconds: float
-    fallback: Callable[[Any], Any] | None = None
+    seconds: float  # processor time, which does not grow while others have the processor, s (on Windows elapsed time)
+    fallback: Callable[[Any], Any] | None = None  # applied, in a new process, to an item that exceeded the limit
 
 
 def processors() -> int:

@@ -1,7 +1,5 @@
 """Comparison of the stated model with its records: misfit over the noise, and residual maps."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter

@@ -1,7 +1,5 @@
 """Diagnosis: which physical effect is missing. Candidates are scored, refitted and compared on held-out records."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

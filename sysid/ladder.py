@@ -1,8 +1,6 @@
 """Model history (`stagecad add`, `stagecad ladder`): each revision is a fitted model with its errors, and can be
 restored."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

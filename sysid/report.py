@@ -1,7 +1,5 @@
 """JSON documents of `compare`, `diagnose`, `add`, `ladder` and `suggest`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -7,8 +7,6 @@ with the stated or estimated standard deviation of each measured channel, rounde
 records whose scale is fitted are in the unit that the fitted scale gives, and so is their noise.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -60,23 +58,14 @@ class SimulatedRecord:
 
 @dataclass(frozen=True)
 class SimulatedExperiment:
-    """Simulated records of an experiment.
+    """Simulated records of an experiment."""
 
-    Args:
-        problem: of the experiment.
-        model: with the values used.
-        fitted: keys of the values that were fitted to the records of the experiment.
-        records: without noise.
-        noise: of each channel to which it is added.
-        exact: channels known without noise whose noise would be estimated otherwise.
-    """
-
-    problem: Problem
-    model: Model
-    fitted: tuple[str, ...]
-    records: tuple[SimulatedRecord, ...]
-    noise: Mapping[str, Noise]
-    exact: tuple[str, ...]
+    problem: Problem  # of the experiment
+    model: Model  # with the values used
+    fitted: tuple[str, ...]  # keys of the values that were fitted to the records of the experiment
+    records: tuple[SimulatedRecord, ...]  # without noise
+    noise: Mapping[str, Noise]  # of each channel to which it is added
+    exact: tuple[str, ...]  # channels known without noise whose noise would be estimated otherwise
 
     def logged(self, seed: int | None) -> list[dict[str, np.ndarray]]:
         """Columns `name [unit]` of each record, (n,), with noise; without for a `seed` of None."""

@@ -6,8 +6,6 @@ A slide is driven back and forth by a servo, and its friction is measured. Hidde
 Lorentzian here) and the cogging of magnetic teeth; the model starts with Coulomb and viscous friction.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -12,8 +12,6 @@ Every effect is brought to a size by the share of the measured force that the st
 their own laws and linear least squares, leave of it: at least `LEAST_VISIBLE` deviations of the noise each.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field

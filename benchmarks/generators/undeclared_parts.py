@@ -6,8 +6,6 @@ Each function gives a workplane without dimensions, for the proposal of dimensio
 # The types of cadquery's fluent interface are not those that a checker can follow.
 # pyright: basic
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import cadquery as cq

@@ -1,7 +1,5 @@
 """A library of features made by hand for a regression: one force balance, and columns named by effect."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path

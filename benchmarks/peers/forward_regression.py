@@ -1,7 +1,5 @@
 """Forward regression: add the group of columns that lowers the held-out error most, by two per cent at least."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .features import Problem

@@ -1,7 +1,5 @@
 """Least squares that both peers share: fitted without the worst samples, judged without the worst samples."""
 
-from __future__ import annotations
-
 import numpy as np
 
 KEPT = 0.97

@@ -5,8 +5,6 @@ sparsest model that comes within two per cent of the best held-out error is kept
 much the error rises when each is left out.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import warnings
 

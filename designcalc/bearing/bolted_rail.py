@@ -9,8 +9,6 @@ The rail is a one-sided cantilever, held at `overhang_a` from one edge and loade
 that is bedded over its whole width.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Screws of the bearing way: preload from torque, stripping of threads, pressure under the head."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

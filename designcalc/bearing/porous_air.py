@@ -8,8 +8,6 @@ isothermal and viscous, with ``c`` the permeability of the pad over its thicknes
 ``P = Ps - (Ps - Pa) I0(lambda r/R)/I0(lambda)`` and the load is ``2 pi`` times the integral of ``(p - pa) r``.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Convex PTFE-coated pads on a hard way: load, stiffness, averaging of the surface, wear and heat."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Profiles of a lapped way, measured or synthetic, and the height of a stage on pads that follow them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

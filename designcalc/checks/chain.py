@@ -8,8 +8,6 @@ convolution. (Normal dimensions with their limits at three standard deviations w
 Source: ISO/TR 16015; Bjorke, Computer-Aided Tolerancing, 2nd ed., chapters 3 and 5.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any

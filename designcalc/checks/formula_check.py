@@ -1,7 +1,5 @@
 """A check that is one formula: the text that is shown is the one that is evaluated."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

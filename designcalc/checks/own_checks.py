@@ -1,7 +1,5 @@
 """Design checks of the user's own: Python files in the folder `checks` beside the parameter file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path

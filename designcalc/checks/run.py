@@ -96,9 +96,12 @@ def run_checks(
         except OwnCodeError:
             raise
         except InputError as error:
-            stated = function.name if isinstance(function, FormulaCheck) else ""
+            if isinstance(function, FormulaCheck):
+                name = function.name
+            else:
+                name = f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}"
             check = Check(
-                stated or f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",
+                name,
                 at_most(None, None, ""),
                 source="the calculator's own range",
                 formula="",

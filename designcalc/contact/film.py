@@ -1,7 +1,5 @@
 """Contact of a crowned body with a flat through a thin soft film."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

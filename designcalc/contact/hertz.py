@@ -10,8 +10,6 @@ symmetric integrals are the same numbers without a difference: ``(K - E)/e^2 = R
 ``(E/k^2 - K)/e^2 = R_D(0, 1, k^2)/3`` (DLMF 19.25.1), so no case needs a special branch.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stresses below and around a Hertzian contact: peak shear, first yield, cracking at the edge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

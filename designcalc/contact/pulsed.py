@@ -1,7 +1,5 @@
 """Contact force of a tip that rises against a body and leaves it once a period."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -5,8 +5,6 @@ held along its whole depth by the neck's rotational stiffness. Beside the gap sl
 bends by itself where the holder presses on it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 

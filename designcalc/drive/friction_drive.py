@@ -3,8 +3,6 @@
 The tip lifts the stage as well as pushing it: the load on the tip is taken off the pads.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

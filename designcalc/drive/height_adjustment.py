@@ -1,7 +1,5 @@
 """A set screw that pushes a wedge that lifts the actuator."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

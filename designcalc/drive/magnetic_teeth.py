@@ -8,8 +8,6 @@ quadratic form whose dependence on gap and lateral offset is analytic: no numeri
 The value is an upper bound of the true co-energy (Dirichlet's principle) and falls to it as functions are added.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Any

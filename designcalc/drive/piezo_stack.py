@@ -1,7 +1,5 @@
 """Piezo stacks of a friction drive: stiffness, tension, side load, tilt, heat, current; inertia of the tip on them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

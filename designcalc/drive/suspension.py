@@ -1,7 +1,5 @@
 """The suspensions the thesis considers: porous air bearing, passive magnets, ball on spring."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motion of a tip on two piezos: the ellipse of its apex, and the speed of the stage that it drives."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

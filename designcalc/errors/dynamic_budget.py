@@ -8,8 +8,6 @@ Source: Schmidt, Schitter, Rankers, The Design of High Performance Mechatronics 
 budgeting).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

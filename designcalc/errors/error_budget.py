@@ -1,7 +1,5 @@
 """Errors of the stage gathered at the payload by homogeneous transforms, each named, the largest first."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

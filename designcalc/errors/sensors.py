@@ -1,7 +1,5 @@
 """Resolution, range and hand-over of a sensor, and errors by differencing and misalignment."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,7 +1,5 @@
 """Expansion of the structural loop, of unlike parts bolted together, and the floor's shake."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,7 +1,5 @@
 """Calculated numbers of the machine that the formulas of its checks name."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from designcalc.bearing.fastener import Thread, strip_area_of_bed, strip_area_of_screw

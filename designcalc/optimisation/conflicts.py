@@ -1,7 +1,5 @@
 """Requirements that contradict each other: those out of reach alone, irreducible sets, and what to relax."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ and passes the checks is found by bisection, each step with a search of the free
 nearer to its required value by itself. A search that finds no design counts as none.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace

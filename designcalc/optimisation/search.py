@@ -1,7 +1,5 @@
 """Search for the design nearest to the present one that satisfies rules and checks."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable, Collection, Iterator

@@ -3,8 +3,6 @@
 The writers draw them, and the placement uses the boxes of their texts and lines.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

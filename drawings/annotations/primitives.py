@@ -3,8 +3,6 @@
 A sheet is a list of them; DXF, SVG and PDF are written from it (`drawings.export.drawing_model`).
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 from dataclasses import dataclass, replace
@@ -138,15 +136,11 @@ THICK = LineStyle(0.7)
 
 @dataclass(frozen=True)
 class Stroke:
-    """A line through points.
-
-    Args:
-        style: that of the layer if None.
-    """
+    """A line through points."""
 
     points: tuple[Point2, ...]
     layer: SheetLayer = "BORDER"
-    style: LineStyle | None = None
+    style: LineStyle | None = None  # that of the layer if None
 
 
 @dataclass(frozen=True)
@@ -168,19 +162,13 @@ class FilledPolygon:
 
 @dataclass(frozen=True)
 class Text:
-    """A text on one line, in the font and width factor of the sheets.
-
-    Args:
-        at: on the base line, at the text's left end, middle or right end.
-        height: of capitals, mm.
-        angle: of the base line, degrees.
-    """
+    """A text on one line, in the font and width factor of the sheets."""
 
     text: str
-    at: Point2
-    height: float = TEXT_HEIGHT
+    at: Point2  # on the base line, at the text's left end, middle or right end
+    height: float = TEXT_HEIGHT  # of capitals, mm
     alignment: Alignment = "left"
-    angle: float = 0.0
+    angle: float = 0.0  # of the base line, degrees
 
 
 Primitive = Stroke | ArcStroke | FilledPolygon | Text

@@ -3,8 +3,6 @@
 Proportions according to ISO 7083 (form and position), ISO 129-1 (depth, counterbore) and ISO 21920-1 (surface texture).
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Sheets drawn in several processes: which of them, in which order, and the parts that have to be built first."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path

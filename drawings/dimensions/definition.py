@@ -7,8 +7,6 @@ module of a part says what its notes say: `SYMMETRIC`, axes whose middle plane i
 of equal sectors about z; `defined_by_note(design, point)`, faces that a note or a detail defines.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -39,24 +37,17 @@ IN_VIEW = 0.1
 
 @dataclass(frozen=True)
 class FaceDefinition:
-    """One face and what defines it.
+    """One face and what defines it."""
 
-    Args:
-        number: in the solid's order, from 1.
-        kind: plane, cylinder, cone, sphere, torus, or other.
-        middle: of its box, part coordinates, mm.
-        size, place, form, finish: declarations or notes that give them; empty where nothing does.
-        shown: whether a view shows an edge of it.
-    """
-
-    number: int
-    kind: str
-    middle: Point
+    number: int  # in the solid's order, from 1
+    kind: str  # plane, cylinder, cone, sphere, torus, or other
+    middle: Point  # of its box, part coordinates, mm
+    # size, place, form, finish: declarations or notes that give them; empty where nothing does
     size: str
     place: str
     form: str
     finish: str
-    shown: bool = True
+    shown: bool = True  # whether a view shows an edge of it
 
     @property
     def problems(self) -> Iterator[str]:
@@ -77,17 +68,11 @@ class FaceDefinition:
 
 @dataclass(frozen=True)
 class Definition:
-    """Definition of a part.
+    """Definition of a part."""
 
-    Args:
-        faces: of the solid.
-        superfluous: dimensions that follow from others.
-        miscounted: what the solid has otherwise than a dimension of several features says, and tolerances that
-            contradict each other.
-    """
-
-    faces: tuple[FaceDefinition, ...]
-    superfluous: tuple[str, ...]
+    faces: tuple[FaceDefinition, ...]  # of the solid
+    superfluous: tuple[str, ...]  # dimensions that follow from others
+    # what the solid has otherwise than a dimension of several features says, and tolerances that contradict each other
     miscounted: tuple[str, ...] = ()
 
     @property
@@ -103,19 +88,14 @@ class Definition:
 
 @dataclass(frozen=True)
 class Notes:
-    """Shape of a part that its notes define.
+    """Shape of a part that its notes define."""
 
-    Args:
-        symmetric: names of axes whose middle plane is a plane of symmetry.
-        turned: number of equal sectors about z.
-        defines: text of what defines a face at a point besides dimensions; empty for nothing.
-        packaged: whether the origin of the part is its middle, axis or datum plane by agreement, and faces without a
-            simple shape are intersections of others. For other parts only what is stated or seen on the solid counts.
-    """
-
-    symmetric: str = ""
-    turned: int = 1
+    symmetric: str = ""  # names of axes whose middle plane is a plane of symmetry
+    turned: int = 1  # number of equal sectors about z
+    # whether the origin of the part is its middle, axis or datum plane by agreement, and faces without a simple shape
+    # are intersections of others. For other parts only what is stated or seen on the solid counts
     packaged: bool = True
+    # text of what defines a face at a point besides dimensions; empty for nothing
     defines: Callable[[Point], str] = lambda point: ""
 
 

@@ -5,8 +5,6 @@ before the view itself; else any view that shows it in true size. A dimension th
 view shows in true size, as the depth of a hole seen from above, becomes a line of a callout.
 """
 
-from __future__ import annotations
-
 import math
 import string
 from collections.abc import Sequence
@@ -69,21 +67,13 @@ LONGEST_BESIDE = 12
 
 @dataclass(frozen=True)
 class SheetDimensions:
-    """Dimensions and tolerances to be shown in the views of a sheet, and its notes.
+    """Dimensions and tolerances to be shown in the views of a sheet, and its notes."""
 
-    Args:
-        specs: in the order of the declarations.
-        notes: texts of the notes that dimensions refer to by number (`[1]`).
-        missing: names of declarations that no view can show.
-        table: of holes; None where no declaration asks for one.
-        elsewhere: dimensions that the view for which they are declared does not show, a line each.
-    """
-
-    specs: tuple[DimensionSpec, ...]
-    notes: tuple[str, ...]
-    missing: tuple[str, ...]
-    table: HoleTable | None = None
-    elsewhere: tuple[str, ...] = ()
+    specs: tuple[DimensionSpec, ...]  # in the order of the declarations
+    notes: tuple[str, ...]  # texts of the notes that dimensions refer to by number (`[1]`)
+    missing: tuple[str, ...]  # names of declarations that no view can show
+    table: HoleTable | None = None  # of holes; None where no declaration asks for one
+    elsewhere: tuple[str, ...] = ()  # dimensions that the view for which they are declared does not show, a line each
 
 
 def sheet_dimensions(

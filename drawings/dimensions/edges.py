@@ -1,7 +1,5 @@
 """Faces in a view: the line as which a face is seen from the side, and the centre of a round one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """Hole tables: coordinates of many holes of a face, in place of their dimensions and callouts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -28,32 +26,20 @@ class HoleRow:
 
 @dataclass(frozen=True)
 class HoleGroup:
-    """Equal holes.
+    """Equal holes."""
 
-    Args:
-        lines: callout.
-        rows: the holes, from the left column up.
-        names: declarations of the callout.
-    """
-
-    lines: tuple[str, ...]
-    rows: tuple[HoleRow, ...]
-    names: tuple[str, ...]
+    lines: tuple[str, ...]  # callout
+    rows: tuple[HoleRow, ...]  # the holes, from the left column up
+    names: tuple[str, ...]  # declarations of the callout
 
 
 @dataclass(frozen=True)
 class HoleTable:
-    """The table of a view.
+    """The table of a view."""
 
-    Args:
-        view: name of the view, whose origin is that of the coordinates.
-        groups: of equal holes.
-        names: declarations of distances between the holes, which follow from the coordinates.
-    """
-
-    view: str
-    groups: tuple[HoleGroup, ...]
-    names: tuple[str, ...]
+    view: str  # name of the view, whose origin is that of the coordinates
+    groups: tuple[HoleGroup, ...]  # of equal holes
+    names: tuple[str, ...]  # declarations of distances between the holes, which follow from the coordinates
 
 
 def hole_group(

@@ -5,8 +5,6 @@ between two levels; a level is located if the equations determine it, that is, i
 null space. Where the middle plane of the axis is a plane of symmetry, a level and its mirror image are one unknown.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fillets and chamfers of a solid: faces that are placed by the faces that they join."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable, Sequence
 

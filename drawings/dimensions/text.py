@@ -1,7 +1,5 @@
 """Dimension text: decimals by tolerance class, counts, diameter and radius signs, hole callouts."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A sheet as graphical primitives in paper coordinates: the one model from which DXF, SVG and PDF are written."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

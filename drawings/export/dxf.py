@@ -6,8 +6,6 @@ DIMENSION measures its value. The block of a dimension is written from the primi
 the same in every program.
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -4,8 +4,6 @@ A DIMENSION entity has its measured points, its text with `<>` in place of the n
 A program that opens the file measures the number itself; the block has the text where the layout put it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

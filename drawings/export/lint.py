@@ -5,8 +5,6 @@ the frame and off the title block, no dimension reaches into another view. That 
 texts at the same places, and measures the values of the dimensions, is tested for all sheets.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

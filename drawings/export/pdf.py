@@ -1,7 +1,5 @@
 """A sheet as SVG, as a page of PDF with selectable text in an embedded font, and the picture of that page."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Iterator
 from typing import Any

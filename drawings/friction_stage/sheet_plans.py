@@ -6,8 +6,6 @@ thesis does not draw have a standard scale. Where a view is too small for its di
 at a larger scale.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

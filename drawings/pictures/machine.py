@@ -33,22 +33,16 @@ HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH)
 
 @dataclass(frozen=True)
 class MachineViews:
-    """How a machine is shown.
+    """How a machine is shown."""
 
-    Args:
-        cuts: planes of the sections, by their name, with the projection in which they are seen.
-        whole: parts that a section shows whole: fasteners, pins and springs (ISO 128-3), units bought complete.
-        moving: parts that move; the first carries the others.
-        carried: parts that move with it.
-        scale: of the views.
-        notes: of the assembly sheet, a line each.
-    """
-
+    # planes of the sections, by their name, with the projection in which they are seen
     cuts: Mapping[str, tuple[Cut, str]]
+    # parts that a section shows whole: fasteners, pins and springs (ISO 128-3), units bought complete
     whole: frozenset[str]
-    moving: tuple[str, ...] = ()
-    carried: tuple[str, ...] = ()
-    scale: float = SCALE
+    moving: tuple[str, ...] = ()  # parts that move; the first carries the others
+    carried: tuple[str, ...] = ()  # parts that move with it
+    scale: float = SCALE  # of the views
+    # of the assembly sheet, a line each
     notes: tuple[str, ...] = ("- Order, torques and settings: see the procedure.",)
 
 

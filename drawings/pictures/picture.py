@@ -25,30 +25,19 @@ CHORD = 0.015
 
 @dataclass(frozen=True)
 class Piece:
-    """A shape of an assembly in place.
+    """A shape of an assembly in place."""
 
-    Args:
-        part: name of its part.
-        shape: in its own coordinates.
-        frame: position and orientation in the assembly.
-    """
-
-    part: str
-    shape: MeshedShape
-    frame: Frame
+    part: str  # name of its part
+    shape: MeshedShape  # in its own coordinates
+    frame: Frame  # position and orientation in the assembly
 
 
 @dataclass(frozen=True)
 class Picture:
-    """One view of an assembly.
+    """One view of an assembly."""
 
-    Args:
-        view: not yet placed.
-        pieces: part of each piece, and its visible lines.
-    """
-
-    view: View
-    pieces: tuple[tuple[str, tuple[Curve, ...]], ...]
+    view: View  # not yet placed
+    pieces: tuple[tuple[str, tuple[Curve, ...]], ...]  # part of each piece, and its visible lines
 
 
 def picture(

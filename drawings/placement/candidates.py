@@ -5,8 +5,6 @@ other properties the additional length of a leader that is as unfavourable. With
 extend farther.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -6,8 +6,6 @@ arc of this radius. Placement asks for the conflicts of each candidate while the
 finished sheet (`drawings.export.lint`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -67,25 +65,17 @@ ENDS_ON_LINE = "a leader ends on a dimension line, or on the line or arrow of a 
 
 @dataclass(frozen=True)
 class Footprint:
-    """Area of the paper that one annotation occupies.
+    """Area of the paper that one annotation occupies."""
 
-    Args:
-        texts: bounding boxes of the texts.
-        lines: all other lines.
-        dimension_lines: those of `lines` that need distance from parallel dimension lines.
-        leaders: those of `lines` that are a leader, or the stem and triangle of a datum symbol.
-        shelf: line under a text, or before it, at the end of a leader.
-        own_text_checked: whether an own line that meets an own text is a conflict. False for a text at an angle,
-            whose bounding box is larger than the text, for a number in a frame, which is closer to its own line than
-            another text may be, and where text and lines cannot meet.
-    """
-
-    texts: list[Box2]
-    lines: list[Line]
-    dimension_lines: list[Line]
+    texts: list[Box2]  # bounding boxes of the texts
+    lines: list[Line]  # all other lines
+    dimension_lines: list[Line]  # those of `lines` that need distance from parallel dimension lines
+    # whether an own line that meets an own text is a conflict. False for a text at an angle, whose bounding box is
+    # larger than the text, for a number in a frame, which is closer to its own line than another text may be, and where
+    # text and lines cannot meet
     own_text_checked: bool = True
-    leaders: tuple[Line, ...] = ()
-    shelf: Line | None = None
+    leaders: tuple[Line, ...] = ()  # those of `lines` that are a leader, or the stem and triangle of a datum symbol
+    shelf: Line | None = None  # line under a text, or before it, at the end of a leader
 
     @property
     def boxes(self) -> list[Box2]:

@@ -7,8 +7,6 @@ Annotations without a position free of conflicts come first in the next run; the
 The result is deterministic. Survey: Christensen, Marks, Shieber, ACM Transactions on Graphics 14 (1995) 203.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -84,18 +82,13 @@ RUNS = 6
 
 @dataclass(frozen=True)
 class AnnotatedView:
-    """A view at the origin of the paper with its annotations in place.
-
-    Args:
-        box: bounding box of view and annotations.
-        conflicts: number of conflicts left; 0 on a good sheet.
-        specs, marks: the arguments of `place_annotations`.
-    """
+    """A view at the origin of the paper with its annotations in place."""
 
     view: View
     annotations: tuple[Annotation, ...]
-    box: Box2
-    conflicts: int
+    box: Box2  # bounding box of view and annotations
+    conflicts: int  # number of conflicts left; 0 on a good sheet
+    # specs, marks: the arguments of `place_annotations`
     specs: tuple[DimensionSpec, ...]
     marks: tuple[Annotation, ...]
 

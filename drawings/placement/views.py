@@ -4,8 +4,6 @@
 of the result: otherwise the caller takes a larger paper, another place for the notes, or detaches a view from its row.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -32,30 +30,20 @@ BESIDE_CUTTING_LINE = 20.0
 
 @dataclass(frozen=True)
 class SheetArea:
-    """Area available for views and annotations.
+    """Area available for views and annotations."""
 
-    Args:
-        space: inside of the frame, less a margin.
-        taken: title block and other boxes within it.
-    """
-
-    space: Box2
-    taken: tuple[Box2, ...]
+    space: Box2  # inside of the frame, less a margin
+    taken: tuple[Box2, ...]  # title block and other boxes within it
 
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Views and annotations in place.
-
-    Args:
-        fits: whether all views are within the area and do not overlap.
-        conflicts: sum of the conflicts around each view; 0 on a good sheet.
-    """
+    """Views and annotations in place."""
 
     views: tuple[View, ...]
     annotations: tuple[Annotation, ...]
-    fits: bool
-    conflicts: int
+    fits: bool  # whether all views are within the area and do not overlap
+    conflicts: int  # sum of the conflicts around each view; 0 on a good sheet
 
 
 def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tuple[AnnotatedView, ...]:

@@ -4,8 +4,6 @@ Declarations that AP242 can represent become dimensions, datums and tolerances; 
 dimension of the same feature or of the product. Millimetres and degrees.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -26,32 +24,22 @@ TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth", "sag", "pitch
 
 @dataclass(frozen=True)
 class TolerancedDimension:
-    """One dimension.
-
-    Args:
-        limits: lower and upper limit deviation, mm; None without a class, and for angles.
-        decimals: as printed on the sheet; None without a class.
-        notes: count, designation and note.
-    """
+    """One dimension."""
 
     declaration: Dimension
-    limits: tuple[float, float] | None
-    decimals: int | None
-    notes: tuple[str, ...]
+    limits: tuple[float, float] | None  # lower and upper limit deviation, mm; None without a class, and for angles
+    decimals: int | None  # as printed on the sheet; None without a class
+    notes: tuple[str, ...]  # count, designation and note
 
 
 @dataclass(frozen=True)
 class PartPmi:
-    """The information of one part.
-
-    Args:
-        texts: of the product, by name.
-    """
+    """The information of one part."""
 
     dimensions: tuple[TolerancedDimension, ...]
     datums: tuple[DatumFeature, ...]
     tolerances: tuple[GeometricTolerance, ...]
-    texts: dict[str, str]
+    texts: dict[str, str]  # of the product, by name
 
 
 def pmi_of_declarations(

@@ -27,42 +27,25 @@ Side = Literal["centre", "inner", "outer"]
 
 @dataclass(frozen=True)
 class FaceAssociation:
-    """The faces and edges of a dimension.
+    """The faces and edges of a dimension."""
 
-    Args:
-        first: faces, or the edge at the end of a bore or chamfer; of all features of a pattern.
-        second: at the other end of a distance; empty for a size.
-        sides: side of a round feature at either end; `centre` for a plane face.
-        oriented: whether the direction does not follow from the faces and must be given.
-        count: number of features in `first`.
-        from_middle: whether the dimension starts half-way between the two faces of `first`.
-    """
-
-    first: tuple[cq.Shape, ...]
-    second: tuple[cq.Shape, ...] = ()
-    sides: tuple[Side, Side] = ("centre", "centre")
-    oriented: bool = False
-    count: int = 1
-    from_middle: bool = False
+    first: tuple[cq.Shape, ...]  # faces, or the edge at the end of a bore or chamfer; of all features of a pattern
+    second: tuple[cq.Shape, ...] = ()  # at the other end of a distance; empty for a size
+    sides: tuple[Side, Side] = ("centre", "centre")  # side of a round feature at either end; `centre` for a plane face
+    oriented: bool = False  # whether the direction does not follow from the faces and must be given
+    count: int = 1  # number of features in `first`
+    from_middle: bool = False  # whether the dimension starts half-way between the two faces of `first`
 
 
 @dataclass(frozen=True)
 class _End:
-    """One end of a distance.
+    """One end of a distance."""
 
-    Args:
-        shapes: faces or edges.
-        normal: whether they are in a plane normal to the dimension, which determines its direction.
-        round: surface of a round feature.
-        on_surface: whether the distance ends on the round surface, not on its axis.
-        middle: whether it ends half-way between two faces.
-    """
-
-    shapes: tuple[cq.Shape, ...]
-    normal: bool
-    round: Surface | None = None
-    on_surface: bool = False
-    middle: bool = False
+    shapes: tuple[cq.Shape, ...]  # faces or edges
+    normal: bool  # whether they are in a plane normal to the dimension, which determines its direction
+    round: Surface | None = None  # surface of a round feature
+    on_surface: bool = False  # whether the distance ends on the round surface, not on its axis
+    middle: bool = False  # whether it ends half-way between two faces
 
 
 def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceAssociation:

@@ -5,8 +5,6 @@ round faces about one axis that follow each other are a hole if the material is 
 ends of a slot; other parts of cylinders are fillets. Millimetres, part coordinates.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -62,17 +60,11 @@ class Hole:
 
 @dataclass(frozen=True)
 class Slot:
-    """A slot with half cylinders at its ends.
+    """A slot with half cylinders at its ends."""
 
-    Args:
-        centres: of both ends, at one level.
-        axis: across the plane of the slot.
-        radius: of the ends.
-    """
-
-    centres: tuple[Point, Point]
-    axis: Point
-    radius: float
+    centres: tuple[Point, Point]  # of both ends, at one level
+    axis: Point  # across the plane of the slot
+    radius: float  # of the ends
     ends: tuple[Surface, Surface]
 
 

@@ -66,11 +66,7 @@ def requirements(design):
 
 @dataclass(frozen=True)
 class Proposed:
-    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key.
-
-    Args:
-        order: of several that say the same, the one of the highest order is left out.
-    """
+    """One declaration: method, name, key and value of its parameter, and the arguments that follow the key."""
 
     method: str
     name: str
@@ -78,26 +74,18 @@ class Proposed:
     value: float
     arguments: tuple[Any, ...]
     fields: dict[str, Any] = field(default_factory=dict)
-    order: int = 0
+    order: int = 0  # of several that say the same, the one of the highest order is left out
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """Proposed dimensions of a solid.
+    """Proposed dimensions of a solid."""
 
-    Args:
-        dimensions: in the order of the sheet.
-        questions: what only the designer knows, a line each.
-        open: what the dimensions leave open, a line each.
-        views: in which they are.
-        datums: a datum system.
-    """
-
-    dimensions: tuple[Proposed, ...]
-    questions: tuple[str, ...]
-    open: tuple[str, ...]
-    views: tuple[str, ...]
-    datums: tuple[ProposedDatum, ...] = ()
+    dimensions: tuple[Proposed, ...]  # in the order of the sheet
+    questions: tuple[str, ...]  # what only the designer knows, a line each
+    open: tuple[str, ...]  # what the dimensions leave open, a line each
+    views: tuple[str, ...]  # in which they are
+    datums: tuple[ProposedDatum, ...] = ()  # a datum system
 
 
 def as_dimension(one: Proposed) -> Dimension:

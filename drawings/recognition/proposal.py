@@ -6,8 +6,6 @@ in a view in which lines of the part are drawn at its points. A dimension withou
 left out. The result is data: it is written as Python (`drawings.recognition.part_file`).
 """
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence

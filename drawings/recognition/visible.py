@@ -1,7 +1,5 @@
 """Lines that the six views of a solid show, and the view in which a point of it is seen; vectors of the axes."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

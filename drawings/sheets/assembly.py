@@ -42,29 +42,20 @@ _NEAR = 1e-3
 
 @dataclass(frozen=True)
 class MachineSize:
-    """Size of the machine.
+    """Size of the machine."""
 
-    Args:
-        low, high: corners of its bounding box at the middle of travel, assembly coordinates, mm.
-        travel: of the parts that move from end to end, mm; 0 without.
-    """
-
+    # low, high: corners of its bounding box at the middle of travel, assembly coordinates, mm
     low: Point
     high: Point
-    travel: float
+    travel: float  # of the parts that move from end to end, mm; 0 without
 
 
 @dataclass(frozen=True)
 class TravelRange:
-    """The stage at both ends of its travel, in a view with the travel along u.
+    """The stage at both ends of its travel, in a view with the travel along u."""
 
-    Args:
-        lines: outline of the stage at the ends, view coordinates.
-        corners: upper corners of its end faces, left and right, at the middle of travel.
-    """
-
-    lines: tuple[Curve, ...]
-    corners: tuple[Point2, Point2]
+    lines: tuple[Curve, ...]  # outline of the stage at the ends, view coordinates
+    corners: tuple[Point2, Point2]  # upper corners of its end faces, left and right, at the middle of travel
 
 
 def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
@@ -138,29 +129,17 @@ MARGIN = 24.0
 
 @dataclass(frozen=True)
 class AssemblyDescription:
-    """The data of the machine for its sheets.
+    """The data of the machine for its sheets."""
 
-    Args:
-        rows: bill of materials.
-        size: overall size and travel.
-        mass: total, with its unit.
-        digest: hash of the parameters.
-        reads: names of the parameters.
-        accessories: what is needed besides the parts.
-        carried: parts that move, and those that move with them.
-        scale: of the views.
-        notes: of the sheet, a line each.
-    """
-
-    rows: tuple[Row, ...]
-    size: MachineSize
-    mass: str
-    digest: str
-    reads: tuple[str, ...]
-    accessories: tuple[Accessory, ...] = ()
-    carried: tuple[str, ...] = ()
-    scale: float = SCALE
-    notes: tuple[str, ...] = ()
+    rows: tuple[Row, ...]  # bill of materials
+    size: MachineSize  # overall size and travel
+    mass: str  # total, with its unit
+    digest: str  # hash of the parameters
+    reads: tuple[str, ...]  # names of the parameters
+    accessories: tuple[Accessory, ...] = ()  # what is needed besides the parts
+    carried: tuple[str, ...] = ()  # parts that move, and those that move with them
+    scale: float = SCALE  # of the views
+    notes: tuple[str, ...] = ()  # of the sheet, a line each
 
 
 def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[str, Picture]) -> Sheet:

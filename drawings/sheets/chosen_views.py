@@ -5,8 +5,6 @@ each declaration that asks for one. `VIEWS` in the file of a part, or `sheets.to
 front view cut through the origin, `front hidden` one with hidden lines.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 

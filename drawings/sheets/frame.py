@@ -1,7 +1,5 @@
 """The drawing frame with its zones, centring and trimming marks (ISO 5457)."""
 
-from __future__ import annotations
-
 import string
 from collections.abc import Iterator
 from itertools import pairwise

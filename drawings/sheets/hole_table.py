@@ -1,7 +1,5 @@
 """The hole table on the sheet: for each kind of hole its callout, and the coordinates of every hole."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

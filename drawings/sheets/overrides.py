@@ -14,8 +14,6 @@ detail = [{letter = "Z", projection = "top", at = ["75 mm", "100 mm", "12 mm"], 
 What no longer applies (a dimension that is not on the sheet any more, a view that is there already) is reported.
 """
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Mapping, Sequence

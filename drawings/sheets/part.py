@@ -136,42 +136,26 @@ def part_views(
 
 @dataclass(frozen=True)
 class PartDescription:
-    """The data of a part for its sheets.
-
-    Args:
-        title: words of the title block.
-        plans: of its sheets, in order.
-        solid: in part coordinates.
-        dimensions, requirements: the declarations of the part.
-        notes: of the part.
-        material: as ordered.
-        mass: with its unit.
-        digest: hash of the parameters of the part.
-        reads: names of the parameters of the part.
-        treatment: of the material.
-        brittle: whether the material is, so that edges are not broken by hand.
-        mesh: of the solid, if there is one already.
-        chosen: whether the plans follow from the declarations: then a dimension in another view than declared is
-            reported.
-        proposed: whether the program has proposed the dimensions, which the title block then says.
-    """
+    """The data of a part for its sheets."""
 
     name: str
-    title: str
-    plans: tuple[SheetPlan, ...]
-    solid: cq.Solid
+    title: str  # words of the title block
+    plans: tuple[SheetPlan, ...]  # of its sheets, in order
+    solid: cq.Solid  # in part coordinates
+    # dimensions, requirements: the declarations of the part
     dimensions: tuple[Dimension, ...]
     requirements: tuple[FaceRequirement, ...]
-    notes: tuple[str, ...]
-    material: str
-    mass: str
-    digest: str
-    reads: tuple[str, ...] = ()
-    treatment: str = "-"
-    brittle: bool = False
-    mesh: Mesh | None = None
+    notes: tuple[str, ...]  # of the part
+    material: str  # as ordered
+    mass: str  # with its unit
+    digest: str  # hash of the parameters of the part
+    reads: tuple[str, ...] = ()  # names of the parameters of the part
+    treatment: str = "-"  # of the material
+    brittle: bool = False  # whether the material is, so that edges are not broken by hand
+    mesh: Mesh | None = None  # of the solid, if there is one already
+    # whether the plans follow from the declarations: then a dimension in another view than declared is reported
     chosen: bool = False
-    proposed: bool = False
+    proposed: bool = False  # whether the program has proposed the dimensions, which the title block then says
 
 
 def part_sheets(

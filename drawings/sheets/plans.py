@@ -21,48 +21,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ViewPlan:
-    """Plan of a view.
+    """Plan of a view."""
 
-    Args:
-        name: as in `drawings.views.view.View`.
-        projection: key of `drawings.views.view.PROJECTIONS`.
-        aligned_with: name of the view with which it is aligned.
-        hidden: whether it shows hidden lines.
-        cut: plane of a section.
-        detail: centre, part coordinates, and radius of a detail, mm.
-        letter: of a detail.
-        scale: if it differs from that of the sheet.
-        symmetry: `u`, `v`: lines of symmetry through the part's origin.
-    """
-
-    name: str
-    projection: str
-    aligned_with: str = ""
-    hidden: bool = False
-    cut: Cut | None = None
-    detail: tuple[Point, float] | None = None
-    letter: str = ""
-    scale: float | None = None
-    symmetry: str = ""
+    name: str  # as in `drawings.views.view.View`
+    projection: str  # key of `drawings.views.view.PROJECTIONS`
+    aligned_with: str = ""  # name of the view with which it is aligned
+    hidden: bool = False  # whether it shows hidden lines
+    cut: Cut | None = None  # plane of a section
+    detail: tuple[Point, float] | None = None  # centre, part coordinates, and radius of a detail, mm
+    letter: str = ""  # of a detail
+    scale: float | None = None  # if it differs from that of the sheet
+    symmetry: str = ""  # `u`, `v`: lines of symmetry through the part's origin
 
 
 @dataclass(frozen=True)
 class SheetPlan:
-    """Plan of a sheet of a part.
+    """Plan of a sheet of a part."""
 
-    Args:
-        name: of its files.
-        papers: sizes to try, smallest first.
-        scale: of the views without a scale.
-        views: the main one first.
-        shows: prefixes of the names of its declarations; empty for all that no other sheet shows.
-    """
-
-    name: str
-    papers: tuple[Paper, ...]
-    scale: float
-    views: tuple[ViewPlan, ...]
-    shows: tuple[str, ...] = ()
+    name: str  # of its files
+    papers: tuple[Paper, ...]  # sizes to try, smallest first
+    scale: float  # of the views without a scale
+    views: tuple[ViewPlan, ...]  # the main one first
+    shows: tuple[str, ...] = ()  # prefixes of the names of its declarations; empty for all that no other sheet shows
 
 
 def sheet_of(plans: tuple[SheetPlan, ...], declaration: str) -> SheetPlan:
@@ -90,23 +70,17 @@ def sheet_of_requirement(plans: tuple[SheetPlan, ...], requirement: FaceRequirem
 
 @dataclass(frozen=True)
 class Sheets:
-    """Sheets of a kind of machine.
+    """Sheets of a kind of machine."""
 
-    Args:
-        plans: the sheets of a kind of part in a design; none for one that has the standard sheet.
-        titles: words of the title block for kinds of part, where they are not those of its name.
-        views: how the whole is shown, given the design, its instances and built parts.
-        procedure: the steps of assembly, given the design, the parts list and the calculated values.
-        travel: of the parts that move, from end to end, mm.
-        modules: dotted names of the modules that these are made by.
-    """
-
+    # the sheets of a kind of part in a design; none for one that has the standard sheet
     plans: Callable[[str, Any], tuple[SheetPlan, ...]]
-    titles: Mapping[str, str]
+    titles: Mapping[str, str]  # words of the title block for kinds of part, where they are not those of its name
+    # how the whole is shown, given the design, its instances and built parts
     views: Callable[[Any, Sequence[Instance], Mapping[str, BuiltPart]], MachineViews]
+    # the steps of assembly, given the design, the parts list and the calculated values
     procedure: Callable[[Any, Sequence[Row], Any], Procedure]
-    travel: Callable[[Any], float]
-    modules: tuple[str, ...]
+    travel: Callable[[Any], float]  # of the parts that move, from end to end, mm
+    modules: tuple[str, ...]  # dotted names of the modules that these are made by
 
 
 def sheets_of(design: Any) -> Sheets:

@@ -1,7 +1,5 @@
 """The assembly procedure: its steps, and their sheet: a table in two columns, and pictures next to it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -43,39 +41,26 @@ class Figure:
 
 @dataclass(frozen=True)
 class PartUse:
-    """A row of the parts list that is put in by a step.
+    """A row of the parts list that is put in by a step."""
 
-    Args:
-        item: number in the parts list and of the balloon.
-        part, part_number: name, and number in the catalogue or of the drawing.
-        quantity: number of parts.
-    """
-
-    item: int
+    item: int  # number in the parts list and of the balloon
+    # part, part_number: name, and number in the catalogue or of the drawing
     part: str
     part_number: str
-    quantity: int
+    quantity: int  # number of parts
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step.
+    """One step."""
 
-    Args:
-        number: from 1, in the order of assembly.
-        sentences: instructions.
-        tools: and materials that are not in the parts list.
-        torque: of the screws of this step.
-        figures: all numbers of the step, by name.
-    """
-
-    number: int
+    number: int  # from 1, in the order of assembly
     title: str
-    sentences: tuple[str, ...]
+    sentences: tuple[str, ...]  # instructions
     parts: tuple[PartUse, ...]
-    tools: tuple[str, ...]
-    torque: Figure | None
-    figures: dict[str, Figure]
+    tools: tuple[str, ...]  # and materials that are not in the parts list
+    torque: Figure | None  # of the screws of this step
+    figures: dict[str, Figure]  # all numbers of the step, by name
 
 
 @dataclass(frozen=True)

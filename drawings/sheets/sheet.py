@@ -1,7 +1,5 @@
 """Drawing sheets: views, annotations, notes and tables in place, from which the files are written."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from drawings.annotations.annotation import Annotation, Note
@@ -15,33 +13,19 @@ from drawings.views.view import Box2, View
 
 @dataclass(frozen=True)
 class Sheet:
-    """One drawing sheet.
+    """One drawing sheet."""
 
-    Args:
-        name: of its files, `base_1`.
-        part: the part, or `assembly`.
-        paper: size of the paper.
-        scale: of the main views, paper over part.
-        title: fields of the title block.
-        views: placed.
-        annotations: placed.
-        notes: placed.
-        tables: primitives outside the views: parts list, table of steps, hole table.
-        tabulated: declarations that a hole table shows.
-        unapplied: manual changes that do not apply any more, a line each.
-    """
-
-    name: str
-    part: str
-    paper: Paper
-    scale: float
-    title: TitleBlock
-    views: tuple[View, ...]
-    annotations: tuple[Annotation, ...]
-    notes: tuple[Note, ...] = ()
-    tables: tuple[Primitive, ...] = ()
-    tabulated: tuple[str, ...] = ()
-    unapplied: tuple[str, ...] = ()
+    name: str  # of its files, `base_1`
+    part: str  # the part, or `assembly`
+    paper: Paper  # size of the paper
+    scale: float  # of the main views, paper over part
+    title: TitleBlock  # fields of the title block
+    views: tuple[View, ...]  # placed
+    annotations: tuple[Annotation, ...]  # placed
+    notes: tuple[Note, ...] = ()  # placed
+    tables: tuple[Primitive, ...] = ()  # primitives outside the views: parts list, table of steps, hole table
+    tabulated: tuple[str, ...] = ()  # declarations that a hole table shows
+    unapplied: tuple[str, ...] = ()  # manual changes that do not apply any more, a line each
 
     def view(self, name: str) -> View:
         """The view of that name."""

@@ -1,7 +1,5 @@
 """The title block, with the fields of ISO 7200 and of the thesis, in the lower right corner of the sheet."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -29,50 +27,31 @@ REVISION_ROW = 5.0
 
 @dataclass(frozen=True)
 class TitleBlock:
-    """Fields of the title block.
+    """Fields of the title block."""
 
-    Args:
-        title: name of the part or of the sheet.
-        supplement: product of the part.
-        number: file name of the drawing, `THS_PZT_TIP`.
-        material: of the part; empty on an assembly.
-        mass: with its unit, `39.1 g`.
-        scale: of the main views, `1:2`.
-        sheet, sheets: number of this sheet, and of how many.
-        revision: of the drawing.
-        parameters: hash of the parameters the sheet depends on.
-        kind: of document, `Part drawing`.
-        finish: general surface texture.
-        tolerances: class and tolerance, `("X.XX", "±0.01")`; `ANGLE` for all angles.
-        edges: state of edges (ISO 13715).
-        treatment: of the material.
-        date, creator, checker, approver, company: of the issue.
-        revisions: changes since the earlier issue, a line each.
-        geometry: general geometrical tolerance; empty for none.
-    """
-
-    title: str
-    supplement: str
-    number: str
-    material: str
-    mass: str
-    scale: str
+    title: str  # name of the part or of the sheet
+    supplement: str  # product of the part
+    number: str  # file name of the drawing, `THS_PZT_TIP`
+    material: str  # of the part; empty on an assembly
+    mass: str  # with its unit, `39.1 g`
+    scale: str  # of the main views, `1:2`
+    # sheet, sheets: number of this sheet, and of how many
     sheet: int
     sheets: int
-    revision: str
-    parameters: str
-    kind: str
-    finish: str
-    tolerances: tuple[tuple[str, str], ...]
-    edges: str = "-"
-    treatment: str = "-"
-    date: str = "-"
-    creator: str = "stagecad"
-    checker: str = "-"
-    approver: str = "-"
-    company: str = "-"
-    revisions: tuple[str, ...] = ()
-    geometry: str = ""
+    revision: str  # of the drawing
+    parameters: str  # hash of the parameters the sheet depends on
+    kind: str  # of document, `Part drawing`
+    finish: str  # general surface texture
+    tolerances: tuple[tuple[str, str], ...]  # class and tolerance, `("X.XX", "±0.01")`; `ANGLE` for all angles
+    edges: str = "-"  # state of edges (ISO 13715)
+    treatment: str = "-"  # of the material
+    date: str = "-"  # of the issue
+    creator: str = "stagecad"  # of the issue
+    checker: str = "-"  # of the issue
+    approver: str = "-"  # of the issue
+    company: str = "-"  # of the issue
+    revisions: tuple[str, ...] = ()  # changes since the earlier issue, a line each
+    geometry: str = ""  # general geometrical tolerance; empty for none
 
 
 def revision_box(block: TitleBlock, paper: Paper) -> Box2 | None:

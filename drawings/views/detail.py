@@ -1,7 +1,5 @@
 """Details: the curves of a view clipped to a circle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from itertools import pairwise

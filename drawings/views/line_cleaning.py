@@ -4,8 +4,6 @@ Hidden-line removal gives the edges of the solid one by one: pieces of one line,
 that coincide in projection. A visible line takes precedence over a hidden one (ISO 128-2).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from itertools import chain, groupby

@@ -4,8 +4,6 @@ The placement of annotations and the check of the finished sheet use the same qu
 sheet: those that only count are compiled. Coordinates in mm on the paper.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise

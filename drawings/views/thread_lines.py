@@ -1,7 +1,5 @@
 """Thin lines of threads in tapped holes (ISO 6410-1): three quarters of a circle from the end, lines in a section."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -20,24 +18,16 @@ OPEN = (100.0, 350.0)
 
 @dataclass(frozen=True)
 class ThreadedHole:
-    """A tapped hole.
+    """A tapped hole."""
 
-    Args:
-        mouth: start of the thread on the axis, part coordinates, mm.
-        into: unit vector along the axis into the material.
-        length: of the full thread, mm.
-        drill, major: diameters, mm.
-        blind: whether the thread ends before the hole does.
-        rim: radius of the chamfer at the mouth, mm; 0 without one.
-    """
-
-    mouth: Point
-    into: Point
-    length: float
+    mouth: Point  # start of the thread on the axis, part coordinates, mm
+    into: Point  # unit vector along the axis into the material
+    length: float  # of the full thread, mm
+    # drill, major: diameters, mm
     drill: float
     major: float
-    blind: bool
-    rim: float = 0.0
+    blind: bool  # whether the thread ends before the hole does
+    rim: float = 0.0  # radius of the chamfer at the mouth, mm; 0 without one
 
 
 def thread_lines(

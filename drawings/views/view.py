@@ -4,8 +4,6 @@ Coordinate systems, in mm. Part: (x, y, z) of the solid. View: (u, v) in the pla
 at 1:1, with the projection of the part's origin as origin. Paper: (x, y) from the lower left corner of the sheet.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -65,14 +63,10 @@ Curve = Segment | Arc | Polyline
 
 @dataclass(frozen=True)
 class Projection:
-    """A direction of view, by the directions to the right and up on the paper; the line of sight is -(right x up).
+    """A direction of view, by the directions to the right and up on the paper; the line of sight is -(right x up)."""
 
-    Args:
-        name: `top`, `front`, ..., as in `stagecad.parameters.dimension.View`.
-        right, up: orthogonal unit vectors, part coordinates.
-    """
-
-    name: str
+    name: str  # `top`, `front`, ..., as in `stagecad.parameters.dimension.View`
+    # right, up: orthogonal unit vectors, part coordinates
     right: Point
     up: Point
 
@@ -106,17 +100,11 @@ PROJECTIONS = {
 
 @dataclass(frozen=True)
 class Cut:
-    """The cutting plane of a section; the material on the side of the eye is removed.
+    """The cutting plane of a section; the material on the side of the eye is removed."""
 
-    Args:
-        point: of the plane, part coordinates.
-        normal: unit vector towards the eye.
-        letter: of the name of the section, `A-A`.
-    """
-
-    point: Point
-    normal: Point
-    letter: str
+    point: Point  # of the plane, part coordinates
+    normal: Point  # unit vector towards the eye
+    letter: str  # of the name of the section, `A-A`
 
     def holds(self, point: Point, near: float = 1e-6) -> bool:
         """Whether a point is in the plane."""
@@ -125,31 +113,18 @@ class Cut:
 
 @dataclass(frozen=True)
 class View:
-    """One view: curves by layer, and its place on the paper.
+    """One view: curves by layer, and its place on the paper."""
 
-    Args:
-        name: unique on the sheet; annotations refer to it: `top`, `front`, `section A-A`, `detail X`.
-        projection: direction of view.
-        curves: by layer, view coordinates at 1:1.
-        scale: paper over part, 0.5 for 1:2.
-        place: paper coordinates of the view's origin.
-        label: text below the view (`A-A`, `X (1:2)`); empty for none.
-        label_at: middle of the base line of the label, paper; default just below the view.
-        clip: centre and radius of the circle of a detail, view coordinates.
-        cut: plane of a section; None for a view from outside.
-        aligned_with: name of the view with which it is aligned; empty for none.
-    """
-
-    name: str
-    projection: Projection
-    curves: dict[Layer, tuple[Curve, ...]] = field(default_factory=dict)
-    scale: float = 1.0
-    place: Point2 = (0.0, 0.0)
-    label: str = ""
-    label_at: Point2 | None = None
-    clip: tuple[Point2, float] | None = None
-    cut: Cut | None = None
-    aligned_with: str = ""
+    name: str  # unique on the sheet; annotations refer to it: `top`, `front`, `section A-A`, `detail X`
+    projection: Projection  # direction of view
+    curves: dict[Layer, tuple[Curve, ...]] = field(default_factory=dict)  # by layer, view coordinates at 1:1
+    scale: float = 1.0  # paper over part, 0.5 for 1:2
+    place: Point2 = (0.0, 0.0)  # paper coordinates of the view's origin
+    label: str = ""  # text below the view (`A-A`, `X (1:2)`); empty for none
+    label_at: Point2 | None = None  # middle of the base line of the label, paper; default just below the view
+    clip: tuple[Point2, float] | None = None  # centre and radius of the circle of a detail, view coordinates
+    cut: Cut | None = None  # plane of a section; None for a view from outside
+    aligned_with: str = ""  # name of the view with which it is aligned; empty for none
 
     def on(self, *layers: Layer) -> list[Curve]:
         """Curves on some layers."""

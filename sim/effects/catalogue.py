@@ -3,8 +3,6 @@
 A built-in is declared in a module in a folder of `sim.effects`, as `EFFECT` or in the tuple `EFFECTS`.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import pkgutil

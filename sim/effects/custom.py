@@ -9,8 +9,6 @@ effect = Effect("cubic_spring", "spring that stiffens", force=force,
                 parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -11,8 +11,6 @@ within a step, so that the law stays smooth past a reversal.
 Along a measured motion it is an operator on the record, with an exact step from row to row.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

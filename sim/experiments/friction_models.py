@@ -1,7 +1,5 @@
 """The thesis's friction models, with the values of its Table 3."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

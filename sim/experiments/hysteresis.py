@@ -3,8 +3,6 @@
 v = v0 + 1 mm/s sin(w t), from an unstressed bristle, for two periods; features are evaluated in the second.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -10,8 +10,6 @@ friction and for a slide that renews the contacts the amplitude A of the spring 
 Source: Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083, section 2.3; Kato et al. (1972).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

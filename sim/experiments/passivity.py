@@ -8,8 +8,6 @@ imposed motions:
 - `tip`: a tip's motion, v = 0.2 m/s sin(2 pi 5 kHz t), ten cycles from unstressed bristles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

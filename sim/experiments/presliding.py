@@ -1,7 +1,5 @@
 """Presliding: a force that stays below break-away moves the mass by micrometres (thesis 4.2.1, Figures 35 to 37)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

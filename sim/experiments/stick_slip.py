@@ -1,7 +1,5 @@
 """Stick-slip: a mass on a spring pulled at constant velocity (thesis 4.2.3, Figures 39 to 42)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any

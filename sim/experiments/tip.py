@@ -1,7 +1,5 @@
 """The actuator's tip: two piezos out of phase draw an ellipse (thesis 4.1, Figure 34)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

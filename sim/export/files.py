@@ -1,7 +1,5 @@
 """The files of an exported model: Python, C, MATLAB, Modelica, and a table of steady sliding."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 Source: FMI for Model Exchange and Co-Simulation 2.0.4, sections 2 and 4.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

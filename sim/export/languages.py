@@ -3,8 +3,6 @@
 The source has functions of numbers with assignments, conditions, loops and returns, and the state as an array.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from abc import ABC, abstractmethod

@@ -5,8 +5,6 @@
 The laws are the ones of the effects, taken from their source.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import math

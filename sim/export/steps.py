@@ -4,8 +4,6 @@ Each is the step that the model takes along a record (`along_record`), stated so
 conditions and arithmetic. `tests/sim/export` holds them against the models.
 """
 
-from __future__ import annotations
-
 import math
 
 STATES = {"elasto_plastic_step": "stretch of the bristles, m"}

@@ -1,7 +1,5 @@
 """The stage's simulation model from a design and the mass properties of its moving bodies."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

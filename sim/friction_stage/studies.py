@@ -4,8 +4,6 @@ Every study is a function of the machine and of a way to run many independent ca
 a cluster).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

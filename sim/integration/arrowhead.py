@@ -5,8 +5,6 @@ the velocity alone. So W = I/(gamma h) - J is an arrowhead: all states but the v
 one solve costs O(number of states).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from sim.integration.problem import WORKS, inlined

@@ -4,8 +4,6 @@ Within a step every law is continued smoothly past a reversal and past an edge o
 valid up to the first of these events only, which is located on its dense output.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from sim.integration.problem import POSITION, VELOCITY, inlined

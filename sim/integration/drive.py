@@ -4,8 +4,6 @@ All have the form mass * v' = s(t) + amplitude cos(frequency t + phase) - stiffn
 linear; the integrator steps from knot to knot of s, so a corner or a jump does not reduce the accuracy.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from typing import Any

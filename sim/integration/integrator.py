@@ -9,8 +9,6 @@ Step size: Gustafsson, ACM Trans. Math. Software 20 (1994) 496 (predictive contr
 This module imports numba: import it only when something is integrated.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable

@@ -7,8 +7,6 @@ the lagged drive and the works are present only where the model or the user need
 Importing this module imports numba.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Friction terms, drive, and rates of change of all states of an axis, in compiled code."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

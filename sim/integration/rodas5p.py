@@ -10,8 +10,6 @@ Dense output: y(s) = (1 - s) y + s (y_new + (1 - s) (D_1 + s (D_2 + s D_3))), D_
 Source: Steinebach 2023, BIT Numerical Mathematics 63:27, Construction of Rosenbrock-Wanner method Rodas5P.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

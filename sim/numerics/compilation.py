@@ -5,8 +5,6 @@ leave old machine code in use. Here the folder's name is a hash of every source 
 The cache is in a private folder (`stagecad.private`), never in the package, which may be read-only.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import hashlib

@@ -19,8 +19,6 @@ Source: Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control 50 (2005) 18
 (1966) 893.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

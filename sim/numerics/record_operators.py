@@ -3,8 +3,6 @@
 Imported only inside the laws that need them, since importing numba is slow.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ A shape is given at the nodes of a regular grid. Between them it is the product 
 under a bent stage does the work that it receives.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A machine as the kernel takes it, and its state at rest."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

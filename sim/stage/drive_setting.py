@@ -1,7 +1,5 @@
 """Setting of a run of the stage: start, height of the tip, and run-up to its speed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

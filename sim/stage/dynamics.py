@@ -21,8 +21,6 @@ in proportion when load is removed, so that no energy is created (Thornton, Cumm
 This module imports numba: import it only when something is simulated.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ Axes: x along the travel, y across it, z up. Places are given from the middle of
 pads.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """One simulated motion of the stage, and its record with columns by name."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """The thesis's sensors (filter, noise, quantisation, range), and what disturbs a loop; one reading a sample."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ A force on first loading, F = limit f(x/x_full), is followed by parallel elasto-
 Source: Mindlin and Deresiewicz, J. Appl. Mech. 20 (1953) 327.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

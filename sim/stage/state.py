@@ -1,7 +1,5 @@
 """Constants and state of the driven stage for the compiled kernel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

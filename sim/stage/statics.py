@@ -4,8 +4,6 @@ The elastic energy of pads, tips and bent stage in heave, roll, pitch and the be
 minimum, found by Newton's method with halving. There is no friction force at rest: the stage is set down without shear.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ A voltage wave is an array of shape (steps, actuators, 3): the voltages at the m
 into volts by the stack's mean gain (stroke over highest voltage), as for a drive without feedback.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -48,17 +48,11 @@ def run_file(path: Path, trust: bool, what: str) -> ModuleType:
 
 @dataclass(frozen=True)
 class OwnDefinition:
-    """The definition of a part in a user's file: what the file has, with its errors as one line each.
+    """The definition of a part in a user's file: what the file has, with its errors as one line each."""
 
-    Args:
-        path: of the file.
-        module: that the file gives.
-        text: description for the list of parts; empty for the first line of the file.
-    """
-
-    path: Path
-    module: Any
-    text: str = ""
+    path: Path  # of the file
+    module: Any  # that the file gives
+    text: str = ""  # description for the list of parts; empty for the first line of the file
 
     @property
     def NAME(self) -> str:  # noqa: N802 - a word of the interface of parts

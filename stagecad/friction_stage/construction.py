@@ -1,7 +1,5 @@
 """Parts, assembly and intended contacts of the friction stage."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from importlib import import_module

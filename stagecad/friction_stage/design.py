@@ -1,7 +1,5 @@
 """A design of the friction stage: its tables as typed attributes, and what follows from them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

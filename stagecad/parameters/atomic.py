@@ -5,8 +5,6 @@ power cut the file has either its old or its new content, since the new content 
 the name before the function returns.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import stat

@@ -4,8 +4,6 @@ A part declares each dimension next to its feature; the drawings place the decla
 them up, the assembly mates the datums. Millimetres and degrees, in part coordinates.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal
@@ -46,19 +44,12 @@ View = Literal["top", "bottom", "front", "back", "left", "right", "section", "is
 
 @dataclass(frozen=True)
 class Datum:
-    """A named frame of a part: a face, an axis, or a place.
+    """A named frame of a part: a face, an axis, or a place."""
 
-    Args:
-        name: as in the part's contract (`top`, `pad_1`).
-        origin: point in part coordinates, mm.
-        normal: unit vector, out of the material of a face, along an axis.
-        x_direction: unit vector at right angles to the normal.
-    """
-
-    name: str
-    origin: Point
-    normal: Point
-    x_direction: Point = (1.0, 0.0, 0.0)
+    name: str  # as in the part's contract (`top`, `pad_1`)
+    origin: Point  # point in part coordinates, mm
+    normal: Point  # unit vector, out of the material of a face, along an axis
+    x_direction: Point = (1.0, 0.0, 0.0)  # unit vector at right angles to the normal
 
     def __post_init__(self) -> None:
         for vector in (self.normal, self.x_direction):
@@ -145,25 +136,15 @@ FORM: tuple[Characteristic, ...] = ("flatness", "straightness", "cylindricity")
 
 @dataclass(frozen=True)
 class DatumFeature:
-    """A face that others are referred to, by its letter (ISO 5459).
+    """A face that others are referred to, by its letter (ISO 5459)."""
 
-    Args:
-        letter: one capital letter, unique within the part.
-        points: one on each face that forms it together, or on the axis of a round face.
-        normal: out of the face, or along the axis.
-        round: whether it is the axis of a round face.
-        view: view that shows the face as a line.
-        targets: view that shows the faces from the front, with a datum target on each; empty for none.
-        median: whether it is the middle plane of two parallel faces.
-    """
-
-    letter: str
-    points: tuple[Point, ...]
-    normal: Point
-    view: View
-    round: bool = False
-    targets: str = ""
-    median: bool = False
+    letter: str  # one capital letter, unique within the part
+    points: tuple[Point, ...]  # one on each face that forms it together, or on the axis of a round face
+    normal: Point  # out of the face, or along the axis
+    view: View  # view that shows the face as a line
+    round: bool = False  # whether it is the axis of a round face
+    targets: str = ""  # view that shows the faces from the front, with a datum target on each; empty for none
+    median: bool = False  # whether it is the middle plane of two parallel faces
 
     def __post_init__(self) -> None:
         if len(self.letter) != 1 or not self.letter.isupper():
@@ -172,33 +153,19 @@ class DatumFeature:
 
 @dataclass(frozen=True)
 class GeometricTolerance:
-    """Tolerance of form or orientation of a face (ISO 1101), declared with the face.
+    """Tolerance of form or orientation of a face (ISO 1101), declared with the face."""
 
-    Args:
-        name: unique within the part.
-        characteristic: see `Characteristic`.
-        value: width of the zone, mm.
-        parameter: key of the parameter file the value comes from.
-        points: one on each face; on the axis of a round one.
-        normal: out of the face, or along the axis.
-        datums: letters referred to.
-        round: whether it holds for a round face, or its axis.
-        combined: whether all the faces lie in one zone (CZ), rather than each in its own.
-        view: view that shows the face as a line.
-        feature: name of the holes whose callout has the control frame below it; empty for a frame on a face.
-    """
-
-    name: str
-    characteristic: Characteristic
-    value: float
-    parameter: str
-    points: tuple[Point, ...]
-    normal: Point
-    view: View
-    datums: tuple[str, ...] = ()
-    round: bool = False
-    combined: bool = False
-    feature: str = ""
+    name: str  # unique within the part
+    characteristic: Characteristic  # see `Characteristic`
+    value: float  # width of the zone, mm
+    parameter: str  # key of the parameter file the value comes from
+    points: tuple[Point, ...]  # one on each face; on the axis of a round one
+    normal: Point  # out of the face, or along the axis
+    view: View  # view that shows the face as a line
+    datums: tuple[str, ...] = ()  # letters referred to
+    round: bool = False  # whether it holds for a round face, or its axis
+    combined: bool = False  # whether all the faces lie in one zone (CZ), rather than each in its own
+    feature: str = ""  # name of the holes whose callout has the control frame below it; empty for a frame on a face
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.value) and self.value > 0):
@@ -209,22 +176,15 @@ class GeometricTolerance:
 
 @dataclass(frozen=True)
 class SurfaceTexture:
-    """How smooth a face must be: its mean roughness Ra (ISO 21920), and how it is made so.
-
-    Args:
-        roughness: Ra, um.
-        parameter: key of the parameter file the value comes from.
-        points: one on each such face.
-        process: how it is finished (`lapped`); empty where the maker may choose.
-    """
+    """How smooth a face must be: its mean roughness Ra (ISO 21920), and how it is made so."""
 
     name: str
-    roughness: float
-    parameter: str
-    points: tuple[Point, ...]
+    roughness: float  # Ra, um
+    parameter: str  # key of the parameter file the value comes from
+    points: tuple[Point, ...]  # one on each such face
     normal: Point
     view: View
-    process: str = ""
+    process: str = ""  # how it is finished (`lapped`); empty where the maker may choose
 
 
 FaceRequirement = DatumFeature | GeometricTolerance | SurfaceTexture

@@ -1,7 +1,5 @@
 """The error for invalid input of the user."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from functools import cached_property

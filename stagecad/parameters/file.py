@@ -1,7 +1,5 @@
 """The parameter file: text parsed into entries by key, and each entry checked against the declaration of its key."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

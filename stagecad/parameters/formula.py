@@ -5,8 +5,6 @@ functions of `FUNCTIONS`. It is parsed into a syntax tree, of which only these e
 run.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 import re
@@ -123,15 +121,10 @@ FUNCTIONS: dict[str, tuple[int, int, Callable[..., Value]]] = {
 
 @dataclass(frozen=True)
 class Formula:
-    """A parsed formula.
+    """A parsed formula."""
 
-    Args:
-        text: without the leading `=`.
-        keys: parameters that it reads, in the order of their appearance.
-    """
-
-    text: str
-    keys: tuple[str, ...]
+    text: str  # without the leading `=`
+    keys: tuple[str, ...]  # parameters that it reads, in the order of their appearance
     _tree: ast.expr
     _constants: Mapping[str, Value]
 

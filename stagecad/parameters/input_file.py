@@ -1,7 +1,5 @@
 """A user's file that is read whole: a regular file, opened without waiting, of limited size."""
 
-from __future__ import annotations
-
 import errno
 import os
 import stat

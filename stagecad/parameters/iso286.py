@@ -6,8 +6,6 @@ shafts by the rules of clause 4.3.2.5: with the difference of the grade from the
 or 7 (P to ZC).
 """
 
-from __future__ import annotations
-
 import re
 
 UP_TO = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250)

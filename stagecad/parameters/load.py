@@ -1,7 +1,5 @@
 """Parameter files read into a `Design`, compared, and changed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

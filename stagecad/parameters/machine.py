@@ -5,8 +5,6 @@ assembly, `designcalc.NAME` its checks, `drawings.NAME` its sheets. The tool fin
 folder of the packaged machine is `PACKAGED`; machines of the user's own (`[machine]`) have that of `DECLARED`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache
@@ -35,45 +33,29 @@ class Computed:
 
 @dataclass(frozen=True)
 class DeclaredPart:
-    """A kind of part.
+    """A kind of part."""
 
-    Args:
-        key: name in the machine.
-        file: of a part of the user's own, in the folder of the parameter file; empty for a packaged part.
-        part: name of the packaged part, or the `NAME` that the user's file states.
-        parameters: values that differ from the file's defaults, or from those of the parameter file.
-        description: for the list of parts; empty for that of the part itself.
-        purchased: whether a part of the user's own is bought: its file states a `PART_NUMBER`.
-    """
-
-    key: str
-    file: str
-    part: str
-    parameters: Mapping[str, str]
-    description: str
-    purchased: bool = False
+    key: str  # name in the machine
+    file: str  # of a part of the user's own, in the folder of the parameter file; empty for a packaged part
+    part: str  # name of the packaged part, or the `NAME` that the user's file states
+    parameters: Mapping[str, str]  # values that differ from the file's defaults, or from those of the parameter file
+    description: str  # for the list of parts; empty for that of the part itself
+    purchased: bool = False  # whether a part of the user's own is bought: its file states a `PART_NUMBER`
 
 
 @dataclass(frozen=True)
 class Mate:
-    """An instance of a part, or several, and where they are put.
+    """An instance of a part, or several, and where they are put."""
 
-    Args:
-        name: of the instance; of several with a number after it.
-        part: key of its kind.
-        datum: of the part; empty for the fixed instance.
-        on: instance that it is put on, and that one's datum; empty for the fixed instance. A datum with a `*` is each
-            one of such a name.
-        offset: along x, y and normal of the datum it is put on: lengths or formulas, as written.
-        turn: about this normal: angle or formula, as written.
-    """
-
-    name: str
-    part: str
-    datum: str = ""
+    name: str  # of the instance; of several with a number after it
+    part: str  # key of its kind
+    datum: str = ""  # of the part; empty for the fixed instance
+    # instance that it is put on, and that one's datum; empty for the fixed instance. A datum with a `*` is each one of
+    # such a name
     on: tuple[str, str] = ("", "")
+    # along x, y and normal of the datum it is put on: lengths or formulas, as written
     offset: tuple[str, str, str] = ("0 mm", "0 mm", "0 mm")
-    turn: str = "0 deg"
+    turn: str = "0 deg"  # about this normal: angle or formula, as written
 
     @property
     def is_pattern(self) -> bool:
@@ -83,23 +65,15 @@ class Mate:
 
 @dataclass(frozen=True)
 class MachineDeclaration:
-    """A machine of the user's own; `mates` in an order in which each follows the one that it is put on.
+    """A machine of the user's own; `mates` in an order in which each follows the one that it is put on."""
 
-    Args:
-        file: the parameter file, for messages.
-        folder: of the parameter file.
-        parts, mates: in their order.
-        overlaps: pairs of kinds of part that may share volume.
-        tables: table of the parameters of each own part, by its key: this key, or the part's `NAME` where a packaged
-            table has it.
-    """
-
-    file: str
-    folder: Path
+    file: str  # the parameter file, for messages
+    folder: Path  # of the parameter file
     description: str
-    parts: tuple[DeclaredPart, ...]
-    mates: tuple[Mate, ...]
-    overlaps: frozenset[frozenset[str]]
+    parts: tuple[DeclaredPart, ...]  # in their order
+    mates: tuple[Mate, ...]  # in their order
+    overlaps: frozenset[frozenset[str]]  # pairs of kinds of part that may share volume
+    # table of the parameters of each own part, by its key: this key, or the part's `NAME` where a packaged table has it
     tables: Mapping[str, str] = field(default_factory=dict)
 
     def part(self, key: str) -> DeclaredPart:
@@ -109,37 +83,23 @@ class MachineDeclaration:
 
 @dataclass(frozen=True)
 class Machine:
-    """The tables of a machine's parameter file, and the rules between their values.
+    """The tables of a machine's parameter file, and the rules between their values."""
 
-    Args:
-        name: of its folder in each package.
-        tables: dataclass with one attribute for each table.
-        material: the table of one material.
-        design: class of its designs, with the tables as attributes (`stagecad.parameters.design.Design`).
-        computed: formulas of keys that the file may leave out.
-        bounded: a declaration with the physical range of its key.
-        kinds: kinds of the project's tables of hardware, by name.
-        rules: names of the modules with rules.
-        owners: parts that a table of the parameter file belongs to; a table without one belongs to no part.
-        declaration: of a machine of the user's own.
-        own: declarations of the parameters of its own parts, and their values, by key.
-        file: packaged parameter file.
-        threads: of the project's own table, by name.
-    """
-
-    name: str
-    tables: type
-    material: type
-    design: type
-    computed: Mapping[str, Computed]
-    bounded: Callable[[str, Declaration], Declaration]
-    kinds: Callable[[], Mapping[str, Kind]]
-    rules: tuple[str, ...]
+    name: str  # of its folder in each package
+    tables: type  # dataclass with one attribute for each table
+    material: type  # the table of one material
+    design: type  # class of its designs, with the tables as attributes (`stagecad.parameters.design.Design`)
+    computed: Mapping[str, Computed]  # formulas of keys that the file may leave out
+    bounded: Callable[[str, Declaration], Declaration]  # a declaration with the physical range of its key
+    kinds: Callable[[], Mapping[str, Kind]]  # kinds of the project's tables of hardware, by name
+    rules: tuple[str, ...]  # names of the modules with rules
+    # parts that a table of the parameter file belongs to; a table without one belongs to no part
     owners: Mapping[str, tuple[str, ...]]
-    file: Path
-    declaration: MachineDeclaration | None = None
+    file: Path  # packaged parameter file
+    declaration: MachineDeclaration | None = None  # of a machine of the user's own
+    # declarations of the parameters of its own parts, and their values, by key
     own: Mapping[str, tuple[Declaration, FileEntry]] = field(default_factory=dict)
-    threads: Mapping[str, Thread] = field(default_factory=dict)
+    threads: Mapping[str, Thread] = field(default_factory=dict)  # of the project's own table, by name
 
     def schema(self, materials: tuple[str, ...] = ("NAME",)) -> dict[str, Declaration]:
         """Every key that a parameter file with these materials may contain, with its declaration."""

@@ -1,7 +1,5 @@
 """Names in a user's files that become names of files."""
 
-from __future__ import annotations
-
 import re
 
 from stagecad.parameters.errors import InputError

@@ -1,7 +1,5 @@
 """Code of the user's own: whatever ends it, `sys.exit` too, is an error in one line and no success."""
 
-from __future__ import annotations
-
 import os
 import sys
 import traceback

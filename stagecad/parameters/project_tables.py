@@ -6,8 +6,6 @@ The column `name` is what the parameter file chooses a row by; a column `source`
 catalogue unless it begins like another one (`assumed: `).
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re
@@ -36,19 +34,12 @@ _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass(frozen=True)
 class Kind:
-    """What a table may hold.
+    """What a table may hold."""
 
-    Args:
-        columns: by name, with their declarations.
-        slots: tables of the parameter file that choose a row by their key `row`.
-        optional: columns that may be left out or empty; the parameter file has their values.
-        names: the rows to which the optional columns do not apply; empty for none.
-    """
-
-    columns: Mapping[str, Declaration]
-    slots: tuple[str, ...] = ()
-    optional: tuple[str, ...] = ()
-    names: tuple[str, ...] = ()
+    columns: Mapping[str, Declaration]  # by name, with their declarations
+    slots: tuple[str, ...] = ()  # tables of the parameter file that choose a row by their key `row`
+    optional: tuple[str, ...] = ()  # columns that may be left out or empty; the parameter file has their values
+    names: tuple[str, ...] = ()  # the rows to which the optional columns do not apply; empty for none
 
 
 @dataclass(frozen=True)

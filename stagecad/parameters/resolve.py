@@ -1,7 +1,5 @@
 """The entries of a design from those of its file: formulas evaluated, and values that the file leaves out computed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 

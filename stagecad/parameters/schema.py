@@ -6,8 +6,6 @@ is added by one line in its table and one in the parameter file, and nothing els
 A field's unit is the one its attribute is kept in: `mm` and `deg` for lengths and angles of geometry, SI for all else.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
@@ -23,30 +21,19 @@ FieldKind = Literal["number", "count", "switch", "text", "choice", "material"]
 
 @dataclass(frozen=True)
 class Declaration:
-    """Type, unit and bounds of a key of the parameter file.
+    """Type, unit and bounds of a key of the parameter file."""
 
-    Args:
-        kind: of the value.
-        meaning: one line for people.
-        unit: of a number as the attribute keeps it; empty when dimensionless.
-        low, high: bounds in `unit`; `low` itself is allowed only where `closed`.
-        closed: whether the lower bound is allowed.
-        allowed: values of a choice.
-        computed: computed from other keys if the file leaves it out.
-        why: reason of the bounds, for messages.
-        default: value if the file leaves it out; None where the file must give one.
-    """
-
-    kind: FieldKind
-    meaning: str
-    unit: str = ""
+    kind: FieldKind  # of the value
+    meaning: str  # one line for people
+    unit: str = ""  # of a number as the attribute keeps it; empty when dimensionless
+    # low, high: bounds in `unit`; `low` itself is allowed only where `closed`
     low: float = -math.inf
     high: float = math.inf
-    closed: bool = True
-    allowed: tuple[str, ...] = ()
-    computed: bool = False
-    why: str = ""
-    default: str | None = None
+    closed: bool = True  # whether the lower bound is allowed
+    allowed: tuple[str, ...] = ()  # values of a choice
+    computed: bool = False  # computed from other keys if the file leaves it out
+    why: str = ""  # reason of the bounds, for messages
+    default: str | None = None  # value if the file leaves it out; None where the file must give one
 
 
 def _key(declaration: Declaration) -> Any:

@@ -1,7 +1,5 @@
 """Screw threads by name, from `threads.csv`: metric coarse and fine, unified, and pipe threads."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass

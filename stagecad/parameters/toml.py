@@ -1,7 +1,5 @@
 """TOML documents of bounded depth, with integers of 64 bits (TOML 1.0.0) and no number that a float cannot hold."""
 
-from __future__ import annotations
-
 import tomllib
 from typing import Any
 

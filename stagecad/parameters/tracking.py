@@ -5,8 +5,6 @@ its access path. Later the same paths are followed in another design and the val
 floats), to decide whether a cached result is valid for that design.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

@@ -12,8 +12,6 @@ Rules
 - `%`, `ppm`, `count` and `bit` are dimensionless.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from difflib import SequenceMatcher

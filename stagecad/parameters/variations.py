@@ -1,7 +1,5 @@
 """Designs that differ from one design in a few values: only what depends on these values is computed again."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from types import SimpleNamespace

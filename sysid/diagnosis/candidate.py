@@ -23,33 +23,19 @@ LOCATION_PARAMETERS = ("phase", "rest_position")
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A candidate model and its gain over the base model.
+    """A candidate model and its gain over the base model."""
 
-    Args:
-        problem: the records.
-        added: effects added to the base model.
-        removed: public name of the effect removed from it; empty for none.
-        fitted: the model on the records of the fit.
-        held_out: its residual on the held-out records.
-        gain: reduction of the held-out loss of the base model.
-        fit_gain: reduction of the mean Huber loss on the records of the fit.
-        predicted_reduction: share of the squared residual, by the score test.
-        blocked_reduction: share that only amplitudes beyond their bounds would remove.
-        implausible: why the fitted values are implausible, as text; None if they are plausible.
-        law: name where it is not that of the added effect (quantisation of one channel).
-    """
-
-    problem: Problem
-    added: tuple[Effect, ...]
-    fitted: FittedModel
-    held_out: HeldOut
-    gain: Gain
-    fit_gain: float
-    removed: str = ""
-    predicted_reduction: float = 0.0
-    blocked_reduction: float = 0.0
-    implausible: str | None = None
-    law: str = ""
+    problem: Problem  # the records
+    added: tuple[Effect, ...]  # effects added to the base model
+    fitted: FittedModel  # the model on the records of the fit
+    held_out: HeldOut  # its residual on the held-out records
+    gain: Gain  # reduction of the held-out loss of the base model
+    fit_gain: float  # reduction of the mean Huber loss on the records of the fit
+    removed: str = ""  # public name of the effect removed from it; empty for none
+    predicted_reduction: float = 0.0  # share of the squared residual, by the score test
+    blocked_reduction: float = 0.0  # share that only amplitudes beyond their bounds would remove
+    implausible: str | None = None  # why the fitted values are implausible, as text; None if they are plausible
+    law: str = ""  # name where it is not that of the added effect (quantisation of one channel)
 
     @property
     def effect(self) -> Effect:
@@ -99,17 +85,11 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """The base model with which candidates are compared.
+    """The base model with which candidates are compared."""
 
-    Args:
-        problem: the records.
-        base: the fitted model, and the residual weights of the held-out records.
-        held_out: its residual on the held-out records.
-    """
-
-    problem: Problem
-    base: ReferenceFit
-    held_out: HeldOut
+    problem: Problem  # the records
+    base: ReferenceFit  # the fitted model, and the residual weights of the held-out records
+    held_out: HeldOut  # its residual on the held-out records
 
     @classmethod
     def of(cls, problem: Problem, base: ReferenceFit) -> Reference:

@@ -5,8 +5,6 @@ is too small are not fitted; the others are fitted for a few steps from their be
 residual to the candidates are returned too, for screenings on top of a similar model.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -38,33 +36,22 @@ ROWS_SEEN = 5000
 
 @dataclass(frozen=True)
 class CandidateJacobians:
-    """Changes of the residual by candidate effects; nearly unchanged if the model has one effect more or less.
+    """Changes of the residual by candidate effects; nearly unchanged if the model has one effect more or less."""
 
-    Args:
-        size: number of rows of the residual.
-        rows: indices of the rows at which the changes are kept.
-        grids: changes at the points of the shape grid, by name of the effect.
-    """
-
-    size: int
-    rows: slice
-    grids: Mapping[str, list[GridPoint]]
+    size: int  # number of rows of the residual
+    rows: slice  # indices of the rows at which the changes are kept
+    grids: Mapping[str, list[GridPoint]]  # changes at the points of the shape grid, by name of the effect
 
 
 @dataclass(frozen=True)
 class ScreeningResult:
-    """Screening of every candidate on top of a fitted model.
+    """Screening of every candidate on top of a fitted model."""
 
-    Args:
-        fits: screening fits, best first.
-        unfitted: scores of the effects that were not fitted, since their predicted share was too small.
-        target: residual of the model in the score tests, (n,).
-        jacobians: sensitivities of the residual to each candidate, for screenings on top of this model.
-    """
-
-    fits: list[ScreeningFit]
+    fits: list[ScreeningFit]  # screening fits, best first
+    # scores of the effects that were not fitted, since their predicted share was too small
     unfitted: list[ScoredCandidate]
-    target: np.ndarray
+    target: np.ndarray  # residual of the model in the score tests, (n,)
+    # sensitivities of the residual to each candidate, for screenings on top of this model
     jacobians: CandidateJacobians | None = None
 
 

@@ -3,8 +3,6 @@
 A warning never changes a verdict: it states what is wrong in the records, the noise or the columns, and what to do.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import product
 

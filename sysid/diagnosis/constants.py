@@ -4,8 +4,6 @@ Losses are mean Huber squares of the held-out residual in standard deviations of
 excess is the loss above that of a complete model; the share of a model is the part of the excess that it removes.
 """
 
-from __future__ import annotations
-
 MOST_EFFECTS = 8
 """Largest number of effects of a set."""
 

@@ -11,8 +11,6 @@ tested on every other sample, and limited by the share of a prediction of each b
 (cross-validated).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -169,28 +167,20 @@ def _samples(
 
 @dataclass(frozen=True)
 class Predictor:
-    """Binned predictor of a residual by one coordinate, with the samples (n,) of all records.
+    """Binned predictor of a residual by one coordinate, with the samples (n,) of all records."""
 
-    Args:
-        values, time, direction: coordinate, time and direction of motion of the samples.
-        residual: of the samples, in standard deviations.
-        block, record: numbers of the block of time and of the set of records.
-        cells: of the samples.
-        prediction: cross-validated prediction of the residual.
-        drawn: number of bins of the map.
-        share: explained share, limited by the cross-validated one.
-    """
-
+    # values, time, direction: coordinate, time and direction of motion of the samples
     values: np.ndarray
     time: np.ndarray
     direction: np.ndarray
-    residual: np.ndarray
+    residual: np.ndarray  # of the samples, in standard deviations
+    # block, record: numbers of the block of time and of the set of records
     block: np.ndarray
     record: np.ndarray
-    cells: np.ndarray
-    prediction: np.ndarray
-    drawn: int
-    share: float
+    cells: np.ndarray  # of the samples
+    prediction: np.ndarray  # cross-validated prediction of the residual
+    drawn: int  # number of bins of the map
+    share: float  # explained share, limited by the cross-validated one
 
 
 def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:

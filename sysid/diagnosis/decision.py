@@ -6,8 +6,6 @@
 3. Otherwise the misfit is unexplained.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,18 +25,13 @@ from sysid.prediction.prepared_record import PreparedRecord
 
 @dataclass(frozen=True)
 class NoiseLevel:
-    """Noise level as far as it is known.
+    """Noise level as far as it is known."""
 
-    Args:
-        loss: of a complete model: 1, or less where the estimated level was too high.
-        adequate_loss: largest loss of the stated model on any records, with the form error of the laws added to it
-            before in the variance.
-        evenness: median over mean of the variances of that residual in the blocks of time (`evenness`).
-    """
-
-    loss: float = 1.0
+    loss: float = 1.0  # of a complete model: 1, or less where the estimated level was too high
+    # largest loss of the stated model on any records, with the form error of the laws added to it before in the
+    # variance
     adequate_loss: float = 1.0
-    evenness: float = 1.0
+    evenness: float = 1.0  # median over mean of the variances of that residual in the blocks of time (`evenness`)
 
     @property
     def plausible(self) -> bool:
@@ -64,25 +57,15 @@ class FreeCurve:
 
 @dataclass(frozen=True)
 class Decision:
-    """Decision of a diagnosis.
+    """Decision of a diagnosis."""
 
-    Args:
-        verdict: `missing-effect`, `adequate` or `unexplained`.
-        best: the stated model with the effect named, for `missing-effect`.
-        ledger: every effect with its state.
-        reason: as text.
-        free_curve: best free curve on top of the stated model; none where there is no excess.
-        best_named: best named candidate, and its share of the excess.
-        detected_by: method of detection as text, if not a reduction of the error.
-    """
-
-    verdict: str
-    best: Candidate | None
-    ledger: Ledger
-    reason: str
-    free_curve: FreeCurve | None = None
-    best_named: tuple[str, float] | None = None
-    detected_by: str = ""
+    verdict: str  # `missing-effect`, `adequate` or `unexplained`
+    best: Candidate | None  # the stated model with the effect named, for `missing-effect`
+    ledger: Ledger  # every effect with its state
+    reason: str  # as text
+    free_curve: FreeCurve | None = None  # best free curve on top of the stated model; none where there is no excess
+    best_named: tuple[str, float] | None = None  # best named candidate, and its share of the excess
+    detected_by: str = ""  # method of detection as text, if not a reduction of the error
 
     @property
     def ties(self) -> tuple[str, ...]:

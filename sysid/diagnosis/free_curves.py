@@ -10,8 +10,6 @@ free curve explains clearly more than every named effect, the missing law depend
 library.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -40,21 +38,13 @@ Place = Literal["force", "level", "voltage"]
 
 @dataclass(frozen=True)
 class _Curve:
-    """Declaration of one free curve.
+    """Declaration of one free curve."""
 
-    Args:
-        coordinate: public name.
-        field: of the `Axis`.
-        place: how the curve enters the model.
-        knots: number.
-        by_rank: knots at quantiles, for coordinates with uneven distributions.
-    """
-
-    coordinate: Coordinate
-    field: str
-    place: Place
-    knots: int
-    by_rank: bool = False
+    coordinate: Coordinate  # public name
+    field: str  # of the `Axis`
+    place: Place  # how the curve enters the model
+    knots: int  # number
+    by_rank: bool = False  # knots at quantiles, for coordinates with uneven distributions
 
 
 _CURVES = (

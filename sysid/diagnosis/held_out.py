@@ -55,15 +55,10 @@ class Gain:
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Residual of a model on the held-out records.
+    """Residual of a model on the held-out records."""
 
-    Args:
-        residual: in standard deviations, (n,).
-        block: number of the block of time of each sample, (n,).
-    """
-
-    residual: np.ndarray
-    block: np.ndarray
+    residual: np.ndarray  # in standard deviations, (n,)
+    block: np.ndarray  # number of the block of time of each sample, (n,)
 
     @cached_property
     def loss(self) -> float:

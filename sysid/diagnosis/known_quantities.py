@@ -7,8 +7,6 @@ is known is contradicted where the estimate is far from it in standard deviation
 difference is a notable part of what f leaves unexplained.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

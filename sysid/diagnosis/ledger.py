@@ -11,8 +11,6 @@ is left, once the others are in S; a mimic does not. The evidence of an effect (
 of `judge`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -52,32 +50,23 @@ State = Literal["established", "possible", "refused"]
 
 @dataclass(frozen=True)
 class Evidence:
-    """Evidence of one effect of a set; symbols as above.
+    """Evidence of one effect of a set; symbols as above."""
 
-    Args:
-        gain, share, own_share: g, share and q.
-        before: L-.
-        held: transfer to the held-out records.
-        fit: the same on the records of the fit.
-        exchanged: the same with the roles of the records exchanged; none where there are blocks enough.
-        form: gain of the best free curve of its own coordinates on top of S, over that of the largest effect of S that
-            has the coordinate.
-        floor: loss that the form errors of the other effects may leave in its coordinates.
-        margin: loss of gain by the best other effect in its place, over g; infinite where none was tried.
-        implausible: reason why its values are implausible; empty if they are not.
-    """
-
+    # gain, share, own_share: g, share and q
     gain: float
     share: float
     own_share: float
-    before: float
-    held: Transfer
-    fit: Transfer
+    before: float  # L-
+    held: Transfer  # transfer to the held-out records
+    fit: Transfer  # the same on the records of the fit
+    # the same with the roles of the records exchanged; none where there are blocks enough
     exchanged: Transfer | None = None
+    # gain of the best free curve of its own coordinates on top of S, over that of the largest effect of S that has the
+    # coordinate
     form: float = 0.0
-    floor: float = 0.0
-    margin: float = np.inf
-    implausible: str = ""
+    floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
+    margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
+    implausible: str = ""  # reason why its values are implausible; empty if they are not
 
     @property
     def z(self) -> float:
@@ -99,27 +88,17 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Entry:
-    """One effect of the ledger.
+    """One effect of the ledger."""
 
-    Args:
-        effect: the effect.
-        state: whether it certainly acts.
-        reason: of the state, as text.
-        evidence: numbers; none for an effect that was detected by other means.
-        ties: public names of effects that these records cannot distinguish from it.
-        model: the model in which it was judged.
-        below: that model without the effect, refitted; none for an effect that was detected by other means.
-        words: method of detection as text, if not a reduction of the error.
-    """
-
-    effect: Effect
-    state: State
-    reason: str
-    model: Candidate
-    evidence: Evidence | None = None
-    ties: tuple[str, ...] = ()
+    effect: Effect  # the effect
+    state: State  # whether it certainly acts
+    reason: str  # of the state, as text
+    model: Candidate  # the model in which it was judged
+    evidence: Evidence | None = None  # numbers; none for an effect that was detected by other means
+    ties: tuple[str, ...] = ()  # public names of effects that these records cannot distinguish from it
+    # that model without the effect, refitted; none for an effect that was detected by other means
     below: Candidate | None = None
-    words: str = ""
+    words: str = ""  # method of detection as text, if not a reduction of the error
 
     @property
     def name(self) -> str:
@@ -134,19 +113,12 @@ class Entry:
 
 @dataclass(frozen=True)
 class Ledger:
-    """The ledger of a stated model.
+    """The ledger of a stated model."""
 
-    Args:
-        entries: established effects first, each group by decreasing marginal gain.
-        model: the stated model with the established effects; without any, the stated model itself.
-        explained: part of the excess that they remove; 0 without an excess.
-        coordinate: recurring coordinate whose free curve gains most on top of them; empty for none.
-    """
-
-    entries: tuple[Entry, ...]
-    model: Candidate
-    explained: float = 0.0
-    coordinate: str = ""
+    entries: tuple[Entry, ...]  # established effects first, each group by decreasing marginal gain
+    model: Candidate  # the stated model with the established effects; without any, the stated model itself
+    explained: float = 0.0  # part of the excess that they remove; 0 without an excess
+    coordinate: str = ""  # recurring coordinate whose free curve gains most on top of them; empty for none
 
     @property
     def established(self) -> tuple[Entry, ...]:
@@ -193,21 +165,13 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
 
 @dataclass(frozen=True)
 class _Set:
-    """A set of effects on top of a stated model.
+    """A set of effects on top of a stated model."""
 
-    Args:
-        search: models.
-        noise: loss of a complete model.
-        added: names of the effects of the stated model that were added to it before.
-        model: the model with the set.
-        recurring: coordinates whose values recur.
-    """
-
-    search: ModelSearch
-    noise: float
-    added: tuple[str, ...]
-    model: Candidate
-    recurring: frozenset[Coordinate]
+    search: ModelSearch  # models
+    noise: float  # loss of a complete model
+    added: tuple[str, ...]  # names of the effects of the stated model that were added to it before
+    model: Candidate  # the model with the set
+    recurring: frozenset[Coordinate]  # coordinates whose values recur
 
     @cached_property
     def explained(self) -> float:
@@ -443,16 +407,11 @@ def _implausible(fitted: FittedModel, effect: Effect) -> str:
 
 @dataclass(frozen=True)
 class Replacement:
-    """An effect of the model, added earlier, that should be removed or replaced.
+    """An effect of the model, added earlier, that should be removed or replaced."""
 
-    Args:
-        old: its name.
-        new: its replacement; none where it is not needed.
-        before, after: error over noise on the held-out records, without and with the replacement.
-    """
-
-    old: str
-    new: str | None
+    old: str  # its name
+    new: str | None  # its replacement; none where it is not needed
+    # before, after: error over noise on the held-out records, without and with the replacement
     before: float
     after: float
 

@@ -9,8 +9,6 @@ Candidates are screened by the score test; the most promising are refitted in fu
 - an effect removed (`without`), and another one in its place (`step` on top of that).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import cached_property

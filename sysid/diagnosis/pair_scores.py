@@ -6,8 +6,6 @@ equations of the sensitivities D of its effects at their best grid points, with 
     reduction = r^T D (D^T D)^-1 D^T r.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -39,17 +37,12 @@ class _Part:
 
 @dataclass(frozen=True)
 class ScoredPair:
-    """Two effects at their best grid points.
+    """Two effects at their best grid points."""
 
-    Args:
-        reduction: predicted reduction of the squared residual.
-        parts: the effects with their scores; a friction state model first, since the other starts from its level.
-        weights: linear weights of the directions of each part.
-    """
-
-    reduction: float
+    reduction: float  # predicted reduction of the squared residual
+    # the effects with their scores; a friction state model first, since the other starts from its level
     parts: tuple[_Part, _Part]
-    weights: tuple[np.ndarray, np.ndarray]
+    weights: tuple[np.ndarray, np.ndarray]  # linear weights of the directions of each part
 
     @property
     def families(self) -> frozenset[str]:

@@ -1,7 +1,5 @@
 """Quantisation of a channel, found from its values: a least significant bit larger than the stated noise."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from sim.effects.catalogue import find_where, rounding_effects

@@ -1,7 +1,5 @@
 """Residual maps: mean residual over each coordinate and direction of motion, with explained share and p value."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -27,27 +25,20 @@ PERMUTATIONS = 500
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """Residual over one coordinate.
+    """Residual over one coordinate."""
 
-    Args:
-        coordinate: its name.
-        share: cross-validated share of the residual's variance that the coordinate explains, in [0, 1].
-        beside_time: share explained by the coordinate after removal of the time dependence, minus the share explained
-            by time after removal of the dependence on the coordinate.
-        p_value: of the cross-validated prediction, by a sign-flip test over blocks of time.
-        centres: of the bins, (k,), in the coordinate's SI unit.
-        forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
-        forward_error, backward_error: their standard errors from the scatter of blocks of time, (k,); empty for a
-            spectrum.
-    """
-
-    coordinate: str
-    share: float
-    p_value: float
-    centres: np.ndarray
+    coordinate: str  # its name
+    share: float  # cross-validated share of the residual's variance that the coordinate explains, in [0, 1]
+    p_value: float  # of the cross-validated prediction, by a sign-flip test over blocks of time
+    centres: np.ndarray  # of the bins, (k,), in the coordinate's SI unit
+    # forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,)
     forward: np.ndarray
     backward: np.ndarray
+    # share explained by the coordinate after removal of the time dependence, minus the share explained by time after
+    # removal of the dependence on the coordinate
     beside_time: float = 0.0
+    # forward_error, backward_error: their standard errors from the scatter of blocks of time, (k,); empty for a
+    # spectrum
     forward_error: np.ndarray = field(default_factory=lambda: np.empty(0))
     backward_error: np.ndarray = field(default_factory=lambda: np.empty(0))
 

@@ -16,8 +16,6 @@ of the force give m T and its derivatives, which are projected out. A mode must 
 fit and on the held-out ones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -80,20 +78,14 @@ SIZE_RATIO = 1.6
 
 @dataclass(frozen=True)
 class StructuralMode:
-    """A mode detected above the filter band.
+    """A mode detected above the filter band."""
 
-    Args:
-        values: frequency (Hz), damping ratio, and part of the mass on the mode.
-        stds: their standard deviations.
-        fit, held_out: detection statistic, in standard errors.
-        band: upper limit of the filter band, Hz.
-    """
-
-    values: Mapping[str, float]
-    stds: Mapping[str, float]
+    values: Mapping[str, float]  # frequency (Hz), damping ratio, and part of the mass on the mode
+    stds: Mapping[str, float]  # their standard deviations
+    # fit, held_out: detection statistic, in standard errors
     fit: float
     held_out: float
-    band: float
+    band: float  # upper limit of the filter band, Hz
 
     @property
     def words(self) -> str:
@@ -107,26 +99,17 @@ class StructuralMode:
 
 @dataclass(frozen=True)
 class _WhitenedRecord:
-    """A whitened record: each frequency divided by the root of its noise power spectrum.
+    """A whitened record: each frequency divided by the root of its noise power spectrum."""
 
-    Args:
-        residual: of the model without a mode, in standard deviations, at `samples`, (k,).
-        drive: spectrum of the mass times the predicted acceleration, over the noise.
-        frequencies: of `drive`, Hz.
-        samples: indices of the samples used, (k,).
-        nuisance: orthonormal columns of errors of mass and time, which are projected out, (k, 3).
-        length, start: length of the transformed signals, and index of the record's first sample in them.
-        band: upper limit of the filter band, Hz.
-    """
-
-    residual: np.ndarray
-    drive: np.ndarray
-    frequencies: np.ndarray
-    samples: np.ndarray
-    nuisance: np.ndarray
+    residual: np.ndarray  # of the model without a mode, in standard deviations, at `samples`, (k,)
+    drive: np.ndarray  # spectrum of the mass times the predicted acceleration, over the noise
+    frequencies: np.ndarray  # of `drive`, Hz
+    samples: np.ndarray  # indices of the samples used, (k,)
+    nuisance: np.ndarray  # orthonormal columns of errors of mass and time, which are projected out, (k, 3)
+    # length, start: length of the transformed signals, and index of the record's first sample in them
     length: int
     start: int
-    band: float
+    band: float  # upper limit of the filter band, Hz
 
     def signature(self, frequency: float, damping: float, part: float = 0.0) -> np.ndarray:
         """Response (k,) of a mode per part of the mass on it, errors of mass and time projected out."""

@@ -16,8 +16,6 @@ An effect that acts during a few events has a small effective number of blocks k
 significance z is the normal deviate of Student's t = a / sd with k - 1 degrees of freedom.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,17 +38,11 @@ LARGEST = 37.0
 
 @dataclass(frozen=True)
 class Transfer:
-    """Transfer of an effect.
+    """Transfer of an effect."""
 
-    Args:
-        amplitude: a, over the fitted one.
-        z: significance, a normal deviate.
-        blocks: effective number of independent blocks.
-    """
-
-    amplitude: float = 0.0
-    z: float = 0.0
-    blocks: float = 0.0
+    amplitude: float = 0.0  # a, over the fitted one
+    z: float = 0.0  # significance, a normal deviate
+    blocks: float = 0.0  # effective number of independent blocks
 
     @property
     def p_value(self) -> float:

@@ -11,8 +11,6 @@ correlation and the local variance of the measured ones. `e_b` is the residual o
 method does not assume linearity, and values may be near their bounds.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -167,19 +165,12 @@ def _leverage_corrected(residual: np.ndarray, basis: np.ndarray, numbers: np.nda
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Values of the draws.
+    """Values of the draws."""
 
-    Args:
-        keys: of the fitted values.
-        best: of the fit itself, (p,).
-        values: (draws, p), of the draws whose fit converged.
-        requested: number of draws.
-    """
-
-    keys: tuple[str, ...]
-    best: np.ndarray
-    values: np.ndarray
-    requested: int
+    keys: tuple[str, ...]  # of the fitted values
+    best: np.ndarray  # of the fit itself, (p,)
+    values: np.ndarray  # (draws, p), of the draws whose fit converged
+    requested: int  # number of draws
 
     @property
     def std(self) -> np.ndarray:

@@ -10,8 +10,6 @@ Skew: the channels of a row are assumed to be simultaneous, which is accurate to
 Each is a change (n,) of the weighted residual by one standard deviation; it shifts the fitted values linearly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -18,8 +18,6 @@ lift-off where there is none, or without where there is some. A few hundred tria
 displacement of the stage from stroke to stroke, which does not accumulate; the best are refined and fitted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import product

@@ -1,7 +1,5 @@
 """Fit of a model to records: weighted residual, robust least squares, and the fitted model with its Jacobian."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -100,19 +98,12 @@ def root_mean_huber(residual: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class InformationCriteria:
-    """Criteria of a fitted model; the smaller, the better.
+    """Criteria of a fitted model; the smaller, the better."""
 
-    Args:
-        aic: of Akaike.
-        bic: of Schwarz.
-        samples: n, scored samples of the records of the fit.
-        parameters: k, with the residual variance.
-    """
-
-    aic: float
-    bic: float
-    samples: int
-    parameters: int
+    aic: float  # of Akaike
+    bic: float  # of Schwarz
+    samples: int  # n, scored samples of the records of the fit
+    parameters: int  # k, with the residual variance
 
     def to_json(self) -> dict[str, Any]:
         """The criteria as JSON data."""

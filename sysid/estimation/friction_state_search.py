@@ -7,8 +7,6 @@ bristles; the other values stay at those of the fit, whose level is that of stea
 lowest points follows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -8,8 +8,6 @@ The principal angles between the spans of two sets of sensitivities A and B, bas
 another is small, the other could replace it, to first order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Residuals of a model in standard deviations of the noise, and their size: by channel, by block of time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -31,21 +29,15 @@ def huber_square(residual: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ChannelMisfit:
-    """Residual of one channel of one set of records.
+    """Residual of one channel of one set of records."""
 
-    Args:
-        rms: over all scored samples, in the channel's unit.
-        over_noise: trimmed rms over the noise of the residual after the same filter (1 for noise alone); the same
-            ratio for the presliding displacements in stick phases, if it is larger.
-        fit_percent: 100 (1 - |residual| / |measured - mean|); in a free motion over the force of the inertia.
-        size: scored samples.
-        over_sensor_noise: the trimmed rms over the noise of the channel's own sensor after the filter.
-    """
-
-    rms: float
+    rms: float  # over all scored samples, in the channel's unit
+    # trimmed rms over the noise of the residual after the same filter (1 for noise alone); the same ratio for the
+    # presliding displacements in stick phases, if it is larger
     over_noise: float
-    fit_percent: float
-    size: int
+    fit_percent: float  # 100 (1 - |residual| / |measured - mean|); in a free motion over the force of the inertia
+    size: int  # scored samples
+    # the trimmed rms over the noise of the channel's own sensor after the filter
     over_sensor_noise: float | None = None
 
 

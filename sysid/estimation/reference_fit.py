@@ -6,8 +6,6 @@ grid by the score test, bristles by a scan of their stretch, and those of a driv
 for lower local minima; the stated start is one of the starts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -33,19 +31,12 @@ from sysid.prediction.problem import Problem
 
 @dataclass(frozen=True)
 class ReferenceFit:
-    """A fitted model, and its residual on the held-out records with which candidates are compared.
+    """A fitted model, and its residual on the held-out records with which candidates are compared."""
 
-    Args:
-        fitted: model, fit and weights on the records of the fit.
-        weights: residual weights of the held-out records.
-        residual: of the held-out records, in standard deviations, (n,).
-        laws: variants that were selected for effects of the model, as `stribeck:rational`.
-    """
-
-    fitted: FittedModel
-    weights: ResidualWeights
-    residual: np.ndarray
-    laws: tuple[str, ...] = ()
+    fitted: FittedModel  # model, fit and weights on the records of the fit
+    weights: ResidualWeights  # residual weights of the held-out records
+    residual: np.ndarray  # of the held-out records, in standard deviations, (n,)
+    laws: tuple[str, ...] = ()  # variants that were selected for effects of the model, as `stribeck:rational`
 
 
 def reference_fit(

@@ -14,8 +14,6 @@ test of all lags together: Ljung and Box, Biometrika 65 (1978) 297). The residua
 one sample of each filter width is taken, as in the fit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

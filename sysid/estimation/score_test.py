@@ -22,8 +22,6 @@ G. B. Rybicki, Astrophys. J. 338 (1989) 277; there with e = 1). The filter of a 
 amplitude, but moves no peak.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Screening of candidate effects: score test over the shape grid, short fit from its best points, then a full refit."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -20,19 +18,12 @@ from sysid.prediction.prepared_record import PreparedRecord
 
 @dataclass(frozen=True)
 class RefittedEffect:
-    """One candidate effect on top of a base model, refitted.
+    """One candidate effect on top of a base model, refitted."""
 
-    Args:
-        effect: the candidate.
-        predicted_reduction: share of the squared residual, by the score test.
-        fitted: the model with it.
-        blocked_reduction: share that only amplitudes beyond their bounds would remove.
-    """
-
-    effect: Effect
-    predicted_reduction: float
-    fitted: FittedModel
-    blocked_reduction: float = 0.0
+    effect: Effect  # the candidate
+    predicted_reduction: float  # share of the squared residual, by the score test
+    fitted: FittedModel  # the model with it
+    blocked_reduction: float = 0.0  # share that only amplitudes beyond their bounds would remove
 
 
 @dataclass(frozen=True)

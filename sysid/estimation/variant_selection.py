@@ -5,8 +5,6 @@ zero, and the gradient in the width vanishes. A replaced effect therefore starts
 by the score test.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from typing import TypeAlias
 

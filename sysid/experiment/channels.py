@@ -1,7 +1,5 @@
 """Columns of a record: names, units, and assignment to channels."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """An experiment: the rig, the stated model, the records and their noise, read from `experiment.toml`."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress

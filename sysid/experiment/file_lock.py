@@ -1,7 +1,5 @@
 """A file lock between processes; the system releases it when the process ends for any reason."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -9,8 +9,6 @@ A change is made in this order: write a note of the intended change (`ladder/pen
 model, or was edited by hand since, the rung is kept. Reading functions apply the same rule without writing.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

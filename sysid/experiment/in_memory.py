@@ -1,7 +1,5 @@
 """Experiments in memory: the content of an `experiment.toml` as plain data, records as columns, revisions as values."""
 
-from __future__ import annotations
-
 import hashlib
 import tomllib
 from collections.abc import Mapping, Sequence

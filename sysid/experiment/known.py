@@ -1,7 +1,5 @@
 """`[rig.known]`: known quantities of the rig, with their uncertainty, or taken from the design."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """Editing of the `[model]` table of an experiment file; all other content of the file is kept."""
 
-from __future__ import annotations
-
 import copy
 import hashlib
 import json

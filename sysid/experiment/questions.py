@@ -1,7 +1,5 @@
 """Questions that a proposed experiment file leaves to the user, and what is unknown in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 QUESTION = "QUESTION:"

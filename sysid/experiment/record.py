@@ -1,7 +1,5 @@
 """Records as arrays: reading, conversion to SI units, time window, checks, and a held-out part if none is given."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """`[[record]]` tables: file, role, columns of the channels and time window of each record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path

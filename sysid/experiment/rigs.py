@@ -1,7 +1,5 @@
 """Kinds of rig: imposed channels, measured channels and known quantities of each."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

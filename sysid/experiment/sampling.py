@@ -5,8 +5,6 @@ step: a line of the mains would alias to a wrong frequency, and rates would be n
 rounding of evenly spaced times were sampled at these; the step is the slope of the times over the row numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The `[model]` of an experiment: its effects by name, and starts, bounds or fixed values of their parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

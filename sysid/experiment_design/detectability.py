@@ -10,8 +10,6 @@ Effects without an amplitude (lag, gap, presliding displacement) are inserted at
 detected.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, sqrt

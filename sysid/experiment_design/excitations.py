@@ -1,7 +1,5 @@
 """Excitations: motions that are sensitive to different effects, within travel, speed and voltages of the records."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

@@ -9,8 +9,6 @@ with all parameters of model k free, refitted from several starts. The sum is sc
 samples. Squared distances add over experiments, so motions are ordered by their smallest squared distance per second.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -51,32 +49,20 @@ SCORED = 4000
 
 @dataclass(frozen=True)
 class Discrimination:
-    """Discrimination distance of two competing models.
+    """Discrimination distance of two competing models."""
 
-    Args:
-        effects: names of the effects of the two models.
-        deviations: distance on the motion, in standard deviations.
-        records: distance on the records of the fit, in standard deviations.
-    """
-
-    effects: tuple[str, str]
-    deviations: float
-    records: float
+    effects: tuple[str, str]  # names of the effects of the two models
+    deviations: float  # distance on the motion, in standard deviations
+    records: float  # distance on the records of the fit, in standard deviations
 
 
 @dataclass(frozen=True)
 class RankedMotion:
-    """Design value of a motion.
+    """Design value of a motion."""
 
-    Args:
-        motion: the motion.
-        pairs: distances of the competing models, smallest first.
-        least: smallest distance among the models that at least one motion discriminates.
-    """
-
-    motion: Motion
-    pairs: tuple[Discrimination, ...]
-    least: float = 0.0
+    motion: Motion  # the motion
+    pairs: tuple[Discrimination, ...]  # distances of the competing models, smallest first
+    least: float = 0.0  # smallest distance among the models that at least one motion discriminates
 
     @property
     def rate(self) -> float:

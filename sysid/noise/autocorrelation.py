@@ -13,8 +13,6 @@ Sources: Allan, Proc. IEEE 54 (1966) 221, and Serroukh, Walden and Percival, J. 
 of differences against lag); Rice, Ann. Statist. 12 (1984) 1215 (noise from differences).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache

@@ -7,8 +7,6 @@ standard deviation s and lag-one correlation c (Priestley, Spectral Analysis and
     correlation of means = c (1 - c^k)^2 / [k (1 - c^2) - 2 c (1 - c^k)].
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

@@ -14,8 +14,6 @@ only a lower bound, which is reported.
 Source: Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -57,31 +55,19 @@ WRONG_FLOOR, LEAST_SAMPLES = 0.7, 300
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviation of the noise on one channel.
+    """Standard deviation of the noise on one channel."""
 
-    Args:
-        value: SI, quantisation included.
-        unit: SI unit.
-        source: method by which the value was obtained.
-        spectrum: of the noise.
-        correlation_time: s, of the autoregressive part; zero for white noise.
-        filtered: whether the log was low-pass filtered, so that `value` is a lower bound unless given or from repeats.
-        factor: by which an estimated `value` may be too small or too large.
-        quantisation_step: least significant bit of the values, SI; None if they are not quantised.
-        note: one line for the user.
-        without_quantisation: standard deviation without quantisation noise, SI; None if `value` does not include
-            quantisation noise.
-    """
-
-    value: float
-    unit: str
-    source: NoiseSource
-    spectrum: NoiseSpectrum = WHITE
-    correlation_time: float = 0.0
+    value: float  # SI, quantisation included
+    unit: str  # SI unit
+    source: NoiseSource  # method by which the value was obtained
+    spectrum: NoiseSpectrum = WHITE  # of the noise
+    correlation_time: float = 0.0  # s, of the autoregressive part; zero for white noise
+    # whether the log was low-pass filtered, so that `value` is a lower bound unless given or from repeats
     filtered: bool = False
-    factor: float = 1.0
-    quantisation_step: float | None = None
-    note: str = ""
+    factor: float = 1.0  # by which an estimated `value` may be too small or too large
+    quantisation_step: float | None = None  # least significant bit of the values, SI; None if they are not quantised
+    note: str = ""  # one line for the user
+    # standard deviation without quantisation noise, SI; None if `value` does not include quantisation noise
     without_quantisation: float | None = None
 
     @property

@@ -13,8 +13,6 @@ Source: Thomson, Proc. IEEE 70 (1982) 1055 (lines in a coloured spectrum). Frequ
 99.5 % of the time.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

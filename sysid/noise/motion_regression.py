@@ -7,8 +7,6 @@ along the hat functions, which is small for all but the slowest noise. The regre
 its coefficients are not used elsewhere.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -41,15 +39,10 @@ SURE = 0.02
 
 @dataclass(frozen=True)
 class MotionResidual:
-    """Residual of the regression.
+    """Residual of the regression."""
 
-    Args:
-        values: (n,), NaN in gaps.
-        removed: part of the power of noise that the regression removes, (m,) from frequency zero to Nyquist's.
-    """
-
-    values: np.ndarray
-    removed: np.ndarray
+    values: np.ndarray  # (n,), NaN in gaps
+    removed: np.ndarray  # part of the power of noise that the regression removes, (m,) from frequency zero to Nyquist's
 
 
 def motion_residual(record: Record, values: np.ndarray, channel: str) -> MotionResidual | None:

@@ -1,7 +1,5 @@
 """Scatter from cycle to cycle of a periodic motion, and the step of a quantised channel."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,19 +14,12 @@ SAME = 2e-3
 
 @dataclass(frozen=True)
 class CycleScatter:
-    """Scatter from cycle to cycle.
+    """Scatter from cycle to cycle."""
 
-    Args:
-        scatter: standard deviation of one cycle about its neighbours, in the channel's unit.
-        period: s.
-        cycles: number of cycles compared.
-        correlation: of neighbouring samples of that scatter.
-    """
-
-    scatter: float
-    period: float
-    cycles: int
-    correlation: float
+    scatter: float  # standard deviation of one cycle about its neighbours, in the channel's unit
+    period: float  # s
+    cycles: int  # number of cycles compared
+    correlation: float  # of neighbouring samples of that scatter
 
 
 def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:

@@ -1,7 +1,5 @@
 """Terms of a model along a prepared record: friction level, and forces other than the friction."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Effects that are observable on a rig, and those to try on top of a model."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

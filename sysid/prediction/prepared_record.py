@@ -1,7 +1,5 @@
 """Common properties of all prepared records."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -34,37 +32,24 @@ class Scored(NamedTuple):
 
 @dataclass(eq=False, kw_only=True)
 class PreparedRecord(ABC):
-    """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
+    """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid."""
 
-    Args:
-        name, role, step: of the record as read; s.
-        rig: that predicts its channels.
-        measured: scored channels.
-        valid: rows of each that count.
-        noise: standard deviation that sensor noise leaves in the residual of each.
-        force_channel: the channel of a force balance.
-        timing_uncertainty: standard deviation of the times of reversals, s.
-        acceleration: of a driven mass, filtered, m/s^2.
-        stick_fraction: part of each step in which a driven mass rests.
-        full_filter: that the channels of a driven mass have passed through.
-        stick_phases: displacements of a driven mass while friction holds it, scored in addition to the channels.
-        redrawn: the record prepared from the same log with noise of its sensors added, where a prediction uses a
-            measured motion.
-    """
-
+    # name, role, step: of the record as read; s
     name: str
     role: str
-    rig: PredictsChannels
+    rig: PredictsChannels  # that predicts its channels
     step: float
-    measured: dict[str, np.ndarray]
-    valid: dict[str, np.ndarray]
-    noise: dict[str, float]
-    force_channel: str = ""
-    timing_uncertainty: float = 0.0
-    acceleration: np.ndarray | None = None
-    stick_fraction: np.ndarray | None = None
-    full_filter: GaussianFilter | None = None
+    measured: dict[str, np.ndarray]  # scored channels
+    valid: dict[str, np.ndarray]  # rows of each that count
+    noise: dict[str, float]  # standard deviation that sensor noise leaves in the residual of each
+    force_channel: str = ""  # the channel of a force balance
+    timing_uncertainty: float = 0.0  # standard deviation of the times of reversals, s
+    acceleration: np.ndarray | None = None  # of a driven mass, filtered, m/s^2
+    stick_fraction: np.ndarray | None = None  # part of each step in which a driven mass rests
+    full_filter: GaussianFilter | None = None  # that the channels of a driven mass have passed through
+    # displacements of a driven mass while friction holds it, scored in addition to the channels
     stick_phases: StickPhases | None = None
+    # the record prepared from the same log with noise of its sensors added, where a prediction uses a measured motion
     redrawn: Self | None = None
 
     @property

@@ -1,7 +1,5 @@
 """The identification problem of an experiment: prepared records, noise and stated model."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,28 +27,17 @@ from sysid.prediction.simulation import RIG_MODELS
 
 @dataclass(frozen=True)
 class Problem:
-    """An identification problem.
+    """An identification problem."""
 
-    Args:
-        experiment: as read.
-        records: as read.
-        noise: by measured channel.
-        fit_records, validate_records: prepared.
-        scales: sizes set by the records of the fit.
-        custom: the user's own effects.
-        start: the model as the experiment states it, before any fit.
-        notes: for the user.
-    """
-
-    experiment: Experiment
-    records: tuple[Record, ...]
-    noise: Mapping[str, Noise]
-    fit_records: tuple[PreparedRecord, ...]
-    validate_records: tuple[PreparedRecord, ...]
-    scales: Scales
-    custom: tuple[Effect, ...]
-    start: Model
-    notes: tuple[str, ...]
+    experiment: Experiment  # as read
+    records: tuple[Record, ...]  # as read
+    noise: Mapping[str, Noise]  # by measured channel
+    fit_records: tuple[PreparedRecord, ...]  # prepared
+    validate_records: tuple[PreparedRecord, ...]  # prepared
+    scales: Scales  # sizes set by the records of the fit
+    custom: tuple[Effect, ...]  # the user's own effects
+    start: Model  # the model as the experiment states it, before any fit
+    notes: tuple[str, ...]  # for the user
 
     def __repr__(self) -> str:
         return f"<Problem '{self.experiment.folder.name}': {self.kind}, {len(self.records)} records>"

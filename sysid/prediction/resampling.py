@@ -1,7 +1,5 @@
 """A record on a uniform time grid."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stagecad.parameters.errors import InputError

@@ -1,7 +1,5 @@
 """Interface of a kind of rig: preparation, prediction, simulation; `sysid/prediction/simulation.py` has the kinds."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

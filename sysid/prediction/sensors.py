@@ -1,7 +1,5 @@
 """Effects of sensors, and of the lag of a drive, on the channels of a force balance, and their inversion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace

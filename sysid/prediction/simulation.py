@@ -1,7 +1,5 @@
 """Channels of a rig as a model simulates them from the inputs of a record; the model class of each rig."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

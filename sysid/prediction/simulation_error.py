@@ -8,8 +8,6 @@ the residual of the prediction. A start on a measured state then changes the pos
 else follows from the inputs, and horizons of the other rigs are the free run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Gaussian smoothing and differentiation of uniformly sampled signals, the same for every term of a force balance."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import NamedTuple
 

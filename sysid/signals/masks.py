@@ -1,7 +1,5 @@
 """Masks of samples and gaps: runs, runs of a least length, dilation, and linear interpolation across gaps."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

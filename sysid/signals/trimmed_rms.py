@@ -1,7 +1,5 @@
 """Root mean square without the largest samples, on the scale of the standard deviation of normal noise."""
 
-from __future__ import annotations
-
 import numpy as np
 
 KEPT = 0.97

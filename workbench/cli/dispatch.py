@@ -4,8 +4,6 @@ A command's module is imported only when that command runs, so `stagecad --help`
 Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or usage, one line; 130 Ctrl-C.
 """
 
-from __future__ import annotations
-
 import errno
 import sys
 from collections.abc import Sequence

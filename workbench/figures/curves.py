@@ -4,8 +4,6 @@ A record of any length is drawn by the minimum and maximum of each pixel column,
 lost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -32,28 +30,18 @@ _WITH_PREFIX = ("m", "N", "s", "V", "rad", "Hz")
 
 @dataclass(frozen=True)
 class Curve:
-    """One channel of one record with the predictions to draw over it. Arrays (n,), SI; NaN where nothing is scored.
+    """One channel of one record with the predictions to draw over it. Arrays (n,), SI; NaN where nothing is scored."""
 
-    Args:
-        record, channel: names.
-        unit: SI unit of the channel.
-        time: s.
-        measured: as compared (filtered where the balance is).
-        predicted: by label, in drawing order.
-        noise: standard deviation that sensor noise leaves in the residual.
-        motion: velocity and position, with their SI units; empty where the record has none.
-        role: `fit` or `validate`.
-    """
-
-    record: str
-    channel: str
-    unit: str
-    time: np.ndarray
-    measured: np.ndarray
-    predicted: Mapping[str, np.ndarray]
-    noise: float
+    record: str  # names
+    channel: str  # names
+    unit: str  # SI unit of the channel
+    time: np.ndarray  # s
+    measured: np.ndarray  # as compared (filtered where the balance is)
+    predicted: Mapping[str, np.ndarray]  # by label, in drawing order
+    noise: float  # standard deviation that sensor noise leaves in the residual
+    # velocity and position, with their SI units; empty where the record has none
     motion: Mapping[str, tuple[np.ndarray, str]] = field(default_factory=dict)
-    role: str = "fit"
+    role: str = "fit"  # `fit` or `validate`
 
     @property
     def residuals(self) -> dict[str, np.ndarray]:

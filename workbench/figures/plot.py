@@ -1,7 +1,5 @@
 """The style of all figures, for print: 8 pt letters, colours that all readers distinguish; and how they are saved."""
 
-from __future__ import annotations
-
 import functools
 import io
 from collections.abc import Callable, Mapping

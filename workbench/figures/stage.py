@@ -1,7 +1,5 @@
 """Figures of the studies of the driven stage."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import cycle
 from typing import Any

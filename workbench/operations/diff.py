@@ -70,20 +70,15 @@ UNITS = {"masses": "kg", "volumes": "m^3"}
 
 @dataclass(frozen=True)
 class Changes:
-    """What differs between two designs; None for what was not compared.
+    """What differs between two designs; None for what was not compared."""
 
-    Args:
-        names: of the two files.
-        masses: of parts, moving body and assembly, kg; None where a design lacks it.
-        volumes: of parts, and what only one design has of them, m^3; None where the kernel's result is not consistent.
-        sheets: how each differs, the picture with the changes marked, and the number of changed regions.
-    """
-
-    names: tuple[str, str]
+    names: tuple[str, str]  # of the two files
     parameters: tuple[Difference, ...]
     margins: list[MarginChange] | None = None
-    masses: Rows | None = None
+    masses: Rows | None = None  # of parts, moving body and assembly, kg; None where a design lacks it
+    # of parts, and what only one design has of them, m^3; None where the kernel's result is not consistent
     volumes: Rows | None = None
+    # how each differs, the picture with the changes marked, and the number of changed regions
     sheets: Rows | None = None
 
     def as_json(self) -> dict[str, Any]:

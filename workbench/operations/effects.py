@@ -1,7 +1,5 @@
 """`effects`: the library of physical effects, from its declarations."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 The command line prints a `Table`, the macro `data_table` of the report's template writes it as HTML.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

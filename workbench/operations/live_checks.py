@@ -35,14 +35,10 @@ class _Evaluated:
 
 @dataclass(frozen=True)
 class LiveResult:
-    """Checks by position that are new to the page, and the positions of those that are out of date.
-
-    Args:
-        version: counts the evaluations; a page that names it is answered with later ones only.
-    """
+    """Checks by position that are new to the page, and the positions of those that are out of date."""
 
     count: int
-    version: int
+    version: int  # counts the evaluations; a page that names it is answered with later ones only
     checks: dict[int, Check]
     pending: tuple[int, ...]
     seconds: float

@@ -42,29 +42,18 @@ SEEDS = 8
 
 @dataclass(frozen=True)
 class Search:
-    """What may change, what is required, and the effort.
+    """What may change, what is required, and the effort."""
 
-    Args:
-        free: texts `KEY=LOW:HIGH` or `KEY=A|B`, besides the parameters that the file marks as free.
-        keep: required checks: names, patterns with `*`; all of them when empty.
-        only: let nothing change but the parameters of `free`.
-        solids: take the masses from the solids; of a design that violates a rule they are those of plain volumes.
-        budget: designs of each search.
-        evaluations: designs of all searches together.
-        seconds: time of all searches together.
-        seed: of the random numbers.
-        scheduler: address of a dask cluster, which begins with searches from several seeds.
-    """
-
-    free: Sequence[str] = ()
-    keep: Sequence[str] = ()
-    only: bool = False
+    free: Sequence[str] = ()  # texts `KEY=LOW:HIGH` or `KEY=A|B`, besides the parameters that the file marks as free
+    keep: Sequence[str] = ()  # required checks: names, patterns with `*`; all of them when empty
+    only: bool = False  # let nothing change but the parameters of `free`
+    # take the masses from the solids; of a design that violates a rule they are those of plain volumes
     solids: bool = True
-    budget: int = 600
-    evaluations: int = 6000
-    seconds: float = math.inf
-    seed: int = 1
-    scheduler: str | None = None
+    budget: int = 600  # designs of each search
+    evaluations: int = 6000  # designs of all searches together
+    seconds: float = math.inf  # time of all searches together
+    seed: int = 1  # of the random numbers
+    scheduler: str | None = None  # address of a dask cluster, which begins with searches from several seeds
 
     def masses(self, design: Design) -> Masses | None:
         """Masses of the design's solids; a design that violates a rule may have none."""
@@ -80,17 +69,11 @@ class Search:
 
 @dataclass(frozen=True)
 class Front:
-    """Margins, in parts of the limit, of the designs evaluated in two requirements that contradict each other.
+    """Margins, in parts of the limit, of the designs evaluated in two requirements that contradict each other."""
 
-    Args:
-        names: of the requirements.
-        points: (n, 2), of all designs that violate no rule.
-        front: (m, 2), of the Pareto-optimal ones.
-    """
-
-    names: tuple[str, str]
-    points: np.ndarray
-    front: np.ndarray
+    names: tuple[str, str]  # of the requirements
+    points: np.ndarray  # (n, 2), of all designs that violate no rule
+    front: np.ndarray  # (m, 2), of the Pareto-optimal ones
 
 
 class Optimisation(Result):

@@ -4,8 +4,6 @@ The proposal is written beside the sheet as `NAME_proposed.py`, which draws the 
 there, with the solid in the position in which it is drawn, `NAME_solid.step`.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Curves of results: kept as arrays of full length, handed to the page as the extremes of each pixel column."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

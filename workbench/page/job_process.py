@@ -1,7 +1,5 @@
 """What the processes of the page do: one job after another, with what they have loaded before."""
 
-from __future__ import annotations
-
 import os
 import traceback
 from collections.abc import Callable

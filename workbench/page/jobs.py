@@ -44,33 +44,21 @@ KEPT_PASSING = 3
 
 @dataclass
 class Job:
-    """One piece of work.
+    """One piece of work."""
 
-    Args:
-        number: counts the jobs.
-        lane: the process it runs in.
-        task: name in `job_process.TASKS`.
-        title: for the page.
-        subject: what it is about, such as the name of an experiment.
-        arguments: of the task.
-        passing: an answer to a slider, which is soon replaced and not kept.
-        error: one line, when it failed.
-        details: traceback of an unexpected failure.
-    """
-
-    number: int
-    lane: str
-    task: str
-    title: str
-    subject: str
-    arguments: dict[str, Any]
-    passing: bool = False
+    number: int  # counts the jobs
+    lane: str  # the process it runs in
+    task: str  # name in `job_process.TASKS`
+    title: str  # for the page
+    subject: str  # what it is about, such as the name of an experiment
+    arguments: dict[str, Any]  # of the task
+    passing: bool = False  # an answer to a slider, which is soon replaced and not kept
     state: State = "waiting"
     step: str = ""
     done: int = 0
     total: int = 0
-    error: str = ""
-    details: str = ""
+    error: str = ""  # one line, when it failed
+    details: str = ""  # traceback of an unexpected failure
     created: float = field(default_factory=time.time)
     began: float | None = None
     ended: float | None = None

@@ -1,7 +1,5 @@
 """The design that the page shows: a parameter file, the changes made on the page, and their history."""
 
-from __future__ import annotations
-
 import json
 import threading
 from dataclasses import asdict

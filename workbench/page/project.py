@@ -1,7 +1,5 @@
 """The folder that the page works in: its parameter files and experiments, and nothing outside it."""
 
-from __future__ import annotations
-
 import os
 import re
 from dataclasses import dataclass
@@ -25,19 +23,12 @@ _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 
 @dataclass(frozen=True)
 class Project:
-    """What the page may read and write.
+    """What the page may read and write."""
 
-    Args:
-        folder: of the project; nothing outside it is read or written.
-        out: folder of results, in `folder` unless it is absolute.
-        params: the parameter file; None is the packaged design.
-        trust: whether the code of experiments with effects of their own may be run.
-    """
-
-    folder: Path
-    out: Path
-    params: Path | None = None
-    trust: bool = False
+    folder: Path  # of the project; nothing outside it is read or written
+    out: Path  # folder of results, in `folder` unless it is absolute
+    params: Path | None = None  # the parameter file; None is the packaged design
+    trust: bool = False  # whether the code of experiments with effects of their own may be run
 
     def __post_init__(self) -> None:
         for path in (self.results, self.state, self.state / "jobs", self.state / "machine.json"):

@@ -4,8 +4,6 @@ A page of another site that runs in the same browser can send requests to 127.0.
 `Origin` is another (cross-site requests), or since their `Host` is the other site's name (DNS rebinding).
 """
 
-from __future__ import annotations
-
 import hmac
 from collections.abc import Iterable
 from contextlib import suppress
@@ -61,20 +59,14 @@ class TooLargeError(Exception):
 
 @dataclass(frozen=True)
 class Guard:
-    """ASGI middleware.
+    """ASGI middleware."""
 
-    Args:
-        app: the application.
-        hosts: permitted values of `Host`, `name:port`.
-        token: secret that a browser presents once in the address and then as a cookie; None: not required.
-        upload_limit: largest record file, bytes.
-        every_address: whether each address of this computer that a request reached is permitted as its `Host`.
-    """
-
-    app: ASGIApp
-    hosts: frozenset[str]
+    app: ASGIApp  # the application
+    hosts: frozenset[str]  # permitted values of `Host`, `name:port`
+    # secret that a browser presents once in the address and then as a cookie; None: not required
     token: str | None = None
-    upload_limit: int = UPLOAD_LIMIT
+    upload_limit: int = UPLOAD_LIMIT  # largest record file, bytes
+    # whether each address of this computer that a request reached is permitted as its `Host`
     every_address: bool = False
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

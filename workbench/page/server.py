@@ -1,7 +1,5 @@
 """The server of the page: its routes, its jobs, and the events that tell the page what changed."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

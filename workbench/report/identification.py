@@ -5,8 +5,6 @@ again from all of them: one for each command and model, in the order they were f
 records are left out. The page opens without a server or a network.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Cases: what may be hidden in a driven stage, the motions that show it, and the experiment as a user writes it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path

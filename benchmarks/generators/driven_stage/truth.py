@@ -1,7 +1,5 @@
 """What a driven stage really does, and its motion in steps of 1 us."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

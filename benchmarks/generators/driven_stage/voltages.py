@@ -1,7 +1,5 @@
 """Voltages of a friction drive: leaning, leaning while the tip rises and falls, stepping, resting, and sawteeth."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .truth import BIAS

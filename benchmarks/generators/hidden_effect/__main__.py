@@ -3,8 +3,6 @@
 python -m benchmarks.generators.hidden_effect FOLDER --seed 1 --count 100 [--hard 0.35] [--rows 20000] [--jobs 2]
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """One axis with rigid or bristled friction, in steps of 50 us: at a given velocity, on a spring, or under a servo."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

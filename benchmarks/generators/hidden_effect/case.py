@@ -1,7 +1,5 @@
 """One experiment with something hidden in it: planned, simulated, brought to its size, spoilt, written, and its key."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

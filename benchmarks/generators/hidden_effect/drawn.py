@@ -1,7 +1,5 @@
 """What a case is drawn as: the plan, the rig with its numbers, and what is given to a record before an effect acts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which effects a rig can hide: parameters drawn at full size, those among them that scale, and every right answer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

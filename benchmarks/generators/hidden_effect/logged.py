@@ -1,7 +1,5 @@
 """A record as it is logged, and the text of its experiment."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the rigs are told to do: steps of velocity, rests, slow creeping, sweeps, band-limited random motion."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

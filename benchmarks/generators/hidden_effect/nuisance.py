@@ -1,7 +1,5 @@
 """Noise as instruments have it, logs as people keep them: coloured, uneven, outliers, gaps, odd rates and units."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

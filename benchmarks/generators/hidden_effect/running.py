@@ -1,7 +1,5 @@
 """Records of a rig with effects at given strengths: what the axis or the tip does."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a sensor does to a channel before its noise: lag, delay, drift, a bent scale; and after it: rounding."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A whole set of cases, decided by one seed."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor

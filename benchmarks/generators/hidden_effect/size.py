@@ -1,7 +1,5 @@
 """How far an effect stands above the noise, the strength that brings it to its level, and which answers are right."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .axis import SAMPLE, AxisRun

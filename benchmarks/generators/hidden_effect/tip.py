@@ -1,7 +1,5 @@
 """A tip on two piezos: play operators, creep in exponentials, amplifier lag, unequal gains."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

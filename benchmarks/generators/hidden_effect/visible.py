@@ -5,8 +5,6 @@ place. Samples where rigid friction sticks say nothing (any force up to the leve
 sample beside a reversal.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

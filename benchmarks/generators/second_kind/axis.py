@@ -4,8 +4,6 @@ Each step takes forces at the middle of the free motion and solves m (w - v) / h
 for the new velocity w: w = 0 where the level exceeds what is left of push and momentum, otherwise it opposes w exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil

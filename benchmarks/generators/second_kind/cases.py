@@ -1,7 +1,5 @@
 """Cases of the second kind: drawn, brought to a visible size, simulated, written, with a key."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor

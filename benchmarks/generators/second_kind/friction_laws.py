@@ -4,8 +4,6 @@
 (N), `bristles` replaces the set-valued friction. The level times the sign of the velocity is the friction force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import cosh, exp, expm1, log1p, pi, sin, tanh
 

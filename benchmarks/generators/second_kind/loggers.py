@@ -1,7 +1,5 @@
 """Loggers: noise of a channel at standstill, column names, units and time stamps, and the text of experiment.toml."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Machines of which records are made: sizes as found in practice, drawn anew for every case."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions as people use them: references of an axis, voltages of two piezos, and the channels logged beside them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

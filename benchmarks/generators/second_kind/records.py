@@ -1,7 +1,5 @@
 """One case's records: motions drawn, simulated without noise, and written as the logger gives them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -4,8 +4,6 @@ The base model is linear in its parameters (Coulomb, viscous, Stribeck about its
 rows that move, best 97 % of them, over the noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 tip_x = -h (d2 - d1) / D, tip_y = (d1 + d2) / 2, d_i = gain (u_i - bias), u_i the voltage that acts on piezo i.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ at which features meet. In an interval the fourth-degree polynomials through the
 two others to `TOLERANCE` of the body's size, or the interval is halved, down to a solid at every value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

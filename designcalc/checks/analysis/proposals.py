@@ -1,7 +1,5 @@
 """Evaluation of the changes that failed checks propose: rules of the design, the check itself, and all other checks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Piezo actuator: resonances against the drive, force, current, heat, tension and bending of the stacks, step size."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show

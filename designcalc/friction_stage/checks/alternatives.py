@@ -1,7 +1,5 @@
 """The suspensions that the thesis considers, compared with the same requirements and ranked by its criteria."""
 
-from __future__ import annotations
-
 from functools import lru_cache, partial
 
 import numpy as np

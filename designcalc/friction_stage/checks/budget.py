@@ -1,7 +1,5 @@
 """Error budgets at the payload: resolution, smoothness, straightness, repeatability, each contribution named."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

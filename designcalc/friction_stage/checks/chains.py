@@ -1,7 +1,5 @@
 """Tolerance chains against what the machine can take up: worst case of each."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
 from designcalc.friction_stage.physics.clamp import wedge
 from designcalc.friction_stage.physics.tolerance_chains import (

@@ -1,7 +1,5 @@
 """The clamp of the actuator: whether it closes the play, holds, and bears its own bending."""
 
-from __future__ import annotations
-
 import math
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show

@@ -1,7 +1,5 @@
 """Tip on stage: pressure, stroke lost in the contact, stiffness; with the results of the thesis's printed formulas."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show

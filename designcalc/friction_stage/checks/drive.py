@@ -1,7 +1,5 @@
 """Friction drive: stroke, speed and the frequency it needs, traction, tip-over, travel."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show

@@ -1,7 +1,5 @@
 """The set screw, wedge and spring of the height adjustment."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
 from designcalc.friction_stage.physics.clamp import clamping_shift, grip
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse

@@ -1,7 +1,5 @@
 """Further requirements of the thesis: extension to two axes, replaceable modules, access."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, show
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design

@@ -1,7 +1,5 @@
 """Dynamic error budgets: spectra of disturbances through the position loop to the payload, and the loop's margin."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

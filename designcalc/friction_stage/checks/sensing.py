@@ -1,7 +1,5 @@
 """The sensors: LVDT, capacitive probe, interferometer."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least
 from designcalc.checks.formula_check import FormulaCheck
 from designcalc.friction_stage.quantities import stated

@@ -1,7 +1,5 @@
 """Magnetic teeth: position of the chosen ones on the map, preload, saturation, and relief of the pads."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Drift by heat, way on base, magnetism, the floor's shake."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, ratio, show

@@ -1,7 +1,5 @@
 """The calculated numbers of the assembly procedure."""
 
-from __future__ import annotations
-
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance
 from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.clamp import clamping_shift, screw_preload, wedge

@@ -1,7 +1,5 @@
 """The body that moves: stage with irons and magnets, payload, and the ballast of a machine without magnets."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import DesignInputs, remembered
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
 

@@ -1,7 +1,5 @@
 """The clamp of the actuator in its pocket: what its finger closes, presses with and bears; its screws."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Masses and forces of the design: weight, the preload that acts, and their point of action."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import DesignInputs, remembered
 from designcalc.friction_stage.physics.body import bare_stage, loaded_stage, moving_body
 from designcalc.friction_stage.physics.teeth import attraction

@@ -1,7 +1,5 @@
 """The sliding bearing of the design: pad positions and loads, film contact, stiffness; and the bolted way below."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

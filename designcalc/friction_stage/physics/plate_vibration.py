@@ -14,8 +14,6 @@ the simulation computes how its vibration changes them.
 Source: Meirovitch, Fundamentals of Vibrations (2001), chapter 7; mode acceleration for the modes left out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

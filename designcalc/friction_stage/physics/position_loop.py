@@ -5,8 +5,6 @@ pads' film, which sticks. An integral controller follows the filtered probe or t
 there is no loop; the plate bends on pads and tip.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

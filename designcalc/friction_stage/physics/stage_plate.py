@@ -5,8 +5,6 @@ of the payload's holes neither weaken nor stiffen it. Each pad is a spring at it
 feet, two pitches of its holes apart, as one rigid body; a ballast is a point in the middle.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

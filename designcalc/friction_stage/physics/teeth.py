@@ -1,7 +1,5 @@
 """Field and forces of the toothed irons of the design, with one magnet over each bar."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from designcalc.checks.check import DesignInputs, remembered

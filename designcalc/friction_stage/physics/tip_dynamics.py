@@ -1,7 +1,5 @@
 """Motion of the tip on its piezos: ellipse, moved mass, resonances, sway, peak force, stiffness along the travel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The numbers of the assembly procedure as printed, each with its origin."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,37 +14,26 @@ from stagecad.solids.assembly.bill_of_materials import Row
 
 @dataclass(frozen=True)
 class ProcedureValues:
-    """Calculated values of the procedure; SI.
+    """Calculated values of the procedure; SI."""
 
-    Args:
-        way_preload, bar_preload, clamp_force: axial force of one screw at its torque, N.
-        magnet_pull: force of all magnets on the stage, N; None without teeth.
-        lift_per_turn, lift_per_degree: height of the tip per turn and per degree of the set screw, m.
-        adjustment: range of the height on either side of the middle, m.
-        ellipse_height: height of the path of the tip, m.
-        clamp_squeeze: rise of the tip by elastic compression of the holder, m.
-        clamp_drop, clamp_sideways: greatest shift of the tip downwards and sideways by tilt of the holder, m.
-        run_in_distance: sliding distance of a pad, m.
-        run_in_time: at full speed, s.
-        run_in_wear: wear depth of the film, m.
-        film_strokes: number of strokes there and back that wear half of the film.
-    """
-
+    # way_preload, bar_preload, clamp_force: axial force of one screw at its torque, N
     way_preload: float
     bar_preload: float
     clamp_force: float
-    magnet_pull: float | None
+    magnet_pull: float | None  # force of all magnets on the stage, N; None without teeth
+    # lift_per_turn, lift_per_degree: height of the tip per turn and per degree of the set screw, m
     lift_per_turn: float
     lift_per_degree: float
-    adjustment: float
-    ellipse_height: float
-    clamp_squeeze: float
+    adjustment: float  # range of the height on either side of the middle, m
+    ellipse_height: float  # height of the path of the tip, m
+    clamp_squeeze: float  # rise of the tip by elastic compression of the holder, m
+    # clamp_drop, clamp_sideways: greatest shift of the tip downwards and sideways by tilt of the holder, m
     clamp_drop: float
     clamp_sideways: float
-    run_in_distance: float
-    run_in_time: float
-    run_in_wear: float
-    film_strokes: float
+    run_in_distance: float  # sliding distance of a pad, m
+    run_in_time: float  # at full speed, s
+    run_in_wear: float  # wear depth of the film, m
+    film_strokes: float  # number of strokes there and back that wear half of the film
 
 
 _FROM_PARAMETERS = {

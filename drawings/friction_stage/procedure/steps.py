@@ -1,7 +1,5 @@
 """The steps of the assembly as templates: each sentence names its figures in braces."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -14,21 +12,15 @@ Condition = Literal["always", "teeth", "no teeth", "film lasts", "film wears out
 
 @dataclass(frozen=True)
 class StepTemplate:
-    """A step without its figures.
-
-    Args:
-        parts: names of the parts that are put in.
-        tools, sentences: with names of figures in braces.
-        torque: name of the figure that is the torque of the screws; empty where there is none.
-        condition: designs that have this step.
-    """
+    """A step without its figures."""
 
     title: str
-    parts: tuple[str, ...]
+    parts: tuple[str, ...]  # names of the parts that are put in
+    # tools, sentences: with names of figures in braces
     tools: tuple[str, ...]
     sentences: tuple[str, ...]
-    torque: str = ""
-    condition: Condition = "always"
+    torque: str = ""  # name of the figure that is the torque of the screws; empty where there is none
+    condition: Condition = "always"  # designs that have this step
 
 
 _LOWERED = "Tip at its lowest. Lower the stage square onto the ways, pads on the running faces."

@@ -1,7 +1,5 @@
 """The drive acts on its command only after a delay."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from sim.effects.effect import TransportDelay

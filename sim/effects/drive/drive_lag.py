@@ -1,7 +1,5 @@
 """The drive follows its command with a first-order lag."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from sim.effects.effect import FirstOrderLag

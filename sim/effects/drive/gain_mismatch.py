@@ -1,7 +1,5 @@
 """Two piezos that extend by different amounts for the same voltage."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from sim.effects.effect import Effect, Parameter

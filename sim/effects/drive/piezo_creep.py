@@ -1,7 +1,5 @@
 """Creep of a piezo after a step of voltage."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Hysteresis between the voltage and the extension of a piezo."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

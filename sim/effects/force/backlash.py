@@ -1,7 +1,5 @@
 """Lost motion between the drive and the load."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

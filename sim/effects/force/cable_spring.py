@@ -1,7 +1,5 @@
 """Cable spring: a cable, hose or flexure pulls the axis towards a rest position."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

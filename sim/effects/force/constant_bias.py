@@ -1,7 +1,5 @@
 """Constant bias: a steady force on the axis."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

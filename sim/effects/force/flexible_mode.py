@@ -1,7 +1,5 @@
 """A resonance between the drive, the moving body and what is measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

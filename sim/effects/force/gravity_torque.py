@@ -1,7 +1,5 @@
 """The torque of an unbalanced weight on a rotary axis."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

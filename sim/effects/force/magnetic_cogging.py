@@ -1,7 +1,5 @@
 """Magnetic cogging: a force that repeats with the pitch of teeth or magnets."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Damping of the elastic deflection of a contact."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Coulomb friction: the base of the friction level, and the plain core that turns a level into a force."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

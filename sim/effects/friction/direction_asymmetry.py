@@ -1,7 +1,5 @@
 """Coulomb and viscous friction that differ between the two directions of motion."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Static friction that rises with the time of contact."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

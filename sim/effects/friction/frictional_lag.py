@@ -1,7 +1,5 @@
 """Friction that follows a change of velocity with a delay or a first-order lag."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

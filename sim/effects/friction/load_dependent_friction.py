@@ -1,7 +1,5 @@
 """A friction level that follows the normal load."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Presliding: a friction state model whose stretch the record resolves. Maxwell-slip unless a variant names another."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from sim.effects.friction_state import dahl

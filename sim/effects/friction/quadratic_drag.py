@@ -1,7 +1,5 @@
 """Drag proportional to the square of the speed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

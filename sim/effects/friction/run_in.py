@@ -1,7 +1,5 @@
 """A friction level that settles as the surfaces run in."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

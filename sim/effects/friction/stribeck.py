@@ -1,7 +1,5 @@
 """Stribeck effect: friction falls from its static to its Coulomb value as the speed rises."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

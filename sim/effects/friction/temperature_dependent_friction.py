@@ -1,7 +1,5 @@
 """A friction level that follows the temperature."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Viscous friction: force proportional to velocity."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

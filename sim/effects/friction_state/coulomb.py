@@ -11,8 +11,6 @@ phi v - f f'/k >= 0. Past a reversal (direction * v < 0, where only the trial st
 continued so that it stays positive.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Dahl: bristles that yield along a smooth curve, without rate effects."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

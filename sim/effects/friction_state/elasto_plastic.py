@@ -7,8 +7,6 @@ alpha = 0 where the motion unloads the bristles and up to |z| = breakaway z_s, 1
 1 + sin. So a vibration below the break-away stretch moves nothing, where Dahl's and LuGre's models drift.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

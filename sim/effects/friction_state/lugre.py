@@ -9,8 +9,6 @@ causality in bond-graph terms: it is passive at any speed, and its force never e
 (direction * v < 0, where only the trial stages of a step are) its divisor is continued so that it stays positive.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

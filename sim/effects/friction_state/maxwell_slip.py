@@ -15,8 +15,6 @@ After a reversal at u_0 the force follows the same curve at twice its size: Masi
 yield ideally; in a simulation they yield smoothly (`sim/numerics/elasto_plastic.py`).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

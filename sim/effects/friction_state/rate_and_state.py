@@ -10,8 +10,6 @@ without force, and the contact creeps under any. At v_0 the friction is the leve
 age falls with the motion of the body: while a contact only stretches, the slip rate of Ruina's law would let it age on.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sensor reports the measured quantity after a delay."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sensor whose zero drifts with time."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sensor follows the measured quantity with a first-order lag."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

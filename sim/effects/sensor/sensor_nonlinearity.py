@@ -1,7 +1,5 @@
 """A sensor whose scale changes over its range."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from sim.effects.effect import Effect, Parameter

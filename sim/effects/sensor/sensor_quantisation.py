@@ -1,7 +1,5 @@
 """A sensor that reports multiples of its resolution."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

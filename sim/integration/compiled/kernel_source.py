@@ -3,8 +3,6 @@
 `sim.integration.compiled.kernels` describes what each kernel reads and writes.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import inspect
 import sys

@@ -9,8 +9,6 @@ called back in Python through the same signature.
                                    out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import functools

@@ -8,8 +8,6 @@ and is indexed by integers, of which fewer than its dimensions give a view of th
 Importing this module imports numba.
 """
 
-from __future__ import annotations
-
 import ctypes
 import math
 import operator

@@ -7,8 +7,6 @@ four, with steps of a fifth of a radian, where friction depends on the velocity.
 variant of regula falsi (Dowell and Jarratt, BIT 11 (1971) 168). The result depends smoothly on every parameter.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

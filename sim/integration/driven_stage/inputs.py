@@ -6,8 +6,6 @@ at a speed s = |v| and a side, the sign of the velocity. Laws that depend on the
 at the simulated velocity: a measured one would smooth what happens within a few rows, a slip or a reversal.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -9,8 +9,6 @@ Rigid pads hold the stage wherever their limit suffices to stop it by the end of
 would yield by a part of what the contact does, and slips would accumulate that. Second order in the step.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ A guide (teeth, or nothing) pulls back across. Position Verlet at a fixed step: 
 a step; friction reduces the speed, at most to zero. Second order between events.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

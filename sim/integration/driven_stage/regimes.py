@@ -4,8 +4,6 @@ The stage is an oscillator on the contact, a body under forces that change linea
 where friction depends on the velocity the classical Runge-Kutta method of order four integrates the motion.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motion of the stage across its travel under faults of the drive."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from functools import partial

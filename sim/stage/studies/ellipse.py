@@ -1,7 +1,5 @@
 """The best phase between the piezos and height of the tip: which ellipse drives fastest, with and without lift."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import partial

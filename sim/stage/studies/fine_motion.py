@@ -14,8 +14,6 @@ presliding elements, 1/g the gain of the stacks. Their hysteresis is inverted: t
 the stretch (Kuhnen, European J. Control 9 (2003) 407).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

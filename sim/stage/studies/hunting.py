@@ -1,7 +1,5 @@
 """Limit cycles about a target: an integral controller with static friction, and one that is too fast for the stage."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import partial
 

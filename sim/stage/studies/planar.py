@@ -3,8 +3,6 @@
 Without teeth nothing guides the stage but its own drive. A start from rest shows the direction of the thrust.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import partial

@@ -8,8 +8,6 @@ through contact and bending stacks within its presliding, by a small part of the
 and air disturb both.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import partial

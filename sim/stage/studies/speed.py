@@ -1,7 +1,5 @@
 """Speed against frequency, with the three laws of the ellipse: X f stopping, 2 X f coasting, pi X f at the apex."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import partial

@@ -1,7 +1,5 @@
 """Nanometre steps: the tip stays on the drive surface and leans, the stage follows through contact and presliding."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import partial

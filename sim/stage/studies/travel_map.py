@@ -1,7 +1,5 @@
 """Positions on the travel and heights of the tip at which pads and tip lose contact or the stage tips over."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

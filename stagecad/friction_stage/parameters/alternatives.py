@@ -1,7 +1,5 @@
 """Tables of the suspensions that were compared and rejected. All numbers in SI but the lengths named as geometry."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from stagecad.parameters.schema import count, mm, number

@@ -1,7 +1,5 @@
 """Tables of what is bought, and of the threads. Lengths in millimetres."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """All tables of the parameter file together."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from stagecad.friction_stage.parameters import alternatives, hardware, parts, physics

@@ -1,8 +1,6 @@
 """Tables of the parts that are made from a drawing. Lengths in millimetres and angles in degrees, as
 everywhere in the geometry."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from stagecad.parameters.schema import choice, count, mm, number, of_material, switch

@@ -3,8 +3,6 @@
 The actuator's two lengths are geometry, and in millimetres.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The first pattern that a key matches counts; the bounds of its declaration hold 
 before those of tables and units. What fits together within the ranges is a matter of the rules.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase

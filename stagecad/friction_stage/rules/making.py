@@ -17,21 +17,13 @@ SLOT, BORE = "making.slot_depth_ratio", "making.bore_depth_ratio"
 
 @dataclass(frozen=True)
 class Reach:
-    """A feature that a tool has to reach the end of.
+    """A feature that a tool has to reach the end of."""
 
-    Args:
-        name: for messages.
-        size: key of the tool's diameter: width of a slot, diameter of a bore; twice a corner's radius.
-        depth: to be reached, mm.
-        limit: key of the greatest depth over the diameter.
-        factor: diameter of the tool over the value of `size`.
-    """
-
-    name: str
-    size: str
-    depth: float
-    limit: str
-    factor: float = 1.0
+    name: str  # for messages
+    size: str  # key of the tool's diameter: width of a slot, diameter of a bore; twice a corner's radius
+    depth: float  # to be reached, mm
+    limit: str  # key of the greatest depth over the diameter
+    factor: float = 1.0  # diameter of the tool over the value of `size`
 
 
 def reaches(d: Design) -> list[Reach]:

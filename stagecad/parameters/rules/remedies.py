@@ -23,19 +23,12 @@ Changed = Callable[[str, float], "Design"]
 
 @dataclass(frozen=True)
 class Remedy:
-    """The nearest value of one parameter with which a rule is satisfied.
+    """The nearest value of one parameter with which a rule is satisfied."""
 
-    Args:
-        key: parameter.
-        value: with its unit.
-        new_violations: rules that the design then violates and did not before.
-        distance: logarithm of the ratio of the two values.
-    """
-
-    key: str
-    value: str
-    new_violations: tuple[str, ...]
-    distance: float
+    key: str  # parameter
+    value: str  # with its unit
+    new_violations: tuple[str, ...]  # rules that the design then violates and did not before
+    distance: float  # logarithm of the ratio of the two values
 
 
 def violation_documents(design: Design, found: Sequence[Violation], changed: Changed) -> list[dict[str, Any]]:

@@ -1,7 +1,5 @@
 """Output files of a command: written atomically, and only if their contents change."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Hash of a module's source and of all its imports within this project, found without importing anything."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Iterable, Iterator

@@ -11,8 +11,6 @@ damaged one is repaired file by file, so that a run that has found it still find
 artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import logging

@@ -1,7 +1,5 @@
 """A Python object in the store, pickled: the store is a folder that only this user can change."""
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Bill of materials: each part with number, quantity, material and mass."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Mapping, Sequence

@@ -3,8 +3,6 @@
 Rendering needs only meshes: for a cached machine the CAD kernel is not loaded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

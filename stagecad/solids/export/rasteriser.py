@@ -5,8 +5,6 @@ Shading: a key light from the upper left of the viewer, hemispherical ambient li
 depth darkening behind near contours (Luft, Colditz and Deussen, SIGGRAPH 2006), which makes pockets and gaps visible.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numba

@@ -1,7 +1,5 @@
 """Shaded pictures of parts and assembly, as PNG."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 

@@ -68,25 +68,15 @@ Position = tuple[float, float]
 
 @dataclass(frozen=True)
 class PartSource:
-    """Where a part of a machine comes from.
+    """Where a part of a machine comes from."""
 
-    Args:
-        name: in the machine, of its files and artefacts.
-        kind: name of its definition.
-        modules: dotted names of the modules that define it.
-        definition: gives the definition.
-        purchased: whether it is bought.
-        depends: what else it is made of than modules and parameters.
-        own_design: the design as this part reads it.
-    """
-
-    name: str
-    kind: str
-    modules: tuple[str, ...]
-    definition: Callable[[], Part]
-    purchased: bool = False
-    depends: tuple[str, ...] = ()
-    own_design: Callable[[Any], Any] | None = None
+    name: str  # in the machine, of its files and artefacts
+    kind: str  # name of its definition
+    modules: tuple[str, ...]  # dotted names of the modules that define it
+    definition: Callable[[], Part]  # gives the definition
+    purchased: bool = False  # whether it is bought
+    depends: tuple[str, ...] = ()  # what else it is made of than modules and parameters
+    own_design: Callable[[Any], Any] | None = None  # the design as this part reads it
 
     def design_of(self, design: Any) -> Any:
         """The design as this part reads it: with its own values in a machine of the user's own."""
@@ -99,40 +89,25 @@ def _nothing(design: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class Construction:
-    """Parts and assembly of a kind of machine.
+    """Parts and assembly of a kind of machine."""
 
-    Args:
-        sources: the parts of a design by name, in the order of the parts list.
-        refusal: why a design lacks a part of this name; empty where there is none such.
-        modules: dotted names of the modules that assemble it.
-        assemble: all instances, of the built parts at a position.
-        depends: what the assembly depends on besides parts and parameters.
-        positions: at which interference is looked for, that at rest among them.
-        relations: intended relation of two kinds of part, given the design.
-        threads: keys of diameter, length and tap drill of each threaded part.
-        moving: parts that move.
-        carried: parts that move with them.
-        below: parts that are pictured from below as well.
-        accessories: what is needed besides the parts.
-        masses: mass properties that checks and simulation read, from as few parts as they need.
-        machine_masses: the same of a built machine.
-        documents: what the command `parts` says of a built machine besides its parts.
-    """
-
-    sources: Callable[[Any], Mapping[str, PartSource]]
-    relations: Callable[[Any], Mapping[frozenset[str], str]]
-    modules: tuple[str, ...]
+    sources: Callable[[Any], Mapping[str, PartSource]]  # the parts of a design by name, in the order of the parts list
+    relations: Callable[[Any], Mapping[frozenset[str], str]]  # intended relation of two kinds of part, given the design
+    modules: tuple[str, ...]  # dotted names of the modules that assemble it
+    # all instances, of the built parts at a position
     assemble: Callable[[Mapping[str, Any], Any, Position], tuple[Instance, ...]]
-    masses: Callable[[Any], Masses]
-    machine_masses: Callable[[Any], Masses]
-    documents: Callable[[Any], dict[str, Any]]
-    depends: Callable[[Any], tuple[str, ...]] = _nothing
-    positions: tuple[Position, ...] = ((0.0, 0.0),)
+    masses: Callable[[Any], Masses]  # mass properties that checks and simulation read, from as few parts as they need
+    machine_masses: Callable[[Any], Masses]  # the same of a built machine
+    documents: Callable[[Any], dict[str, Any]]  # what the command `parts` says of a built machine besides its parts
+    depends: Callable[[Any], tuple[str, ...]] = _nothing  # what the assembly depends on besides parts and parameters
+    positions: tuple[Position, ...] = ((0.0, 0.0),)  # at which interference is looked for, that at rest among them
+    # keys of diameter, length and tap drill of each threaded part
     threads: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
-    moving: tuple[str, ...] = ()
-    carried: tuple[str, ...] = ()
-    below: tuple[str, ...] = ()
-    accessories: Callable[[Any], tuple[Any, ...]] = _nothing
+    moving: tuple[str, ...] = ()  # parts that move
+    carried: tuple[str, ...] = ()  # parts that move with them
+    below: tuple[str, ...] = ()  # parts that are pictured from below as well
+    accessories: Callable[[Any], tuple[Any, ...]] = _nothing  # what is needed besides the parts
+    # why a design lacks a part of this name; empty where there is none such
     refusal: Callable[[str, Any], str] = lambda name, design: ""
 
 

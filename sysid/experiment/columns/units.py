@@ -1,7 +1,5 @@
 """Units as instruments write them in headers: `Nm`, `sec`, `m/s2`, `U/min`; read as the unit they can only mean."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """Interface of the readers of record files: two pure functions of a path, one for the labels, one for the columns."""
 
-from __future__ import annotations
-
 import hashlib
 import stat
 from collections.abc import Mapping, Sequence

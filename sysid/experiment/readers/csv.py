@@ -1,7 +1,5 @@
 """Text files with columns: pyarrow reads them; where it fails, a slower reader finds the cell at fault."""
 
-from __future__ import annotations
-
 import array
 import gzip
 import io

@@ -5,8 +5,6 @@ a number silently: it is reported, and where two readings give different numbers
 says which one is meant.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections import Counter

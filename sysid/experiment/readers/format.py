@@ -1,7 +1,5 @@
 """`[format]` of an experiment: what its files are like, where the program should not find it out by itself."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Literal
 

@@ -5,8 +5,6 @@ It has limits on memory and on time, and ends with the process that started it. 
 or unpickled.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

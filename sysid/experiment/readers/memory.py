@@ -1,7 +1,5 @@
 """Columns in memory, read as a record file is."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -3,8 +3,6 @@
 A number has one meaning here or none: what a mark means is decided by the file (`Dialect`) or by `[format]`.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import cached_property

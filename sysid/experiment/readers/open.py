@@ -1,7 +1,5 @@
 """The reader of a record file, chosen by the suffix of its name."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

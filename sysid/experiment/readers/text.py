@@ -1,7 +1,5 @@
 """Text files as streams: compressed or not, in any encoding, with blanks between columns made single."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import re

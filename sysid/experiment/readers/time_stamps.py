@@ -1,7 +1,5 @@
 """Time stamps as seconds: dates, times of day of 24 or 12 hours, both; minutes and seconds; or the user's format."""
 
-from __future__ import annotations
-
 import re
 from contextlib import suppress
 from datetime import date

@@ -1,7 +1,5 @@
 """Channels and known quantities of a base kind of rig, computed by the formulas of a declared kind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

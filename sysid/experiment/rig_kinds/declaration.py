@@ -17,8 +17,6 @@ In a formula `channel.NAME` is a channel, `known.NAME` a known quantity, `rate.N
 second derivative of a channel with respect to time. `[set]` gives known quantities of the base by formulas.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path

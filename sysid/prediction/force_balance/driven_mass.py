@@ -1,7 +1,5 @@
 """The rig kinds `spring-pull` and `force-drive`: a mass that a spring or a known force drives against friction."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

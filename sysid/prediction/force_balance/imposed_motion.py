@@ -1,7 +1,5 @@
 """The rig kind `velocity-drive`: the motion is imposed, the friction is measured."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -4,8 +4,6 @@ The position is filtered by the least width at which the mean speed is `CLEAR_SP
 velocity's noise, so that reversals are blurred no more than the noise requires.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Initial state of a friction state model, from the force in the first rows of a record.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Force-balance records from records of driven masses."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial

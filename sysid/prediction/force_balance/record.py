@@ -5,8 +5,6 @@ noise and missing physics, not filtering. The width of the filter follows from t
 mass times acceleration is no noisier than the force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple

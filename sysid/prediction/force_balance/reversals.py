@@ -10,8 +10,6 @@ acceleration u(t) integrated twice from t0, U(t; t0), and a friction that is con
 so that t0 is free of that bias, to a few hundredths of a sampling step.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -113,19 +111,13 @@ def event_times(position: np.ndarray, drive: np.ndarray, events: np.ndarray, rea
 
 
 class ResolvedMotion(NamedTuple):
-    """Direction of a motion with its changes at the times of the events.
+    """Direction of a motion with its changes at the times of the events."""
 
-    Args:
-        direction: sign of the velocity, averaged over the step around each sample, (n,), in [-1, 1]; 0 while sticking.
-        stick_fraction: part of the step around each sample spent sticking, (n,), in [0, 1].
-        reversals: times of the reversals without sticking, in samples, (k,).
-        reversed_to: direction after each, 1 or -1, (k,).
-    """
-
+    # sign of the velocity, averaged over the step around each sample, (n,), in [-1, 1]; 0 while sticking
     direction: np.ndarray
-    stick_fraction: np.ndarray
-    reversals: np.ndarray
-    reversed_to: np.ndarray
+    stick_fraction: np.ndarray  # part of the step around each sample spent sticking, (n,), in [0, 1]
+    reversals: np.ndarray  # times of the reversals without sticking, in samples, (k,)
+    reversed_to: np.ndarray  # direction after each, 1 or -1, (k,)
 
 
 class EventSearch(NamedTuple):

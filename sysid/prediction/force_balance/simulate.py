@@ -1,7 +1,5 @@
 """Simulation of a driven mass in time: mass x'' = force of spring or drive - friction."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -14,8 +14,6 @@ Source: Ljung, System Identification (1999), sections 4.3 and 7.5 (prediction wi
 Aerosp. Electron. Syst. 20 (1984) 174 (steady gains of position and velocity).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

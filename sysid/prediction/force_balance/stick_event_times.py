@@ -11,8 +11,6 @@ in small steps, the bristles being parallel ideal springs that each yield at an 
 Mech. 33 (1966) 893), until all have yielded and the mass slips.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

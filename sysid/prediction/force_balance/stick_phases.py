@@ -6,8 +6,6 @@ determined: the force on the sticking body is known, so is the displacement of a
 position measures it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -46,24 +44,15 @@ FARTHEST = 100.0
 
 @dataclass(frozen=True)
 class StickPhases:
-    """Phases of a record in which friction holds the body.
+    """Phases of a record in which friction holds the body."""
 
-    Args:
-        spans: rows (start, stop) of each, without its edges and rows close to slip.
-        side: direction in which the body came to rest before each, or was last close to slip, 1 or -1.
-        displacement: (n,) from its mean over the scored samples of the phase, m; 0 elsewhere.
-        scored: samples (n,) that are compared.
-        noise: standard deviation of `displacement`, m.
-        force: on the body, filtered, N, (n,).
-        compliance: of the spring, m/N, where the position follows from the spring force alone; 0 where it was measured.
-    """
-
-    spans: tuple[tuple[int, int], ...]
-    side: tuple[float, ...]
-    displacement: np.ndarray
-    scored: np.ndarray
-    noise: float
-    force: np.ndarray
+    spans: tuple[tuple[int, int], ...]  # rows (start, stop) of each, without its edges and rows close to slip
+    side: tuple[float, ...]  # direction in which the body came to rest before each, or was last close to slip, 1 or -1
+    displacement: np.ndarray  # (n,) from its mean over the scored samples of the phase, m; 0 elsewhere
+    scored: np.ndarray  # samples (n,) that are compared
+    noise: float  # standard deviation of `displacement`, m
+    force: np.ndarray  # on the body, filtered, N, (n,)
+    # of the spring, m/N, where the position follows from the spring force alone; 0 where it was measured
     compliance: float = 0.0
 
     def centred(self, values: np.ndarray) -> np.ndarray:

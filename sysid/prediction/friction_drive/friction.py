@@ -5,8 +5,6 @@ tabulated, and looked up at the simulated velocity. The velocity of the contact'
 stage.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -5,8 +5,6 @@ stiffness is fixed; where the mass is known, the inertial part of the motion det
 within a decade or so of that of a Hertz contact under some newtons.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -74,19 +74,13 @@ LEAST_TIP_SPEED = 0.02
 
 @dataclass(eq=False, kw_only=True)
 class FrictionDriveRecord(ForceBalanceRecord):
-    """One friction-drive record, prepared; its axis is that of the pads.
+    """One friction-drive record, prepared; its axis is that of the pads."""
 
-    Args:
-        drives: voltages from the bias, V, each (n,).
-        lever: h/D.
-        force_scale: typical friction of the pads, N.
-        nudging_gain: part of its distance to the measured position by which the simulated stage is corrected after
-            every row (`Nudging`); zero for a free simulation.
-    """
-
-    drives: list[np.ndarray] = field(default_factory=list)
-    lever: float = 0.0
-    force_scale: float = 1.0
+    drives: list[np.ndarray] = field(default_factory=list)  # voltages from the bias, V, each (n,)
+    lever: float = 0.0  # h/D
+    force_scale: float = 1.0  # typical friction of the pads, N
+    # part of its distance to the measured position by which the simulated stage is corrected after every row
+    # (`Nudging`); zero for a free simulation
     nudging_gain: float = 0.0
 
     @property

@@ -1,7 +1,5 @@
 """`stagecad add`: adds effects to an experiment's model, fits, writes the next rung; `--undo` goes back one."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`stagecad calc`: one design calculator by itself, its arguments from the command line or the parameter file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from inspect import cleandoc
 

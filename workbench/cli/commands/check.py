@@ -1,7 +1,5 @@
 """`stagecad check`: every design check, with value, limit, margin and what would pass."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`stagecad compare`: fits the model as it stands; shows its error over noise, and on what the residual depends."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

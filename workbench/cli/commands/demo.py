@@ -1,7 +1,5 @@
 """`stagecad demo`: identification of hidden effects on packaged records, start to end."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from time import perf_counter
 from typing import Any

@@ -1,7 +1,5 @@
 """`stagecad diagnose`: which physical effect is missing, ranked, and which effects are indistinguishable."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`stagecad diff A.toml B.toml`: what differs between two designs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

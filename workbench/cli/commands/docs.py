@@ -1,7 +1,5 @@
 """`stagecad docs`: the documentation, built by Sphinx (`docs/conf.py`) and served on this machine."""
 
-from __future__ import annotations
-
 import shutil
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer

@@ -1,7 +1,5 @@
 """`stagecad drawings`: one DXF, SVG, PDF and PNG for each sheet, and its lint."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

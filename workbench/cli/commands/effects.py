@@ -1,7 +1,5 @@
 """`stagecad effects`: the library of physical effects, printed from its declarations."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

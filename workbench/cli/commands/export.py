@@ -1,7 +1,5 @@
 """`stagecad export`: the fitted model of an experiment for use elsewhere."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`stagecad ladder`: the error after each effect added so far, as a table and a figure."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

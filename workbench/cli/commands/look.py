@@ -1,7 +1,5 @@
 """`stagecad look`: all raw channels of an experiment, with what is wrong in them, before any fit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

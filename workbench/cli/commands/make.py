@@ -1,7 +1,5 @@
 """`stagecad make`: all results of the parameter file, and one HTML report; results with unchanged inputs are kept."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 

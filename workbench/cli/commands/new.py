@@ -1,7 +1,5 @@
 """`stagecad new KIND NAME`: templates of what a user makes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

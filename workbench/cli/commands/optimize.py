@@ -1,7 +1,5 @@
 """`stagecad optimize`: the nearest design without violated rules and failed checks."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

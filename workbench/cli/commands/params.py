@@ -1,7 +1,5 @@
 """`stagecad params`: every number of the machine with unit, tolerance and origin; differences between two files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

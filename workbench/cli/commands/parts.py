@@ -1,7 +1,5 @@
 """`stagecad parts`: STEP, STL and GLB of parts and assembly, bill of materials, mass properties."""
 
-from __future__ import annotations
-
 import click
 
 from stagecad.solids.modelling.registry import CLASH

@@ -1,7 +1,5 @@
 """`stagecad simulate`: the thesis's experiments, the driven stage, and records of the model of an EXPERIMENT."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """`stagecad suggest`: the next measurement that would best separate the competing effects."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

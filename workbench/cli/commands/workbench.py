@@ -1,7 +1,5 @@
 """`stagecad workbench`: serves the page for machine, simulation and measurement on this computer."""
 
-from __future__ import annotations
-
 import os
 import secrets
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Calculators of the stage's support: wear, smoothness, alternative suspensions."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Calculators of contacts and of the magnetic teeth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any

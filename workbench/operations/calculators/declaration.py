@@ -6,8 +6,6 @@ for another option's value, a number, None, or a function of the design's number
 of type `Word` takes a word, one of those annotated or, without any, every text.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable, Mapping

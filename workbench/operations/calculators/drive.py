@@ -1,7 +1,5 @@
 """Calculators of drive, pads, height adjustment, screws and sensor."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """Calculators of errors: heat, vibration, alignment of the sensor, and the budgets."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """The packaged demonstration: a copy of its experiment in a folder that is not the user's own work."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

@@ -1,7 +1,5 @@
 """Findings of a comparison, a diagnosis or a search for the next motion, as sentences."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 They are built from the JSON documents of the commands.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any

@@ -31,37 +31,24 @@ Terms = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Written:
-    """One value written back. SI units.
+    """One value written back. SI units."""
 
-    Args:
-        key: of the parameter file.
-        value, std: as measured.
-        unit: SI unit.
-        text: in the file now.
-        before: text that stood there, and where it came from.
-        origin: of the value, as written in the file.
-    """
-
-    key: str
-    value: float
-    std: float
-    unit: str
-    text: str
-    before: tuple[str, str]
-    origin: str
+    key: str  # of the parameter file
+    value: float  # as measured
+    std: float  # as measured
+    unit: str  # SI unit
+    text: str  # in the file now
+    before: tuple[str, str]  # text that stood there, and where it came from
+    origin: str  # of the value, as written in the file
 
 
 @dataclass(frozen=True)
 class WriteBack:
-    """Fitted values to be written into a parameter file: all of them, or none.
+    """Fitted values to be written into a parameter file: all of them, or none."""
 
-    Args:
-        keys: of the parameter file, each alone, or as `KEY=FITTED` where the fit's value has another name there.
-        design: of the user's own parameter file, perhaps with overrides.
-    """
-
+    # of the parameter file, each alone, or as `KEY=FITTED` where the fit's value has another name there
     keys: tuple[str, ...]
-    design: Design
+    design: Design  # of the user's own parameter file, perhaps with overrides
 
     def __post_init__(self) -> None:
         user_file(self.design)

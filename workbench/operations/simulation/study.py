@@ -132,23 +132,14 @@ class Sample:
 
 @dataclass(frozen=True)
 class Study:
-    """All samples of a command.
+    """All samples of a command."""
 
-    Args:
-        parameters: that were sampled.
-        values: (samples, parameters), each in its own unit.
-        nominal: results of the design itself.
-        samples: one for each row of `values`.
-        distributions: of each feature over the samples.
-        seed: of the random numbers.
-    """
-
-    parameters: tuple[UncertainParameter, ...]
-    values: np.ndarray
-    nominal: Sample
-    samples: tuple[Sample, ...]
-    distributions: Mapping[FeaturePath, Distribution]
-    seed: int
+    parameters: tuple[UncertainParameter, ...]  # that were sampled
+    values: np.ndarray  # (samples, parameters), each in its own unit
+    nominal: Sample  # results of the design itself
+    samples: tuple[Sample, ...]  # one for each row of `values`
+    distributions: Mapping[FeaturePath, Distribution]  # of each feature over the samples
+    seed: int  # of the random numbers
 
     @property
     def refused(self) -> list[tuple[int, str]]:

@@ -1,7 +1,5 @@
 """Results of simulations as tables in the records' own form: columns `name [unit]`, as CSV or Parquet."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Routes of experiments: those of the folder, files dropped on the page, examples, and consent to Python code."""
 
-from __future__ import annotations
-
 import filecmp
 import os
 from collections.abc import AsyncIterator

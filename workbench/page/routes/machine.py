@@ -1,7 +1,5 @@
 """Routes of the machine view: parameters, checks, rules, solids, drawings, differences."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Request

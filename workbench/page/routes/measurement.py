@@ -1,7 +1,5 @@
 """Routes of the measurement view: the jobs of the identification, the ladder, and the report."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Request

@@ -1,7 +1,5 @@
 """Routes of the optimisation of the design: what is free, and the job that searches."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Request

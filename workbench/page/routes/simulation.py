@@ -1,7 +1,5 @@
 """Routes of the simulation view: the tip's path at once, the other experiments as jobs."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Request

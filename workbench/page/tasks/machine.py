@@ -1,7 +1,5 @@
 """Jobs of the machine view: solids and drawings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Jobs of the measurement view: `compare`, `diagnose`, `add`, `suggest` of the Python interface, and their curves."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

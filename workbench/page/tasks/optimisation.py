@@ -1,7 +1,5 @@
 """Job of the machine view: the nearest design without violated rules and failed checks, with its Pareto fronts."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from workbench.operations.optimise import optimize as optimize_design

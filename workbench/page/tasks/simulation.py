@@ -1,7 +1,5 @@
 """Jobs of the simulation view: the experiments of the thesis at the values of the sliders."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

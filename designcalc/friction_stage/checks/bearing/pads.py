@@ -1,7 +1,5 @@
 """Sliding bearing: loads, pressure, pv, friction, preload, stiffness."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

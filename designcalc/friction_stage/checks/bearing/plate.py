@@ -1,7 +1,5 @@
 """The stage as a plate that bends: modes, stiffness above the tip, and sag of the drive surface."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import root_scalar
 

@@ -1,7 +1,5 @@
 """Smoothness: response of the pads to the way's surface, by formula and over a sampled profile."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Bearing ways on their bolts: stiffness, spacing, and what one nanometre of smoothness allows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness

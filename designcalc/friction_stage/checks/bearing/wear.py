@@ -1,7 +1,5 @@
 """Effects of sliding on the pads: running in, wear, heat."""
 
-from __future__ import annotations
-
 from designcalc.checks.check import CheckFunction
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design

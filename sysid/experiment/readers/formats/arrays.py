@@ -1,7 +1,5 @@
 """Files of named arrays: what their readers have in common."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 

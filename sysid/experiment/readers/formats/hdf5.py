@@ -1,7 +1,5 @@
 """HDF5 files, among them MATLAB's of version 7.3: every vector of numbers by its path."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any

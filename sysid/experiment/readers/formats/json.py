@@ -1,7 +1,5 @@
 """JSON files: arrays of numbers by their path, or a list of rows with named values."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from functools import lru_cache

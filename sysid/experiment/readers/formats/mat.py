@@ -1,7 +1,5 @@
 """MATLAB files up to version 7: every vector of numbers in them, the ones inside structures by their path."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path

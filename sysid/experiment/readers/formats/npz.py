@@ -1,7 +1,5 @@
 """NumPy files: `.npz` with named arrays, and `.npy` with one."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

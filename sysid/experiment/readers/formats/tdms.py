@@ -1,7 +1,5 @@
 """TDMS files of LabVIEW: channels by group and name, with their units, and the time of evenly sampled ones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
