@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15270,
-    "designcalc": 11443,
-    "sim": 13330,
-    "sysid": 20787,
-    "drawings": 12501,
-    "workbench": 16439,
+    "stagecad": 15014,
+    "designcalc": 10679,
+    "sim": 12408,
+    "sysid": 20225,
+    "drawings": 12008,
+    "workbench": 15260,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

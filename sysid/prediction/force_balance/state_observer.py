@@ -20,8 +20,8 @@ from dataclasses import replace
 import numpy as np
 
 from sim.effects.catalogue import Model as SimulatedModel
-from sim.effects.catalogue import find
 from sim.effects.effect import Effect
+from sim.effects.friction.viscous import EFFECT as DAMPER
 from sim.integration.drive import Drive
 from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, StateObserver
@@ -83,10 +83,10 @@ def _integrated(
     stiffness, damping = mass * observer.bandwidth**2, np.sqrt(2.0) * mass * observer.bandwidth
     force = balance.applied + stiffness * balance.raw_position + damping * observer.velocity
     rates = np.append(np.diff(force) / np.diff(axis.time), 0.0)
-    damper, core = find("viscous"), next((effect for effect in effects if effect.friction_state is not None), None)
-    laws = [*(values_of(effect, values) for effect in effects), damper.values_type(damping)]
+    core = next((effect for effect in effects if effect.friction_state is not None), None)
+    laws = [*(values_of(effect, values) for effect in effects), DAMPER.values_type(damping)]
     run = simulate(
-        SimulatedModel((*effects, damper), tuple(laws)),
+        SimulatedModel((*effects, DAMPER), tuple(laws)),
         Drive(axis.time, force, rates, stiffness=stiffness),
         axis.time,
         mass=mass,
