@@ -27,6 +27,7 @@ from sysid.prediction.force_balance.state_observer import can_be_observed, obser
 from sysid.prediction.model import Model, Scales
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
+from sysid.prediction.sensors import PREFIX as SCALE
 
 
 @dataclass(frozen=True)
@@ -95,9 +96,10 @@ def reported_fit(problem: Problem, base: ReferenceFit) -> tuple[Problem, Referen
 def _without_attenuation(problem: Problem, base: ReferenceFit) -> ReferenceFit:
     """The fit without the bias of a fitted mass by the noise s of the measured acceleration, which is both in its
     column of the Jacobian and in the residual: J^T w r is zero at the estimate, but m sum w s^2 at the true values
-    (compensated least squares; Stoica and Soderstrom, Int. J. Control 36 (1982) 257)."""
+    (compensated least squares; Stoica and Soderstrom, Int. J. Control 36 (1982) 257). With a scale that is fitted the
+    residual and its deviation are proportional to all forces together, which have no such bias."""
     fitted, fit = base.fitted, base.fitted.fit
-    if "rig.mass" not in fit.keys:
+    if "rig.mass" not in fit.keys or any(key.startswith(SCALE) for key in fit.keys):
         return base
     total, start = 0.0, 0
     for record, stds in zip(problem.fit_records, fitted.weights.scored_std, strict=True):

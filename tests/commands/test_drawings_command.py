@@ -149,7 +149,7 @@ def test_a_design_changed_by_set_is_titled_so(drawn: tuple[Path, Path, dict[str,
     changed = "magnet.edge_chamfer=0.4 mm"
     assert run(["drawings", "magnet", "--set", changed, "--lint", "--out", str(tmp_path)]) == 0
     assert "Precision Stage, changed: magnet.edge_chamfer = 0.4 mm" in texts_of(tmp_path, "magnet")
-    (path,) = tmp_path.glob("magnet_*.toml")
+    (path,) = (tmp_path / "parameters").glob("magnet_*.toml")
     assert load_design(path).magnet.edge_chamfer == 0.4
 
 

@@ -151,7 +151,7 @@ def _clamp_screws(d: DimensionDeclarations, design: Design, clamp: Clamp) -> Non
     thread = design.thread("unc_3_8")
     hole.add("tap_drill", "clamp thread", drill, (at, touch), X, note=thread.designation, major=thread.major)
     full = f"beyond the slot, full over a length of {full_clamp_thread(design):.1f} by a bottoming tap"
-    hole.remark("clamp thread length", ("base.clamp_thread_depth", "threads.unc_3_8_pitch"), touch, full)
+    hole.remark("clamp thread length", ("base.clamp_thread_depth",), touch, full)
 
 
 def _clamp_slots(d: DimensionDeclarations, design: Design, clamp: Clamp) -> None:

@@ -16,6 +16,7 @@ def test_margins_hold_labels_and_titles(title: str, design: Design) -> None:
     drawn = FIGURES[title][1](design, BodyMasses(STAGE, TIP))
     assert drawn is not None
     renderer = FigureCanvasAgg(drawn).get_renderer()
+    drawn.draw_without_rendering()
     width, height = drawn.get_size_inches() * drawn.dpi
     boxes = [box for axes in drawn.axes if (box := axes.get_tightbbox(renderer))]
     assert len(boxes) >= 4

@@ -12,6 +12,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+# The page asks the operations alone.
+from sim.effects.catalogue import library as library
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
@@ -20,8 +22,12 @@ from sysid.experiment.columns.proposal import propose as propose_columns
 from sysid.experiment.columns.settings import RATED
 from sysid.experiment.questions import QUESTION
 from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.open import SUFFIXES as SUFFIXES
 from sysid.experiment.readers.open import RecordFile, open_record_file
+from sysid.experiment.readers.open import record_suffix as record_suffix
+from sysid.experiment.readers.open import unknown_format as unknown_format
 from sysid.experiment.rig_kinds.declaration import find_rig
+from sysid.experiment.rig_kinds.declaration import kinds as kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.result import Result, finite, without_options

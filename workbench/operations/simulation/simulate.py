@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.experiments.friction_models import MODELS, Friction
+from sim.experiments.friction_models import TITLES as TITLES
 from sim.experiments.hysteresis import CASES, hysteresis
 from sim.experiments.limit_cycles import STIFFNESSES, limit_cycles
 from sim.experiments.passivity import MOTIONS, audit, passive_below

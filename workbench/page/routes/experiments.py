@@ -11,15 +11,20 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
-from sim.effects.catalogue import library
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.open import SUFFIXES, record_suffix, unknown_format
-from sysid.experiment.rig_kinds.declaration import kinds
 from workbench.operations.measurement.experiment import consent as consent_to
 from workbench.operations.measurement.experiment import python_files
+from workbench.operations.measurement.new_experiment import (
+    SUFFIXES,
+    kinds,
+    library,
+    record_rows,
+    record_suffix,
+    unknown_format,
+    write_experiment,
+)
 from workbench.operations.measurement.new_experiment import propose as propose_experiment
-from workbench.operations.measurement.new_experiment import record_rows, write_experiment
 from workbench.operations.templates import EXAMPLES, copy_example
 from workbench.operations.templates import examples as examples_of
 from workbench.page.project import Project, plain_name

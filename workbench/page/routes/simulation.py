@@ -60,7 +60,7 @@ class SimulateBody(Body):
 @router.get("")
 def overview(request: Request) -> dict[str, Any]:
     """Experiments, friction models, and the parameters that they read."""
-    from sim.experiments.friction_models import MODELS, TITLES
+    from workbench.operations.simulation.simulate import MODELS, TITLES
 
     design = request.app.state.machine.design().values
     tip = ("actuator.piezo_spacing", "actuator.tip_height", "actuator.stroke_amplitude", "actuator.phase")
@@ -80,7 +80,7 @@ def overview(request: Request) -> dict[str, Any]:
 @router.post("/tip")
 def tip(body: TipBody) -> dict[str, Any]:
     """Path of the tip about its rest, with its half axes and tilt."""
-    from sim.experiments.tip import tip_ellipse
+    from workbench.operations.simulation.simulate import tip_ellipse
 
     path = tip_ellipse(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
     every = 2
@@ -91,8 +91,7 @@ def tip(body: TipBody) -> dict[str, Any]:
 @router.post("/run")
 def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     """Start an experiment; a waiting one is replaced."""
-    from sim.experiments.friction_models import MODELS
-    from workbench.operations.simulation.simulate import NO_MODEL, chosen_names
+    from workbench.operations.simulation.simulate import MODELS, NO_MODEL, chosen_names
 
     session, jobs = request.app.state.machine, request.app.state.jobs
     if body.experiment not in EXPERIMENTS:
