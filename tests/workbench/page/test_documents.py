@@ -105,7 +105,7 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
 
 
 def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> None:
-    slide(tmp_path / "rig", FORCE, '"coulomb"', held_out=True)
+    shutil.copytree(folder / "rig", tmp_path / "rig")
     found = _job(client, "/api/experiment/rig/suggest")["document"]
     document = _command(tmp_path, "suggest", "rig", "--out", "build")
     _compared(found, document)
