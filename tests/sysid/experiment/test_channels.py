@@ -54,6 +54,16 @@ def test_a_record_overrides_what_it_names(tmp_path):
     assert np.allclose(_load(tmp_path, MOTOR + BOTH + old)[1].channels["drive_force"], -0.113 * CURRENT)
 
 
+def test_percent_of_a_rated_value(tmp_path):
+    for name in ("a.csv", "b.csv"):
+        _write(tmp_path, name, "time [s],position [rad],drive_force [%]", TIME, ANGLE, 100.0 * CURRENT / 2.4)
+    known = '[rig.known]\nrated_drive_force = "2.4 N*m"\n'
+    for record in _load(tmp_path, known + BOTH):
+        assert record.units["drive_force"] == "N*m" and np.allclose(record.channels["drive_force"], CURRENT)
+    with pytest.raises(InputError, match=r"is in percent; state its rated value .*rated_drive_force = "):
+        _load(tmp_path, BOTH)
+
+
 def test_counts_pressures_and_speeds(tmp_path):
     _write(tmp_path, "a.csv", "time [s],position [counts],velocity [rpm],friction_force [Nm],p [bar]",
            TIME, 1000.0 * ANGLE, 60.0 * ANGLE, CURRENT, 2.0 + TIME)  # fmt: skip
