@@ -37,7 +37,7 @@ COMMANDS = {
     "optimize": ("optimize --no-solids --no-figures --budget 20 --evaluations 50 --write b.toml", {"b.toml", "b.md"}),
     "demo": ("demo", set()),
     "parts": ("parts magnet piezo", set()),
-    "drawings": ("drawings magnet piezo", set()),
+    "drawings": ("drawings magnet tooth_bar", set()),
     "make": ("make --no-simulations", set()),
 }  # fmt: skip
 LONG = ("make", "drawings", "parts", "demo", "suggest", "optimize", "diagnose")
