@@ -135,7 +135,7 @@ RESTS_FOR = 10
 
 def known_direction(position: np.ndarray, std: float, width: float) -> tuple[np.ndarray, np.ndarray]:
     """Direction (n,) of a motion from a noisy position (n,), filtered by `width` rows: 1, -1, or 0 where not known; and
-    the row (n,) of the last motion, which is the row itself but at rest.
+    the row (n,) whose friction level holds: the row itself, or at rest the first row of the rest.
 
     A direction holds from where the body has left the last turning point by `LEFT_BY` standard deviations `std` up to
     half of that distance before the next one. A body that rests has that of its last motion, whose friction remains, up
@@ -157,8 +157,9 @@ def known_direction(position: np.ndarray, std: float, width: float) -> tuple[np.
         means = [float(np.mean(part)) for part in np.array_split(position[start:stop], 4) if part.size]
         # On a slow turn the quarters of such a stretch differ by 3.7 standard deviations.
         if start > 0 and stop - start > 4 * reach and np.ptp(means) < std:
-            rows[start : stop - reach if stop < position.size else stop] = start - 1
-    return found[rows], rows
+            rest = slice(start, stop - reach if stop < position.size else stop)
+            found[rest], rows[rest] = found[start - 1], start
+    return found, rows
 
 
 @compiled

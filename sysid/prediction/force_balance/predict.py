@@ -127,7 +127,7 @@ def _friction(
         held = friction_from_initial_state(balance, core, axis, level, p, forces + inertia)
         if core.friction_state.rigid and balance.velocity_sign is not None and axis.position is balance.axis.position:
             # Position differences have the sign of a mean over the step, the given velocity that at its end.
-            # At rest the force stays what it was, though the level of an aged contact rises.
+            # At rest the force stays that of the stop, though the level of an aged contact rises.
             most = level if balance.moved is None else np.minimum(level, level[balance.moved])
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * most, held)
         if unseen > LEAST_UNOBSERVABLE:
