@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15014,
     "designcalc": 10679,
     "sim": 12408,
-    "sysid": 20231,
+    "sysid": 20232,
     "drawings": 12008,
     "workbench": 15271,
 }
