@@ -134,16 +134,16 @@ def _without_unknown_directions(
     std = record.prefiltered_noise or position_noise(sensor)
     assert record.velocity_sign is not None
     path = record.axis.position if record.prefiltered_noise else position
-    shown, moved = record.velocity_sign, np.arange(record.size)
+    shown, stop_row = record.velocity_sign, np.arange(record.size)
     if std > 0.0:
-        shown, moved = known_direction(path, std, record.prefilter_samples)
+        shown, stop_row = known_direction(path, std, record.prefilter_samples)
     valid = {name: rows & (shown != 0.0) for name, rows in record.valid.items()}
     if std == 0.0 or not all(np.count_nonzero(rows) >= LEAST_KNOWN for rows in valid.values()):
         return record
     clear = record.velocity_sign != 0.0
     undirected = record.valid[record.force_channel] & (shown == 0.0)
     sign = np.where(clear, record.velocity_sign, shown)
-    return replace(record, valid=valid, velocity_sign=sign, moved=moved, undirected=undirected)
+    return replace(record, valid=valid, velocity_sign=sign, stop_row=stop_row, undirected=undirected)
 
 
 def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:

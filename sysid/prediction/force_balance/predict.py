@@ -128,7 +128,7 @@ def _friction(
         if core.friction_state.rigid and balance.velocity_sign is not None and axis.position is balance.axis.position:
             # Position differences have the sign of a mean over the step, the given velocity that at its end.
             # At rest the force stays that of the stop, though the level of an aged contact rises.
-            most = level if balance.moved is None else np.minimum(level, level[balance.moved])
+            most = level if balance.stop_row is None else np.minimum(level, level[balance.stop_row])
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * most, held)
         if unseen > LEAST_UNOBSERVABLE:
             resolved_friction = _event_resolved(balance, effects, values, forces, level, usual, core)

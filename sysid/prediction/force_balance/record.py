@@ -68,10 +68,10 @@ class ForceBalanceRecord(PreparedRecord):
     flips with `direction` and at `reversals`, and equals `applied`, the unfiltered force, while the body rests
     (`stick_fraction`, the part of each step). Each of the `slip_phases` is put where the model's own momentum ends;
     `prefilter_samples` is the width of the light filter in samples. `velocity_sign` is the direction of an imposed
-    motion at the sample; zero where it is not known. `moved` is the row of the last motion, whose direction and force
-    a rest keeps. `undirected` marks rows whose force was measured, but that are not scored since they show no direction
-    of motion. `velocity_noise` is the standard deviation of the axis's velocity, and `velocity_agreement` states a
-    contradiction between a logged velocity and the position.
+    motion at the sample; zero where it is not known. `stop_row` is the row itself, or at rest the first row of the
+    rest, whose level the friction keeps. `undirected` marks rows whose force was measured, but that are not scored
+    since they show no direction of motion. `velocity_noise` is the standard deviation of the axis's velocity, and
+    `velocity_agreement` states a contradiction between a logged velocity and the position.
     `half_width_variant` makes the axis from a motion filtered half as much, and the rest of the filter: the
     difference is the error by filtering. `raw_position` is the logged position, gaps bridged where anything was
     `interpolated`. With an `observer` friction follows from the motion of the model, held to the measured position.
@@ -84,7 +84,7 @@ class ForceBalanceRecord(PreparedRecord):
     slip_phases: SlipPhases | None = None
     prefilter_samples: float = 0.0
     velocity_sign: np.ndarray | None = None
-    moved: np.ndarray | None = None
+    stop_row: np.ndarray | None = None
     undirected: np.ndarray | None = None
     velocity_noise: float = 0.0
     velocity_agreement: VelocityAgreement | None = None
