@@ -9,11 +9,14 @@ from designcalc.checks.check import Change, Check, DesignInputs, Input, at_least
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.units import unit_dimension
 
-Quantities = Mapping[str, tuple[Callable[[DesignInputs], float], str]]
-"""Calculated numbers that formulas may name as they name parameters: SI value and unit."""
+Quantities = Mapping[str, tuple[Callable[[DesignInputs], float] | float, str]]
+"""Calculated numbers that formulas may name as they name parameters: SI value, or its function, and unit."""
 
 _SYMBOL = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+")
-_SHOWN = ("", "m", "m/s", "m/s^2", "m^2", "m^2/N", "N", "Pa", "N/m", "N*m", "kg", "Hz", "W", "A", "T", "K", "1/K")
+_SHOWN = (
+    *("", "s", "m", "m/s", "m/s^2", "m^2", "m^2/N", "N", "Pa", "N/m", "N*m", "kg", "Hz", "W", "W/m^2", "A", "T", "K"),
+    *("1/K", "m/K"),
+)
 _UNITS = {unit_dimension(unit): unit for unit in (*_SHOWN, "rad")}
 """Unit in which a result is shown, by its dimension."""
 
@@ -23,8 +26,8 @@ class FormulaCheck:
     """A check ``LEFT <= RIGHT`` or ``LEFT >= RIGHT`` of two formulas as in a parameter file.
 
     They name parameters, properties of the material of a part (``tip.material.expansion``), and `quantities`. What is
-    divided by zero is infinite. In the texts ``{FORMULA}`` stands for its value; there, and in the formulas of changes,
-    ``check.value`` and ``check.limit`` are known too.
+    divided by zero is infinite. In the texts ``{FORMULA}`` stands for its value, ``{FORMULA: J}`` for that in joule;
+    there, and in the formulas of changes, ``check.value`` and ``check.limit`` are known too.
     """
 
     name: str
@@ -60,8 +63,8 @@ class FormulaCheck:
 
     def _input(self, r: DesignInputs, key: str) -> Input:
         if key in self.quantities:
-            function, unit = self.quantities[key]
-            return Input(float(function(r)), unit, "calculated")
+            number, unit = self.quantities[key]
+            return Input(float(number(r) if callable(number) else number), unit, "calculated")
         part, of_material, quantity = key.partition(".material.")
         if of_material:
             key = f"materials.{r.design.value(f'{part}.material')}.{quantity}"
@@ -82,8 +85,9 @@ class FormulaCheck:
             return None
 
     def _shown(self, r: DesignInputs, text: str, known: Mapping[str, tuple[float, str]]) -> str:
-        found = self._evaluate(r, text, known)
-        return "inf" if found is None else show(found.si, _UNITS[found.dimension])
+        formula, _, unit = text.partition(": ")
+        found = self._evaluate(r, formula, known)
+        return "inf" if found is None else show(found.si, unit or _UNITS[found.dimension])
 
     def _with_numbers(self, r: DesignInputs, text: str) -> str:
         def number(match: re.Match[str]) -> str:

@@ -1,19 +1,40 @@
 """Calculated numbers of the machine that the formulas of its checks name."""
 
+import re
+
 import numpy as np
 
+from designcalc.bearing.bolted_rail import bending_shear_compliance, joint_stiffness
 from designcalc.bearing.fastener import Thread, strip_area_of_bed, strip_area_of_screw
+from designcalc.bearing.sliding import averaged_roughness
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.formula_check import FormulaCheck, Quantities
+from designcalc.contact.hertz import contact_modulus
+from designcalc.contact.hertz_stress import ShearPeak, peak_mises, point_shear_peak
 from designcalc.friction_stage.physics.body import moving_body, tip_mass
-from designcalc.friction_stage.physics.clamp import screw_preload
+from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip, press_angle, screw_preload
 from designcalc.friction_stage.physics.loads import load, load_centre, moved_mass, preload, tip_load, weight
-from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_contact, pad_positions, pads_stiffness
+from designcalc.friction_stage.physics.pads import (
+    film,
+    heaviest_pad,
+    pad_contact,
+    pad_forces,
+    pad_positions,
+    pads_stiffness,
+    rail,
+)
+from designcalc.friction_stage.physics.plate_vibration import above_tip
+from designcalc.friction_stage.physics.position_loop import suspension
+from designcalc.friction_stage.physics.stage_plate import give_at_tip
 from designcalc.friction_stage.physics.teeth import CIRCUITS, attraction, magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
+    bent_stack,
     driven_capacitance,
+    elastic_constants,
     holding_stiffness,
+    inertia_on_piezos,
     mass_on_piezos,
+    peak_tip_force,
     speed_frequency,
     stack_stiffness,
     sway,
@@ -31,6 +52,35 @@ def _way_thread(r: DesignInputs) -> Thread:
 def _way_depth(r: DesignInputs) -> float:
     """Engagement of the screws of the ways in the base, m."""
     return r("screws.way.length") - r("bearing_way.flange_thickness")
+
+
+def _shear_peak(r: DesignInputs) -> ShearPeak:
+    return point_shear_peak(tip_contact(r, peak_tip_force(r)), r.material("stage", "poisson_ratio"))
+
+
+def _way_joint(r: DesignInputs) -> float:
+    """Stiffness of one bolt joint of the way, N/m."""
+    way = rail(r)
+    tau = r("bearing_way.flange_thickness") / way.bolt_diameter
+    return float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter
+
+
+def _averaging_radius(r: DesignInputs) -> float:
+    """Radius of a pad's contact, m, where it averages the way's roughness."""
+    radius = film(r, heaviest_pad(r)).radius
+    averaged_roughness(1.0, r("bearing.roughness_correlation"), radius)  # refuses a contact that is too small
+    return float(radius)
+
+
+def _lift_of_pulses(r: DesignInputs) -> float:
+    """Height above the tip at the peak of its force over that at its mean, m."""
+    found = above_tip(r, tip_load(r))
+    return float(found.at_peak_force[0] - found.static[0])
+
+
+def loose_fit(r: DesignInputs) -> float:
+    """Play of the holder in its pocket beyond the nominal one by both tolerances, m."""
+    return 2 * r("drawing.tolerance_x_xx")
 
 
 QUANTITIES: Quantities = {
@@ -68,10 +118,44 @@ QUANTITIES: Quantities = {
     "stiffness.roll": (lambda r: pads_stiffness(r).roll, "N*m"),
     "stiffness.teeth_across": (lambda r: CIRCUITS * magnets(r).lateral_stiffness, "N/m"),
     "load.moved_mass": (moved_mass, "kg"),
+    "load.peak_of_tip": (peak_tip_force, "N"),
+    "load.lightest_pad": (lambda r: float(np.min(pad_forces(r))), "N"),
+    "modulus.tip_contact": (lambda r: float(contact_modulus(*elastic_constants(r, "tip", "stage"))), "Pa"),
+    "mises.tip": (lambda r: float(peak_mises(1.0, r.material("tip", "poisson_ratio"))), ""),
+    "mises.stage": (lambda r: float(peak_mises(1.0, r.material("stage", "poisson_ratio"))), ""),
+    "shear.under_tip": (lambda r: float(_shear_peak(r).shear), "Pa"),
+    "depth.of_shear": (lambda r: float(_shear_peak(r).depth), "m"),
+    "bend.above_tip": (lambda r: float(above_tip(r, tip_load(r)).static[0]), "m"),
+    "lift.above_tip": (_lift_of_pulses, "m"),
+    "give.above_tip": (give_at_tip, "m/N"),
+    "give.of_way_edge": (lambda r: float(bending_shear_compliance(rail(r))), "m^2/N"),
+    "stiffness.way_joint": (_way_joint, "N/m"),
+    "force.touching_bore": (lambda r: float(bent_stack(r, 1.0).touch_force), "N"),
+    "inertia.on_piezos": (inertia_on_piezos, "kg*m^2"),
+    "pressure.of_pad": (lambda r: float(film(r, heaviest_pad(r)).peak_pressure), "Pa"),
+    "radius.of_pad": (lambda r: float(film(r, heaviest_pad(r)).radius), "m"),
+    "radius.of_averaging": (_averaging_radius, "m"),
+    "frequency.of_loop": (lambda r: suspension(r).resonance, "Hz"),
+    "gain.of_loop": (lambda r: suspension(r).gain, ""),
+    "closure.of_finger": (lambda r: clamp_finger(r).closure, "m/N"),
+    "stress.of_free_neck": (lambda r: clamp_finger(r).stress(1.0), "Pa/N"),
+    "stress.of_neck": (lambda r: grip(r, loose_fit(r)).stress, "Pa"),
+    "gap.of_clamp": (lambda r: clamp_gap(r, loose_fit(r)), "m"),
+    "force.of_clamp_screw": (lambda r: screw_preload(r, "clamp_long"), "N"),
+    "force.of_finger": (lambda r: grip(r, loose_fit(r)).press, "N"),
+    "force.on_rim": (lambda r: grip(r).rim, "N"),
+    "angle.of_finger": (press_angle, "rad"),
 }
 """SI value and unit by name."""
 
 
-def stated(name: str, formula: str, *changes: tuple[str, str, bool], **texts: str) -> FormulaCheck:
-    """A check of the machine by one formula; arguments as of `FormulaCheck`."""
-    return FormulaCheck(name, formula, texts, QUANTITIES, changes)
+def quantity_key(group: str, name: str) -> str:
+    """Name of a quantity in formulas from words."""
+    return f"{group}.{re.sub(r'[^a-z]+', '_', name)}"
+
+
+def stated(
+    name: str, formula: str, *changes: tuple[str, str, bool], given: Quantities | None = None, **texts: str
+) -> FormulaCheck:
+    """A check of the machine by one formula; arguments as of `FormulaCheck`, `given` names further quantities."""
+    return FormulaCheck(name, formula, texts, {**QUANTITIES, **(given or {})}, changes)

@@ -11,7 +11,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 15014,
-    "designcalc": 10679,
+    "designcalc": 10545,
     "sim": 12408,
     "sysid": 20232,
     "drawings": 12008,

@@ -1,19 +1,7 @@
 """Piezo actuator: resonances against the drive, force, current, heat, tension and bending of the stacks, step size."""
 
-import numpy as np
-
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
-from designcalc.drive.piezo_stack import drive_pull, stack_tension
-from designcalc.friction_stage.physics.tip_dynamics import (
-    PIEZOS,
-    bent_stack,
-    inertia_on_piezos,
-    mass_on_piezos,
-    peak_tip_force,
-    speed_frequency,
-    tilt_amplitude,
-    usable_ellipse,
-)
+from designcalc.checks.check import CheckFunction
+from designcalc.friction_stage.physics.tip_dynamics import PIEZOS
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
@@ -92,49 +80,42 @@ current = stated(
 )
 
 
-def tension(r: DesignInputs) -> Check:
-    """Tension at the frequency of the required speed, like heat and current."""
-    f, spacing = speed_frequency(r), r("actuator.piezo_spacing")
-    _, Y = usable_ellipse(r)
-    swing = float(stack_tension(mass_on_piezos(r), inertia_on_piezos(r), f, Y, tilt_amplitude(r), spacing))
-    side = r("drive.friction") * peak_tip_force(r)
-    push = float(drive_pull(side, r("actuator.tip_height"), spacing))
-    area, limit = r("piezo.element_area"), r("piezo.strain_limit")
-    pull = swing + push
-    slower = f * np.sqrt(max(limit * area - push, 0.0) / swing) if swing > 0 else f
-    return Check(
-        "tension of a piezo by the tip's inertia and drive force",
-        at_most(pull / area, limit, "Pa"),
-        source="inertia of the tip's rise and rocking, shared by the two driven stacks; the moment of the peak drive "
-        "force as push and pull on them",
-        formula="{sqrt[(m w^2 Y/4)^2 + (J w^2 theta/D)^2] + mu N h/D}/A <= tensile limit",
-        substituted=f"f = {show(f, 'Hz')}: ({show(swing, 'N')} + {show(push, 'N')})/{show(area * 1e6, '')} mm^2",
-        proposal=f"preload each stack by {show(pull, 'N')} or more, or drive at {show(slower, 'Hz')} at most",
-        changes=change("requirements.speed", r("requirements.speed") * slower / f, "m/s", up=False),
-        requirement=_ACTUATOR,
-        note=f"preloaded by {show(pull, 'N')}, {100 * pull / r('piezo.blocking_force'):.2g} % of the blocking force, "
-        "the ceramic stays in compression",
-    )
+_RATE = "(2*pi*frequency.of_speed)^2"
+_SWING = (
+    f"sqrt((mass.on_piezos*{_RATE}*ellipse.rise/4)^2"
+    f" + (inertia.on_piezos*{_RATE}*ellipse.along/(2*actuator.tip_height)/actuator.piezo_spacing)^2)"
+)
+_PUSH = "drive.friction*load.peak_of_tip*actuator.tip_height/actuator.piezo_spacing"
+_SLOWER = f"sqrt(max(piezo.strain_limit*piezo.element_area - {_PUSH}, 0 N)/{_SWING})"
+_PULL = "{check.value*piezo.element_area}"
+tension = stated(
+    "tension of a piezo by the tip's inertia and drive force",
+    f"({_SWING} + {_PUSH})/piezo.element_area <= piezo.strain_limit",
+    ("requirements.speed", f"requirements.speed*{_SLOWER}", False),
+    source="inertia of the tip's rise and rocking at the frequency of the required speed, shared by the two driven "
+    "stacks; the moment of the peak drive force as push and pull on them",
+    proposal=f"preload each stack by {_PULL} or more, or drive at {{frequency.of_speed*{_SLOWER}}} at most",
+    requirement=_ACTUATOR,
+    note=f"{{{_SWING}}} of inertia and {{{_PUSH}}} of drive; preloaded by {_PULL}, "
+    "{100*check.value*piezo.element_area/piezo.blocking_force} % of the blocking force, the ceramic stays in "
+    "compression",
+)
 
 
-def bending(r: DesignInputs) -> Check:
-    """The tip's side force bends the stacks until they touch their bores."""
-    force = r("drive.friction") * peak_tip_force(r) / PIEZOS
-    play = (r("holder.bore_diameter") - r("piezo.diameter")) / 2
-    limit = r("piezo.strain_limit")
-    bent = bent_stack(r, force)
-    return Check(
-        "side load of the drive on a piezo",
-        at_most(float(bent.stress), limit, "Pa"),
-        source="element bent as a cantilever, and propped by the mouth of its bore once it touches; its case neglected",
-        formula="max M c/I <= tensile limit, M = F L at the foot up to the touch, F (L - b) at the mouth; F = mu N/3",
-        substituted=f"F = {show(force, 'N')}, touches its bore at {show(float(bent.touch_force), 'N')} by "
-        f"{show(play, 'm')} of play; end bends {show(float(bent.deflection), 'm')}",
-        proposal=f"stacks preloaded by {show(float(bent.stress) * r('piezo.element_area'), 'N')}, or guided in their "
-        "bores without play",
-        thesis="'lateral stiffness is provided by the piezo housing': with play in the bore the stacks bend first",
-        requirement=_ACTUATOR,
-    )
+_SIDE = f"drive.friction*load.peak_of_tip/{PIEZOS}"
+_BORE = "(holder.height - holder.floor)"
+bending = stated(
+    "side load of the drive on a piezo",
+    f"6/piezo.element_area^1.5*max(min({_SIDE}, force.touching_bore)*piezo.length,"
+    f" abs({_SIDE}*piezo.length - max({_SIDE} - force.touching_bore, 0 N)*(3*piezo.length - {_BORE})/2),"
+    f" {_SIDE}*(piezo.length - {_BORE})) <= piezo.strain_limit",
+    source="element bent as a cantilever, and propped by the mouth of its bore once it touches: moments at its foot up "
+    "to the touch and beyond it, and at the mouth; its case neglected",
+    proposal="stacks preloaded by {check.value*piezo.element_area}, or guided in their bores without play",
+    thesis="'lateral stiffness is provided by the piezo housing': with play in the bore the stacks bend first",
+    requirement=_ACTUATOR,
+    note=f"{{{_SIDE}}} across each stack, which touches its bore at {{force.touching_bore}}",
+)
 
 
 sway_mode = stated(

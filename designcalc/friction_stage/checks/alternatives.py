@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.porous_air import stiffness_of_gap
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
-from designcalc.contact.hertz import contact_modulus, load_at_pressure, load_at_stiffness, point_contact
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
+from designcalc.checks.formula_check import FormulaCheck, Quantities
+from designcalc.contact.hertz import contact_modulus, point_contact
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.drive.suspension import Suspension, dipole_hessian, rank_sum
-from designcalc.friction_stage.physics.loads import load, weight
+from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
@@ -19,6 +20,8 @@ from stagecad.parameters.design import Design
 _AIR_SOURCE = "thesis 2.4.1, catalogue point of a 1 in porous pad"
 _BALL_SOURCE = "thesis 2.4.3 and appendix A; Johnson (1985), section 4.2"
 _BALLS = {"steel": "materials.steel", "ceramic": "materials.alumina", "polymer": "materials.ptfe"}
+_LOAD = "(load.weight/3)"
+"""Of a ball."""
 
 
 def checks(design: Design) -> list[CheckFunction]:
@@ -28,8 +31,8 @@ def checks(design: Design) -> list[CheckFunction]:
         air_surface,
         air_height,
         earnshaw,
-        *(partial(small_ball, label=label) for label in _BALLS),
-        *(partial(ball_stiffness, label=label) for label in _BALLS),
+        *(small_ball(label) for label in _BALLS),
+        *(ball_stiffness(label) for label in _BALLS),
         ball_smoothness,
     ]
 
@@ -41,18 +44,15 @@ def _air_stiffness(r: DesignInputs) -> float:
     return float(stiffness_of_gap(gap, gap, load, diameter, supply))
 
 
-def air_model(r: DesignInputs) -> Check:
-    found, stated = _air_stiffness(r), r("candidates.air_bearing.stiffness")
-    load = heaviest_pad(r)
-    return Check(
-        "air bearing: computed stiffness against the catalogue's",
-        at_most(abs(found / stated - 1), 0.15, ""),
-        source="porous disc fed everywhere, isothermal viscous film; its feed fixed by the catalogue's load alone",
-        formula="|K_model/K_catalogue - 1|, K = -dW/dh",
-        substituted=f"{show(found, 'N/m')} against {show(stated, 'N/m')}",
-        proposal="ask the maker: load and stiffness of the catalogue point are not consistent",
-        note=f"{_AIR_SOURCE}; load of a pad of the stage {show(load, 'N')}",
-    )
+air_model = stated(
+    "air bearing: computed stiffness against the catalogue's",
+    "abs(stiffness.of_air_pad/candidates.air_bearing.stiffness - 1) <= 0.15",
+    given={"stiffness.of_air_pad": (_air_stiffness, "N/m")},
+    source="porous disc fed everywhere, isothermal viscous film, K = -dW/dh; its feed fixed by the catalogue's load "
+    "alone",
+    proposal="ask the maker: load and stiffness of the catalogue point are not consistent",
+    note=_AIR_SOURCE + "; load of a pad of the stage {load.heaviest_pad}",
+)
 
 
 air_surface = stated(
@@ -89,74 +89,57 @@ def earnshaw(r: DesignInputs) -> Check:
     height = r("candidates.magnetic_levitation.flying_height")
     total = _over_base(side, moment, height, r("stage.travel"))
     values = np.linalg.eigvalsh(total)
-    largest = float(np.abs(values).max())
-    return Check(
+    names = ("stiffness.softest", "stiffness.middle", "stiffness.hardest")
+    return stated(
         "passive magnets, not chosen: softest direction",
-        at_most(float(values[0]) / largest, 0.0, ""),
-        source="Earnshaw: the Laplacian of a magnet's energy is zero outside its sources",
-        formula="K_x + K_y + K_z = 0, so the smallest eigenvalue of K lies below 0: unstable",
-        substituted=f"trace over largest {np.trace(total) / largest:.1e}; eigenvalues over largest "
-        + ", ".join(f"{v / largest:.3f}" for v in values),
-    )
+        "stiffness.softest/max(abs(stiffness.softest), abs(stiffness.hardest)) <= 0",
+        given={name: (float(value), "N/m") for name, value in zip(names, values, strict=True)},
+        source="Earnshaw: the Laplacian of a magnet's energy is zero outside its sources, so that the stiffnesses of "
+        "three directions add up to zero",
+        note="{stiffness.softest}, {stiffness.middle} and {stiffness.hardest} in three directions",
+    )(r)
 
 
-def _ball_modulus(r: DesignInputs, label: str) -> float:
+def _modulus(ball: str, r: DesignInputs) -> float:
+    """Of the contact of a ball with the stage, Pa."""
+    own = (r(f"{ball}.youngs_modulus"), r(f"{ball}.poisson_ratio"))
+    return float(contact_modulus(*own, r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")))
+
+
+def _ball_quantities(label: str) -> Quantities:
     ball = _BALLS[label]
-    return float(
-        contact_modulus(
-            r(f"{ball}.youngs_modulus"),
-            r(f"{ball}.poisson_ratio"),
-            r.material("stage", "youngs_modulus"),
-            r.material("stage", "poisson_ratio"),
-        )
-    )
-
-
-def small_ball(r: DesignInputs, label: str) -> Check:
-    radius, modulus = r("candidates.ball_spring.small_diameter") / 2, _ball_modulus(r, label)
-    load = weight(r) / 3
-    pressure = float(point_contact(load, radius, np.inf, modulus).peak_pressure)
-    # Whichever body yields first: the aluminium stage, or a soft ball.
-    limits = {
-        "the stage": r.material("stage", "strength") / float(peak_mises(1.0, r.material("stage", "poisson_ratio"))),
-        "the ball": r(f"{_BALLS[label]}.strength") / float(peak_mises(1.0, r(f"{_BALLS[label]}.poisson_ratio"))),
+    return {
+        "modulus.of_ball": (partial(_modulus, ball), "Pa"),
+        "mises.ball": (lambda r: float(peak_mises(1.0, r(f"{ball}.poisson_ratio"))), ""),
     }
-    first = min(limits, key=lambda name: limits[name])
-    stated = r("candidates.ball_spring.stated_pressure")
-    giga = float(load_at_pressure(stated, radius, np.inf, modulus))
-    return Check(
+
+
+def small_ball(label: str) -> FormulaCheck:
+    radius, stated_pressure = "(candidates.ball_spring.small_diameter/2)", "candidates.ball_spring.stated_pressure"
+    giga = f"{{{stated_pressure}^3*pi^3*{radius}^2/(6*modulus.of_ball^2)}}"
+    return stated(
         f"ball on spring, not chosen: pressure of a 5 mm {label} ball",
-        at_least(pressure, limits[first], "Pa"),
-        source=_BALL_SOURCE + "; first yield, section 6.1",
-        formula="p0 above Sy/(largest von Mises stress over p0): ball or stage yields",
-        substituted=f"F = {show(load, 'N')} a ball: {show(pressure, 'Pa')} against {show(limits[first], 'Pa')}, where "
-        f"{first} yields; {show(stated, 'Pa')} at {show(giga, 'N')}",
+        f"(6*{_LOAD}*modulus.of_ball^2/(pi^3*{radius}^2))^(1/3)"
+        f" >= min(stage.material.strength/mises.stage, {_BALLS[label]}.strength/mises.ball)",
+        given=_ball_quantities(label),
+        source=_BALL_SOURCE + "; first yield of stage or ball, section 6.1",
         proposal="a small ball would suffice: reconsider it",
-        thesis=(f"1 GPa is stated without a load: it is reached at {show(giga, 'N')}" if label == "steel" else ""),
+        thesis=f"1 GPa is stated without a load: it is reached at {giga}" if label == "steel" else "",
+        note=f"{{{stated_pressure}}} at {giga}",
     )
 
 
-def ball_stiffness(r: DesignInputs, label: str) -> Check:
-    radius, modulus = r("candidates.ball_spring.large_diameter") / 2, _ball_modulus(r, label)
-    load = weight(r) / 3
-    contact = point_contact(load, radius, np.inf, modulus)
-    stiffness = 3 * float(contact.stiffness)
-    slide = pads_stiffness(r).normal
-    claimed = r("candidates.ball_spring.stated_stiffness")
-    at = float(load_at_stiffness(claimed, radius, np.inf, modulus))
-    return Check(
+def ball_stiffness(label: str) -> FormulaCheck:
+    radius, claimed = "(candidates.ball_spring.large_diameter/2)", "candidates.ball_spring.stated_stiffness"
+    at = f"{{(({claimed})/(2*modulus.of_ball))^3*4*modulus.of_ball/(3*{radius})}}"
+    return stated(
         f"ball on spring, not chosen: stiffness of three 50 mm {label} balls",
-        at_most(stiffness, slide, "N/m"),
+        f"3*2*modulus.of_ball*(3*{_LOAD}*{radius}/(4*modulus.of_ball))^(1/3) <= stiffness.pads",
+        given=_ball_quantities(label),
         source=_BALL_SOURCE,
-        formula="3 dF/ddelta of a ball below the stiffness of the sliding pads",
-        substituted=f"F = {show(load, 'N')} a ball: {show(stiffness / 3, 'N/m')} each, "
-        f"{show(float(contact.peak_pressure), 'Pa')}; pads {show(slide, 'N/m')}",
         proposal="balls would be stiffer than the pads: reconsider them",
-        thesis=(
-            f"30 N/um is stated without a load: with a {label} ball it takes {show(at, 'N')}"
-            if label != "polymer"
-            else ""
-        ),
+        thesis=f"30 N/um is stated without a load: with a {label} ball it takes {at}" if label != "polymer" else "",
+        note="{check.value/3} each",
     )
 
 
@@ -180,7 +163,7 @@ def ranking(r: DesignInputs) -> list[Suspension]:
     spot = film(r, heaviest_pad(r)).radius
     correlation = r("bearing.roughness_correlation")
     slide = float(averaged_roughness(r("bearing.proposed_way_roughness"), correlation, spot, count))
-    steel = _ball_modulus(r, "steel")
+    steel = _modulus(_BALLS["steel"], r)
     ball = float(point_contact(force / 3, r("candidates.ball_spring.large_diameter") / 2, np.inf, steel).stiffness)
     air = "candidates.air_bearing"
     pads = "candidates.sliding_pads"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import AXES, Budget, Contribution, budget
 from designcalc.errors.sensors import filtered_noise
@@ -20,6 +20,7 @@ from designcalc.friction_stage.physics.plate_vibration import at_payload
 from designcalc.friction_stage.physics.position_loop import air_error
 from designcalc.friction_stage.physics.stage_plate import payload_height, payload_places
 from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
+from designcalc.friction_stage.quantities import quantity_key, stated
 from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
@@ -146,8 +147,7 @@ def worked_out(r: DesignInputs, name: str) -> Budget:
     found = [budget(parts(r, k), point) for k, point in enumerate(points)]
     worst = int(np.argmax([total[axis] for _, total in found]))
     rows, total = found[worst]
-    # Rotations reach across their own axis in second order: below 1e-5 of the total they are omitted.
-    rows = [row for row in rows if abs(row[1][axis]) > 1e-5 * total[axis]]
+    rows = [row for row in rows if row[1][axis] != 0.0]
     rows.sort(key=lambda row: -abs(row[1][axis]))
     return Budget(name, direction, key, requirement, tuple(rows), total, points[worst])
 
@@ -164,14 +164,17 @@ def checks(design: Design) -> list[CheckFunction]:
 
 def total_error(r: DesignInputs, name: str) -> Check:
     found = worked_out(r, name)
-    largest = found.rows[0][0]
+    first = found.rows[0][0]
     _, rest = budget([cause for cause, _ in found.rows[1:]], found.point)
-    return Check(
+    squares = " + ".join(f"{quantity_key('error', cause.name)}^2" for cause, _ in found.rows if cause.random)
+    sizes = [quantity_key("error", cause.name) for cause, _ in found.rows if not cause.random]
+    errors = {quantity_key("error", cause.name): (abs(float(e[found.axis])), "m") for cause, e in found.rows}
+    return stated(
         f"error budget at the payload: {name}",
-        at_most(float(found.total[found.axis]), r(f"requirements.{found.key}"), "m"),
-        source="homogeneous transforms; random errors by squares, systematic ones by size",
-        formula=f"sum |e_i| + sqrt(sum e_j^2) {found.direction} at the worst foot or corner of the payload",
-        substituted="; ".join(f"{cause.name} {show(abs(float(e[found.axis])), 'm')}" for cause, e in found.rows),
-        proposal=f"start with {largest.name} ({largest.source}): without it {show(float(rest[found.axis]), 'm')}",
+        " + ".join([*sizes, f"sqrt({squares})"]) + f" <= requirements.{found.key}",
+        given={**errors, "error.without_first": (float(rest[found.axis]), "m")},
+        source=f"homogeneous transforms, {found.direction} at the worst foot or corner of the payload; random errors "
+        "by squares, systematic ones by size",
+        proposal=f"start with {first.name} ({first.source}): without it {{error.without_first}}",
         requirement=found.requirement,
-    )
+    )(r)

@@ -1,7 +1,9 @@
 """Tolerance chains against what the machine can take up: worst case of each."""
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
-from designcalc.friction_stage.physics.clamp import wedge
+from collections.abc import Callable
+from functools import partial
+
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.friction_stage.physics.tolerance_chains import (
     Chain,
     holder_in_pocket,
@@ -10,105 +12,70 @@ from designcalc.friction_stage.physics.tolerance_chains import (
     tip_to_drive_surface,
     tooth_gap,
 )
+from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
 SOURCE = "tolerance chain by worst case, ISO/TR 16015"
+_ADJUSTED = "height_pin_1.slope*height_pin_1.stroke/2"
+_SPREAD = "max(chain.nominal - chain.least, chain.greatest - chain.nominal)"
+_LONGER = "a longer stroke of height pin 1, or tighter lengths of piezo, pins and tip"
 
 
 def checks(design: Design) -> list[CheckFunction]:
     """Height of the tip, holder in its pocket, plane of the pads, gap of the teeth."""
-    found: list[CheckFunction] = [tip_over_base, tip_at_stage, loosest_holder, tightest_holder, plane_of_pads]
-    return [*found, gap_of_teeth] if design.teeth.fitted else found
+    found: list[CheckFunction] = [
+        partial(_check, "tip height", tip_height, f"{_SPREAD} <= {_ADJUSTED}", _LONGER),
+        partial(
+            _check,
+            "tip to drive surface",
+            tip_to_drive_surface,
+            f"max(abs(chain.least), abs(chain.greatest)) <= {_ADJUSTED}",
+            _LONGER,
+        ),
+        partial(
+            _check,
+            "greatest play of the holder",
+            holder_in_pocket,
+            "chain.greatest <= making.largest_fit",
+            "a smaller pocket, or tighter classes of pocket and holder",
+        ),
+        partial(
+            _check,
+            "least play of the holder",
+            holder_in_pocket,
+            "chain.least >= 0 m",
+            "a wider pocket, or tighter classes of pocket and holder",
+        ),
+        # The ways may tilt the stage no more than its drive surface may be out of parallel.
+        partial(
+            _check,
+            "plane of the pads",
+            pad_plane,
+            f"{_SPREAD} <= drawing.tolerance_x_xx",
+            "ways lapped together as a pair, to a tighter bearing_way.pair_tolerance",
+        ),
+    ]
+    teeth = partial(
+        _check,
+        "gap of the teeth",
+        tooth_gap,
+        f"{_SPREAD} <= teeth.gap_tolerance",
+        "tighter heights of ways, pads, irons and bars, or shims under the bars",
+    )
+    return [*found, teeth] if design.teeth.fitted else found
 
 
-def _read(r: DesignInputs, chain: Chain) -> str:
-    """Record the dimensions of a chain; the chain with its numbers."""
+def _check(name: str, chain_of: Callable[[Design], Chain], formula: str, proposal: str, r: DesignInputs) -> Check:
+    chain = chain_of(r.design)
     for key in dict.fromkeys(link.key for link in chain.links):
         r(key)
-    low, high = chain.worst_case
-    likely = chain.statistical
-    return (
-        f"{show(low, 'm')} to {show(high, 'm')} about {show(chain.nominal, 'm')}; 99.73 %: "
-        f"{show(likely[0], 'm')} to {show(likely[1], 'm')}"
-    )
-
-
-def _spread(chain: Chain) -> float:
-    """Greatest deviation from the nominal value, m."""
-    low, high = chain.worst_case
-    return max(chain.nominal - low, high - chain.nominal)
-
-
-def tip_over_base(r: DesignInputs) -> Check:
-    chain = tip_height(r.design)
-    numbers, adjustment = _read(r, chain), wedge(r).range / 2
-    return Check(
-        "tolerance chain: tip height",
-        at_most(_spread(chain), adjustment, "m"),
+    (least, greatest), (low, high) = chain.worst_case, chain.statistical
+    numbers = {"nominal": chain.nominal, "least": least, "greatest": greatest, "low": low, "high": high}
+    return stated(
+        f"tolerance chain: {name}",
+        formula,
+        given={f"chain.{key}": (value, "m") for key, value in numbers.items()},
         source=SOURCE,
-        formula="sum |a_i| t_i <= s stroke/2",
-        substituted=numbers,
-        proposal="a longer stroke of height pin 1, or tighter lengths of piezo, pins and tip",
-    )
-
-
-def tip_at_stage(r: DesignInputs) -> Check:
-    chain = tip_to_drive_surface(r.design)
-    numbers, adjustment = _read(r, chain), wedge(r).range / 2
-    low, high = chain.worst_case
-    return Check(
-        "tolerance chain: tip to drive surface",
-        at_most(max(abs(low), abs(high)), adjustment, "m"),
-        source=SOURCE,
-        formula="max |gap| <= s stroke/2",
-        substituted=numbers,
-        proposal="a longer stroke of height pin 1, or tighter lengths of piezo, pins and tip",
-    )
-
-
-def loosest_holder(r: DesignInputs) -> Check:
-    chain = holder_in_pocket(r.design)
-    return Check(
-        "tolerance chain: greatest play of the holder",
-        at_most(chain.worst_case[1], r("making.largest_fit"), "m"),
-        source=SOURCE,
-        formula="D + t_D - d + t_d <= largest fit",
-        substituted=_read(r, chain),
-        proposal="a smaller pocket, or tighter classes of pocket and holder",
-    )
-
-
-def tightest_holder(r: DesignInputs) -> Check:
-    chain = holder_in_pocket(r.design)
-    return Check(
-        "tolerance chain: least play of the holder",
-        at_least(chain.worst_case[0], 0.0, "m"),
-        source=SOURCE,
-        formula="D - t_D - d - t_d >= 0",
-        substituted=_read(r, chain),
-        proposal="a wider pocket, or tighter classes of pocket and holder",
-    )
-
-
-def plane_of_pads(r: DesignInputs) -> Check:
-    chain = pad_plane(r.design)
-    return Check(
-        "tolerance chain: plane of the pads",
-        at_most(_spread(chain), r("drawing.tolerance_x_xx"), "m"),
-        source=f"{SOURCE}; the ways may tilt the stage no more than its drive surface may be out of parallel",
-        formula="pair + 3 flatness <= parallelism of the drive surface",
-        substituted=_read(r, chain),
-        proposal="ways lapped together as a pair, to a tighter bearing_way.pair_tolerance",
-    )
-
-
-def gap_of_teeth(r: DesignInputs) -> Check:
-    chain = tooth_gap(r.design)
-    return Check(
-        "tolerance chain: gap of the teeth",
-        at_most(_spread(chain), r("teeth.gap_tolerance"), "m"),
-        source=SOURCE,
-        formula="sum |a_i| t_i <= deviation that the preload admits",
-        substituted=_read(r, chain),
-        proposal="tighter heights of ways, pads, irons and bars, or shims under the bars",
-    )
+        proposal=proposal,
+        note="{chain.least} to {chain.greatest} about {chain.nominal}; 99.73 %: {chain.low} to {chain.high}",
+    )(r)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.checks.formula_check import FormulaCheck
-from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
-from designcalc.friction_stage.physics.loads import gravity, load, load_centre, moved_mass, preload_ratio
+from designcalc.drive.friction_drive import tip_force_limit
+from designcalc.friction_stage.physics.loads import load_centre, preload_ratio
 from designcalc.friction_stage.physics.pads import pad_positions
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
@@ -101,32 +101,25 @@ preload_and_acceleration = stated(
 
 
 def tip_over(r: DesignInputs) -> Check:
-    mu, mu_pad, p, g = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r), gravity(r)
-    end = r("stage.travel") / 2
-    places = pad_positions(r)
-    centre = load_centre(r)
-    shares = [tip_force_limit(places, centre, (side * end, 0.0)) for side in (-1, 1)]
-    share = min(shares)
-    wanted = r("requirements.acceleration_low")
-    reached = float(acceleration_limit(mu, p, share, mu_pad, g))
+    mu, mu_pad, end = r("drive.friction"), r("bearing.dynamic_friction"), r("stage.travel") / 2
+    share = min(tip_force_limit(pad_positions(r), load_centre(r), (side * end, 0.0)) for side in (-1, 1))
     # share needed, from a = g (1+p) [mu s - mu_pad (1-s)], and the half-span that gives it
-    needed = (wanted / (g * (1 + p)) + mu_pad) / (mu + mu_pad)
+    pull = r("environment.gravity") * (1 + preload_ratio(r))
+    needed = (r("requirements.acceleration_low") / pull + mu_pad) / (mu + mu_pad)
     span = needed * end / (1 - needed) if needed < 1 else np.inf
-    return Check(
+    return stated(
         "acceleration at the end of the travel without tipping",
-        at_least(reached, wanted, "m/s^2"),
-        source="moments about the pads' edge; F/W = s/(s + x)",
-        formula="a = g (1+p) [mu s/(s+x) - mu_pad x/(s+x)]",
-        substituted=f"x = {show(end, 'm')}: the tip may carry {share:.3g} of the load, and accelerates "
-        f"{reached / g:.3g} g",
-        proposal=f"a half-span of the pads on the tip's line of {show(float(span), 'm')}, a preload that stays over "
-        "the tip, or pads fixed on the base under the tip",
-        changes=change("pads.spacing_along", r("pads.spacing_along") * span / (share * end / (1 - share)), "m", up=True)
-        if 0 < share < 1
-        else (),
+        "environment.gravity*(1 + load.preload/load.weight)"
+        "*(drive.friction*share.of_tip - bearing.dynamic_friction*(1 - share.of_tip)) >= requirements.acceleration_low",
+        ("pads.spacing_along", "pads.spacing_along*span.needed*(1 - share.of_tip)/(share.of_tip*stage.travel/2)", True),
+        given={"share.of_tip": (share, ""), "span.needed": (span, "m")},
+        source="moments about the pads' edge: at the end of the travel the tip may carry the share s/(s + x) of the "
+        "load",
+        proposal="a half-span of the pads on the tip's line of {span.needed}, a preload that stays over the tip, or "
+        "pads fixed on the base under the tip",
         thesis="a tip force away from the pads tips the stage; the thesis considers the middle of the travel only",
         requirement="Table 1: acceleration",
-    )
+    )(r)
 
 
 travel_left = stated(
@@ -138,35 +131,27 @@ travel_left = stated(
 )
 
 
-def _stop_room(r: DesignInputs) -> float:
-    """Way beyond the pads at the end of the travel, m."""
-    return (r("bearing_way.length") - r("stage.travel") - r("pads.spacing_along") - r("pads.length")) / 2
+_ENERGY, _BRAKE = "load.moved_mass*requirements.speed^2/2", "(bearing.dynamic_friction*load.whole)"
+_BUFFERS = "(end_stop.count*end_stop.stiffness)"
+_ROOM = "(bearing_way.length - stage.travel - pads.spacing_along - pads.length)/2"
 
 
 def stopping(r: DesignInputs) -> Check:
     """Without drive the stage meets its end stops at full speed; without end stops only the pads brake it."""
-    energy, brake = 0.5 * moved_mass(r) * r("requirements.speed") ** 2, r("bearing.dynamic_friction") * load(r)
-    spring = r("end_stop.count") * r("end_stop.stiffness")
-    alone = energy / brake
-    if spring > 0:
+    formula = f"{_ENERGY}/{_BRAKE} <= {_ROOM}"
+    if r("end_stop.count") * r("end_stop.stiffness") > 0:
         # Friction, and the buffers from their gap on: k s^2/2 + f (gap + s) = E.
-        gap = r("end_stop.gap")
-        left = max(energy - brake * gap, 0.0)
-        pressed = (np.sqrt(brake**2 + 2 * spring * left) - brake) / spring
-        way, room = gap + pressed, min(_stop_room(r), gap + r("end_stop.compression"))
-        said = f"gap {show(gap, 'm')}, buffers of {show(spring, 'N/m')} pressed by {show(pressed, 'm')}"
-    else:
-        way, room, said = alone, _stop_room(r), "no end stops"
-    return Check(
+        left = f"max({_ENERGY} - {_BRAKE}*end_stop.gap, 0 J)"
+        pressed = f"(sqrt({_BRAKE}^2 + 2*{_BUFFERS}*{left}) - {_BRAKE})/{_BUFFERS}"
+        formula = f"end_stop.gap + {pressed} <= min({_ROOM}, end_stop.gap + end_stop.compression)"
+    return stated(
         "stopping at the end of the travel",
-        at_most(way, room, "m"),
+        formula,
         source="energy of stage and payload at full speed against end stops and the pads' friction",
-        formula="m v^2/2 = k s^2/2 + mu N (gap + s); gap + s <= way beyond the pads, compression of the buffers",
-        substituted=f"{show(energy, 'J')}, friction {show(brake, 'N')}: {said}; way {show(room, 'm')}",
-        proposal=f"end stops that take {show(energy, 'J')}, or less speed near the ends",
+        proposal=f"end stops that take {{{_ENERGY}: J}}, or less speed near the ends",
         requirement="Table 1: travel",
-        note=f"without end stops the pads' friction alone needs {show(alone, 'm')} of {show(_stop_room(r), 'm')}",
-    )
+        note=f"without end stops the pads' friction alone needs {{{_ENERGY}/{_BRAKE}}} of {{{_ROOM}}}",
+    )(r)
 
 
 stop_tipping = stated(

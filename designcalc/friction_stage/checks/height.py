@@ -1,8 +1,6 @@
 """The set screw, wedge and spring of the height adjustment."""
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
-from designcalc.friction_stage.physics.clamp import clamping_shift, grip
-from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
@@ -82,22 +80,19 @@ return_spring = stated(
 )
 
 
-def clamping(r: DesignInputs) -> Check:
-    """Shift of the tip when the clamp is tightened after the height is set."""
-    held, shift = grip(r), clamping_shift(r)
-    moved = shift.squeeze + shift.drop
-    rise = usable_ellipse(r)[1]
-    return Check(
-        "shift of the tip's height by clamping",
-        at_most(moved, 0.1 * rise, "m"),
-        source="theorem of mean stress, growth by Poisson's ratio; tilt within the pocket's play",
-        formula="nu S/(pi R E) + h (1 - cos(play/H)) <= Y/10, S = 2 N (1 + cos(phi))",
-        substituted=f"N = {show(held.press, 'N')}: up {show(shift.squeeze, 'm')}, down {show(shift.drop, 'm')} or "
-        f"less; Y = {show(rise, 'm')}",
-        proposal="less torque, or a closer fit of the holder; set the height again after clamping",
-        requirement="Section 2.2: access to payload and adjustments",
-        note=f"sideways the tip may go by {show(shift.sideways, 'm')}: set its place after clamping",
-    )
+_TILT = "(base.pocket_diameter - holder.diameter)/holder.height"
+_APEX = "(holder.floor + piezo.length + actuator.tip_height)"
+clamping = stated(
+    "shift of the tip's height by clamping",
+    "2*holder.material.poisson_ratio*force.on_rim/(pi*holder.diameter*holder.material.youngs_modulus)"
+    f" + 2*{_APEX}*sin({_TILT}/2)^2 <= 0.1*ellipse.rise",
+    source="the clamp tightened after the height is set: theorem of mean stress, growth by Poisson's ratio; tilt "
+    "within the pocket's play",
+    proposal="less torque, or a closer fit of the holder; set the height again after clamping",
+    requirement="Section 2.2: access to payload and adjustments",
+    note=f"sideways the tip may go by {{{_APEX}*sin({_TILT}) + (base.pocket_diameter - holder.diameter)/2}}: set its "
+    "place after clamping",
+)
 
 
 wedge_angle = stated(
@@ -115,18 +110,16 @@ wedge_angle = stated(
 
 def wedge_contact(r: DesignInputs) -> Check:
     """Two wedge faces of unlike angles touch at an edge, unless pin 2 can turn in its bore by the difference."""
-    zone, lengths = r("drawing.wedge_angularity"), (r("height_pin_1.length"), r("height_pin_2.diameter"))
-    unlike = sum(zone / length for length in lengths)
     # Both fits in the middle of their tolerances.
     middle = {key: 1e-3 * sum(r.design.deviations(key)) / 2 for key in ("base.pin_2_bore", "height_pin_2.diameter")}
     bore, pin = (r(key) + deviation for key, deviation in middle.items())
-    free = (bore - pin) / r("height_pin_2.length")
-    return Check(
+    faces = "(1 rad/height_pin_1.length + 1 rad/height_pin_2.diameter)"
+    return stated(
         "contact of the two wedges over their faces",
-        at_most(unlike, free, "rad"),
-        source="both faces turned within the zones of their angularity; pin 2 turns within the play of its bore",
-        formula="t/L_1 + t/d_2 <= play/length of pin 2",
-        substituted=f"{show(unlike, 'rad')} against {show(free, 'rad')}: otherwise pin 2 stands on an edge",
+        f"drawing.wedge_angularity*{faces} <= 1 rad*play.of_pin_2/height_pin_2.length",
+        ("drawing.wedge_angularity", f"check.limit/{faces}", False),
+        given={"play.of_pin_2": (bore - pin, "m")},
+        source="both faces turned within the zones of their angularity; pin 2 turns within the play of its bore, or "
+        "stands on an edge",
         proposal="both wedges ground in one setting, or the foot of pin 2 crowned as its top is",
-        changes=change("drawing.wedge_angularity", free / sum(1 / length for length in lengths), "m", up=False),
-    )
+    )(r)

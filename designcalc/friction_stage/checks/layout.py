@@ -1,6 +1,8 @@
 """Further requirements of the thesis: extension to two axes, replaceable modules, access."""
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, show
+from collections.abc import Callable
+
+from designcalc.checks.check import CheckFunction, DesignInputs
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
@@ -12,37 +14,32 @@ def checks(design: Design) -> list[CheckFunction]:
     return [two_axes, replaceable, way_and_tip, payload_face]
 
 
-def two_axes(r: DesignInputs) -> Check:
-    """All three tips stay under the stage, whose whole underside is the drive surface then."""
-    places = r.design.derived.actuator_places
-    far_along = r.given("farthest actuator along", max(abs(x) for x, _ in places) * 1e-3, "m", "layout of the pockets")
-    far_across = r.given(
-        "farthest actuator across", max(abs(y) for _, y in places) * 1e-3, "m", "layout of the pockets"
+def _farthest(axis: int, name: str) -> Callable[[DesignInputs], float]:
+    """Distance of the farthest actuator from the middle along an axis, m."""
+    return lambda r: r.given(
+        f"farthest actuator {name}",
+        max(abs(place[axis]) for place in r.design.derived.actuator_places) * 1e-3,
+        "m",
+        "layout of the pockets",
     )
-    margin, half_pad, across = r("sea.contact_margin"), r("pads.width") / 2, r("pads.spacing_across") / 2
-    face = r("base.way_gap") / 2
-    # Across the travel too, the pads must stay on the running faces of the ways.
-    on_way = min(
-        across - half_pad - face, face + r("bearing_way.width") - r("bearing_way.ledge_width") - across - half_pad
-    )
-    room = {
-        "along": r("stage.length") / 2 - far_along - margin,
-        "across": min(r("stage.width") / 2 - far_across - margin, on_way),
-    }
-    travel = 2 * min(room.values())
-    wanted = r("requirements.travel")
-    return Check(
-        "travel with three actuators, for two axes",
-        at_least(travel, 0.0, "m"),
-        source="geometry; thesis 2.5: the base is already capable of accommodating two more actuators",
-        formula="2 min(L/2 - |x|, W/2 - |y|, running face next to the pads) less margins > 0",
-        substituted=f"along {show(2 * room['along'], 'm')}, across {show(2 * room['across'], 'm')}",
-        proposal=f"a stage {show(2 * (far_along + margin), 'm')} long",
-        requirement="Section 2.2: open to two axes",
-        note=f"the full {show(wanted, 'm')} would need a stage of {show(wanted + 2 * (far_along + margin), 'm')} by "
-        f"{show(wanted + 2 * (far_across + margin), 'm')}, and ways whose running faces are "
-        f"{show(wanted + 2 * half_pad, 'm')} wide",
-    )
+
+
+# All three tips stay under the stage, whose whole underside is the drive surface then; across the travel too, the pads
+# must stay on the running faces of the ways.
+two_axes = stated(
+    "travel with three actuators, for two axes",
+    "2*min(stage.length/2 - farthest.along - sea.contact_margin,"
+    " stage.width/2 - farthest.across - sea.contact_margin,"
+    " (pads.spacing_across - pads.width - base.way_gap)/2, base.way_gap/2 + bearing_way.width - bearing_way.ledge_width"
+    " - (pads.spacing_across + pads.width)/2) >= 0 m",
+    given={"farthest.along": (_farthest(0, "along"), "m"), "farthest.across": (_farthest(1, "across"), "m")},
+    source="geometry; thesis 2.5: the base is already capable of accommodating two more actuators",
+    proposal="a stage {2*(farthest.along + sea.contact_margin)} long",
+    requirement="Section 2.2: open to two axes",
+    note="the full {requirements.travel} would need a stage of {requirements.travel + 2*(farthest.along"
+    " + sea.contact_margin)} by {requirements.travel + 2*(farthest.across + sea.contact_margin)}, and ways whose "
+    "running faces are {requirements.travel + pads.width} wide",
+)
 
 
 replaceable = stated(

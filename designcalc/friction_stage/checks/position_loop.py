@@ -4,7 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
+from designcalc.checks.formula_check import FormulaCheck
 from designcalc.errors.dynamic_budget import DynamicBudget
 from designcalc.friction_stage.physics.loads import tip_load
 from designcalc.friction_stage.physics.plate_vibration import held_plate
@@ -16,6 +17,7 @@ from designcalc.friction_stage.physics.position_loop import (
     suspension,
 )
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from designcalc.friction_stage.quantities import quantity_key, stated
 from stagecad.parameters.design import Design
 
 _SOURCE = "Schmidt, Schitter, Rankers (2020), section 8.2: densities through the closed loop, added as powers"
@@ -28,7 +30,7 @@ def checks(design: Design) -> list[CheckFunction]:
     """One check for each budget, one for the loop with each sensor, and the time to settle."""
     return [
         *(partial(total, position=k) for k in range(len(NAMES))),
-        *(partial(stability, sensor=sensor) for sensor in (PROBE, INTERFEROMETER)),
+        *(stability(sensor) for sensor in (PROBE, INTERFEROMETER)),
         settling,
     ]
 
@@ -40,56 +42,68 @@ def limit_key(found: DynamicBudget) -> str:
 
 def total(r: DesignInputs, position: int) -> Check:
     found = dynamic_budget(r, position)
-    lowest = 1 / r("loop.observation")
-    rows = found.largest_first(lowest)
-    whole = found.rms(found.total, lowest)
-    first, rest = rows[0][0].name, np.sqrt(sum(size**2 for _, size in rows[1:]))
-    along = found.name != "normal"
-    return Check(
+    sizes = found.largest_first(1 / r("loop.observation"))
+    rows = {quantity_key("rms", row.name): size for row, size in sizes}
+    rest = np.sqrt(sum(size**2 for _, size in sizes[1:]))
+    first = sizes[0][0].name
+    return stated(
         f"dynamic error budget at the payload: {found.name}",
-        at_most(whole, r(limit_key(found)), "m"),
-        source=_SOURCE + f"; at rest, over {show(r('loop.observation'), 's')}",
-        formula="sqrt(integral from 1/T of sum |G_i a_i|^2 df)",
-        substituted="; ".join(f"{row.name} {show(size, 'm')}" for row, size in rows)
-        + f"; slower than that, drift of {show(found.rms(found.total), 'm')} in all",
-        proposal=f"start with {first}: without it {show(float(rest), 'm')}",
-        requirement="Table 1: resolution" if along else "Table 1: smoothness",
-    )
+        f"sqrt({' + '.join(f'{name}^2' for name in rows)}) <= {limit_key(found)}",
+        given={
+            **{name: (size, "m") for name, size in rows.items()},
+            "rms.without_first": (float(rest), "m"),
+            "rms.with_drift": (found.rms(found.total), "m"),
+        },
+        source=_SOURCE + "; at rest, over {loop.observation: s}",
+        proposal=f"start with {first}: without it {{rms.without_first}}",
+        requirement="Table 1: smoothness" if found.name == "normal" else "Table 1: resolution",
+        note="with slower drift {rms.with_drift}",
+    )(r)
 
 
-def stability(r: DesignInputs, sensor: str) -> Check:
-    loop, held = position_loop(r, sensor), suspension(r)
-    f = np.unique(np.concatenate([np.geomspace(1e-2 * loop.crossover, loop.sample_rate / 2, 4001), [held.resonance]]))
-    peak = float(np.abs(loop.sensitivity(f)).max()) if loop.stable() else np.inf
-    return Check(
+def stability(sensor: str) -> FormulaCheck:
+    def largest(r: DesignInputs) -> float:
+        loop, low = position_loop(r, sensor), 1e-2 * r("loop.crossover")
+        f = np.unique(np.append(np.geomspace(low, loop.sample_rate / 2, 4001), suspension(r).resonance))
+        return float(np.abs(loop.sensitivity(f)).max()) if loop.stable() else np.inf
+
+    return stated(
         f"stability of the position loop with the {sensor}",
-        at_most(peak, PEAK_SENSITIVITY, ""),
-        source="largest sensitivity 6 dB; infinite where Nyquist's criterion is violated",
-        formula="max |1/(1 + L)| <= 2, L = f_c/(i f) P F exp(-2 pi i f 1.5/f_s)",
-        substituted=f"f_c = {show(loop.crossover, 'Hz')}, resonance {show(held.resonance, 'Hz')} with zeta = "
-        f"{held.damping:.3g}, static gain {held.gain:.3g}: {peak:.4g}",
+        f"sensitivity.largest <= {PEAK_SENSITIVITY:g}",
+        given={"sensitivity.largest": (largest, "")},
+        source="largest sensitivity 6 dB, max |1/(1 + L)| with L of integral controller, delay of 1.5 samples, "
+        "stage on tip and pads, filter; infinite where Nyquist's criterion is violated",
         proposal="a lower crossover, or a notch at the resonance",
         requirement="Table 1: resolution",
+        note="crossover {loop.crossover}, resonance {frequency.of_loop} with zeta = {bearing.damping_ratio}, static "
+        "gain {gain.of_loop}",
     )
 
 
-def settling(r: DesignInputs) -> Check:
-    """Time from the end of the drive: ring-down of the plate, then the controller over the range of the tip's lean."""
-    held, loop, along = held_plate(r), position_loop(r, PROBE), suspension(r)
-    force, smooth, resolution = tip_load(r), r("requirements.smoothness"), r("requirements.resolution_coarse")
-    rings = held.ring_down(force, smooth)
-    reach = along.gain * usable_ellipse(r)[0] / 2
-    follows = float(np.log(max(reach / resolution, 1.0))) / (2 * np.pi * loop.crossover)
-    first, damping = float(held.frequency[0]), float(held.damping[0])
-    quicker = max(r("loop.settling") - follows, 0.0)
-    return Check(
-        "settling after a move",
-        at_most(rings + follows, r("loop.settling"), "s"),
-        source="modes of the plate on pads and tip after the load of the drive, as the sum of their envelopes, down to "
-        "the smoothness; then the integral controller over the reach of the lean, down to the coarse resolution",
-        formula="t_1 + ln(g X/(2 e))/(2 pi f_c), sum_m |phi_m(tip) phi_m(payload)| N/w_m^2 exp(-zeta_m w_m t_1) = s",
-        substituted=f"N = {show(force, 'N')}, first mode {show(first, 'Hz')} with zeta = {damping:.3g}: "
-        f"{show(rings, 's')}; reach {show(reach, 'm')}: {show(follows, 's')}",
-        proposal=f"damping of the stage for a ring-down within {show(quicker, 's')}, or a slower end of the drive",
-        requirement="Table 1: smoothness",
-    )
+def _ring_down(r: DesignInputs) -> float:
+    return held_plate(r).ring_down(tip_load(r), r("requirements.smoothness"))
+
+
+def _control(r: DesignInputs) -> float:
+    """Time of the integral controller over the reach of the tip's lean, down to the coarse resolution, s."""
+    reach = suspension(r).gain * usable_ellipse(r)[0] / 2 / r("requirements.resolution_coarse")
+    return float(np.log(max(reach, 1.0))) / (2 * np.pi * r("loop.crossover"))
+
+
+# From the end of the drive: ring-down of the plate, then the controller over the range of the tip's lean.
+settling = stated(
+    "settling after a move",
+    "time.of_ringing + time.of_control <= loop.settling",
+    given={
+        "time.of_ringing": (_ring_down, "s"),
+        "time.of_control": (_control, "s"),
+        "mode.held": (lambda r: float(held_plate(r).frequency[0]), "Hz"),
+        "damping.held": (lambda r: float(held_plate(r).damping[0]), ""),
+    },
+    source="modes of the plate on pads and tip after the load of the drive, as the sum of their envelopes, down to "
+    "the smoothness; then the integral controller over the reach of the lean, down to the coarse resolution",
+    proposal="damping of the stage for a ring-down within {max(loop.settling - time.of_control, 0 s)}, or a slower end "
+    "of the drive",
+    requirement="Table 1: smoothness",
+    note="first mode {mode.held} with zeta = {damping.held}",
+)

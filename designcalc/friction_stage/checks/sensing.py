@@ -1,6 +1,6 @@
 """The sensors: LVDT, capacitive probe, interferometer."""
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.checks.formula_check import FormulaCheck
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
@@ -141,22 +141,22 @@ probe_linearity = stated(
 
 
 def contactless(r: DesignInputs) -> Check:
-    travel = r("requirements.sensor_range")
-    sensors = r.design.sensors
+    travel, sensors = r("requirements.sensor_range"), r.design.sensors
     reach = {
         "LVDT": (r("sensors.lvdt.range"), sensors.lvdt.contactless),
         "interferometer": (2 * r("sensors.interferometer.range"), sensors.interferometer.contactless),
     }
     fit = [name for name, (length, free) in reach.items() if free and length >= travel]
-    return Check(
+    wanted = int(r.design.requirements.sensor_contactless)
+    return stated(
         "sensors over the travel that do not touch",
-        at_least(len(fit), 1.0 if r.design.requirements.sensor_contactless else 0.0, ""),
-        source=_DATASHEET,
-        formula="number of sensors that reach over the travel and let the stage move across their axis",
-        substituted=", ".join(fit) or "none",
+        "sensors.that_fit >= sensors.wanted",
+        given={"sensors.that_fit": (len(fit), ""), "sensors.wanted": (wanted, "")},
+        source=_DATASHEET + "; number of sensors that reach over the travel and let the stage move across their axis",
         proposal="an interferometer, or a grid encoder",
         requirement="Table 2: sensor without contact",
-    )
+        note=", ".join(fit) or "none",
+    )(r)
 
 
 cosine = stated(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.physics.teeth import CIRCUITS, MagnetCircuit, attraction, circuit, magnets, tooth_field
 from designcalc.friction_stage.quantities import stated
@@ -23,38 +23,37 @@ def checks(design: Design) -> list[CheckFunction]:
 def ratio(r: DesignInputs) -> Check:
     """The thesis places the largest ratio at l/p = 0.4; by the field solution it rises towards thin teeth."""
     pitch, width, gap, depth = (r(f"teeth.{name}") for name in ("pitch", "width", "gap", "groove_depth"))
-    here = teeth_field(pitch, width, gap, depth).lateral_over_normal
-    at_rule = teeth_field(pitch, 0.4 * pitch, gap, depth).lateral_over_normal
-    thin = teeth_field(pitch, 0.2 * pitch, gap, depth).lateral_over_normal
-    return Check(
+    widths = {"of_teeth": width, "by_rule": 0.4 * pitch, "of_thin_teeth": 0.2 * pitch}
+    found = {f"ratio.{name}": teeth_field(pitch, w, gap, depth).lateral_over_normal for name, w in widths.items()}
+    return stated(
         "ratio of lateral to normal stiffness of the teeth",
-        at_least(here / thin, 0.8, ""),
-        source=_FIELD,
-        formula="K_x/K_z over that of l/p = 0.2, about the thinnest that iron saturation and machining allow",
-        substituted=f"e/p = {gap / pitch:.3g}: {here:.4g} at l/p = {width / pitch:.3g}, {thin:.4g} at 0.2",
+        "ratio.of_teeth/ratio.of_thin_teeth >= 0.8",
+        ("teeth.width", "0.24*teeth.pitch", False),
+        given={name: (value, "") for name, value in found.items()},
+        source=_FIELD + ", against that of l/p = 0.2, about the thinnest that iron saturation and machining allow",
         proposal="narrower teeth, as far as the flux density in them allows",
-        changes=change("teeth.width", 0.24 * pitch, "m", up=False),
-        thesis=f"'l/p about 0.4 of the gap e' mixes up dimensions, and K_x/K_z has no optimum there: it rises steadily "
-        f"as l/p falls, {at_rule:.4g} at 0.4, {thin:.4g} at 0.2",
-    )
+        thesis="'l/p about 0.4 of the gap e' mixes up dimensions, and K_x/K_z has no optimum there: it rises steadily "
+        "as l/p falls, {ratio.by_rule} at 0.4, {ratio.of_thin_teeth} at 0.2",
+    )(r)
 
 
 def lateral(r: DesignInputs) -> Check:
-    field, pitch, gap = tooth_field(r), r("teeth.pitch"), r("teeth.gap")
+    pitch, gap, depth = r("teeth.pitch"), r("teeth.gap"), r("teeth.groove_depth")
     widths = np.arange(0.10, 0.81, 0.05)
-    fields = [teeth_field(pitch, w * pitch, gap, r("teeth.groove_depth"), functions=8) for w in widths]
-    values = np.array([f.lateral_stiffness for f in fields])
-    best = int(np.argmax(values))
-    return Check(
+    fields = [teeth_field(pitch, w * pitch, gap, depth, functions=8).lateral_stiffness for w in widths]
+    best = int(np.argmax(fields))
+    return stated(
         "lateral stiffness of the teeth against the best width",
-        at_least(field.lateral_stiffness / values[best], 0.85, ""),
-        source=_FIELD,
-        formula="K_x(l)/max K_x over l/p at this gap",
-        substituted=f"l/p = {r('teeth.width') / pitch:.3g}, e/p = {gap / pitch:.3g}: K_x/K_z = "
-        f"{field.lateral_over_normal:.4g}; best K_x at l/p = {widths[best]:.2f}",
-        proposal="the best width",
-        changes=change("teeth.width", float(widths[best] * pitch), "m", up=False),
-    )
+        "stiffness.lateral/stiffness.best_lateral >= 0.85",
+        ("teeth.width", "width.best", False),
+        given={
+            "stiffness.lateral": (tooth_field(r).lateral_stiffness, "N/m"),
+            "stiffness.best_lateral": (fields[best], "N/m"),
+            "width.best": (widths[best] * pitch, "m"),
+        },
+        source=_FIELD + ", largest over the width of the teeth at this gap",
+        proposal="the best width, {width.best}",
+    )(r)
 
 
 preload = stated(
@@ -69,20 +68,17 @@ preload = stated(
 def preload_share(r: DesignInputs) -> Check:
     pull, wanted = attraction(r), r("preload.force")
     gap = gap_for(circuit(r), 1.2 * wanted) if r.advise and wanted > 0 and pull > 1.5 * wanted else None
-    changes = change("preload.force", pull / 1.2, "N", up=False)
-    if gap is not None:
-        changes = change("teeth.gap", gap, "m", up=True) + changes
-    return Check(
+    return stated(
         "attraction of the magnets beyond the required preload",
-        at_most(pull, 1.5 * wanted, "N"),
-        source=_MAGNETS,
-        formula="F <= 1.5 x required preload (friction grows with it)",
-        substituted=f"two pockets pull {show(pull, 'N')}, required {show(wanted, 'N')}",
+        "load.magnets <= 1.5*preload.force",
+        ("teeth.gap", "gap.of_preload", True),
+        ("preload.force", "load.magnets/1.2", False),
+        given={"gap.of_preload": (gap or 0.0, "m"), "share.of_leakage": (magnets(r).leakage, "")},
+        source=_MAGNETS + "; friction grows with the preload",
         proposal="a wider gap, smaller magnets, none (teeth.fitted = false), or require the preload that they give",
-        changes=changes,
-        note=f"{100 * magnets(r).leakage:.2g} % of the magnets' flux leaks past the bars; every check takes this pull "
-        "as the preload",
-    )
+        note="{100*share.of_leakage} % of the magnets' flux leaks past the bars; every check takes this pull as the "
+        "preload",
+    )(r)
 
 
 def gap_for(one: MagnetCircuit, pull: float) -> float | None:

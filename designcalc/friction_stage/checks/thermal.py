@@ -1,86 +1,72 @@
 """Drift by heat, way on base, magnetism, the floor's shake."""
 
-from functools import partial
+from collections.abc import Callable
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, ratio, show
+from designcalc.checks.check import CheckFunction, DesignInputs
+from designcalc.checks.formula_check import FormulaCheck
 from designcalc.drive.friction_drive import resonance
-from designcalc.errors.thermal import bow_of_layers, differential_growth, floor_motion, loop_drift
+from designcalc.errors.thermal import bow_of_layers, floor_motion
 from designcalc.friction_stage.physics.loads import moved_mass
 from designcalc.friction_stage.physics.pads import pads_stiffness, rail
-from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, usable_ellipse
+from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
+
+_THERMAL = "Table 2: low thermal expansion"
+_CHANGE = "environment.temperature_change"
 
 
 def checks(design: Design) -> list[CheckFunction]:
     """Drift of the tip, the way on the base, magnetism, vibration; each also for the base's other material."""
+    other = ("invar_36", "Invar 36") if design.value("base.material") == "sus416" else ("sus416", "SUS416")
     return [
-        tip_drift,
-        way_growth,
+        tip_drift(*other),
+        way_growth(*other),
         base_expansion,
-        *([magnetism] if design.teeth.fitted else []),
-        bow,
+        *([magnetism(other[1])] if design.teeth.fitted else []),
+        bow(*other),
         symmetry,
-        partial(vibration, direction="along"),
-        partial(vibration, direction="normal"),
+        vibration_along,
+        vibration_normal,
     ]
 
 
-def _alternative_base(r: DesignInputs) -> tuple[str, str]:
-    """Key and name of the other material of Invar 36 and SUS416, of which the base is not made."""
-    return ("invar_36", "Invar 36") if r.design.value("base.material") == "sus416" else ("sus416", "SUS416")
-
-
-def tip_drift(r: DesignInputs) -> Check:
+def tip_drift(key: str, other: str) -> FormulaCheck:
     """Gap between tip and stage: way and pads lift the stage; piezos and tip, in their clamped holder, fill it.
 
     The clamps take the height pins out of the loop; base and holder together span from the way's foot down to the
-    piezos' feet.
+    piezos' feet. `key`: of the base's other material.
     """
-    piezo_plane = r("bearing_way.height") + r("pads.height") - r("actuator.tip_height")
-    members = [
-        (r("bearing_way.height"), r.material("bearing_way", "expansion")),
-        (r("pads.height"), r.material("stage", "expansion")),
-        (-r("actuator.tip_height"), r.material("tip", "expansion")),
-        (-r("piezo.length"), r.material("piezo", "expansion")),
-    ]
-    below = r("piezo.length") - piezo_plane
-    key, other = _alternative_base(r)
 
-    def drift(expansion: float) -> float:
-        return abs(float(loop_drift([m[0] for m in members] + [below], [m[1] for m in members] + [expansion])))
+    def drift(base: str) -> str:
+        return (
+            "abs(bearing_way.height*bearing_way.material.expansion + pads.height*stage.material.expansion"
+            " - actuator.tip_height*tip.material.expansion - piezo.length*piezo.material.expansion"
+            f" + (piezo.length + actuator.tip_height - bearing_way.height - pads.height)*{base}.expansion)"
+        )
 
-    here, other_base = drift(r.material("base", "expansion")), drift(r(f"materials.{key}.expansion"))
-    rise = usable_ellipse(r)[1]
-    change = r("environment.temperature_change")
-    return Check(
+    return stated(
         "drift of the tip against the stage",
-        at_most(here * change, 0.1 * rise, "m"),
+        f"{drift('base.material')}*{_CHANGE} <= 0.1*ellipse.rise",
         source="growth of the loop way - pad - stage - tip - piezo - holder - base",
-        formula="|sum(alpha_i L_i)| dT <= Y/10",
-        substituted=f"{show(here, 'm')} per kelvin x {change:.3g} K; rise of the ellipse {show(rise, 'm')}",
         proposal="a tip and pads of equal thermal growth, or a bias of the piezos that follows the temperature",
-        requirement="Table 2: low thermal expansion",
-        note=f"with a base and holder of {other}: {show(other_base, 'm')} per kelvin",
+        requirement=_THERMAL,
+        note=f"{{check.value/{_CHANGE}}}; with a base and holder of {other}: {{{drift(f'materials.{key}')}}}",
     )
 
 
-def way_growth(r: DesignInputs) -> Check:
-    length, change = r("bearing_way.length"), r("environment.temperature_change")
-    ceramic = r.material("bearing_way", "expansion")
-    key, other = _alternative_base(r)
-    growth = float(differential_growth(length, ceramic, r.material("base", "expansion"))) * change
-    other_base = float(differential_growth(length, ceramic, r(f"materials.{key}.expansion"))) * change
-    return Check(
+def way_growth(key: str, other: str) -> FormulaCheck:
+    def growth(base: str) -> str:
+        return f"abs(bearing_way.material.expansion - {base}.expansion)*bearing_way.length*{_CHANGE}"
+
+    return stated(
         "slip between way and base",
-        at_most(growth, 1e-6, "m"),
+        f"{growth('base.material')} <= 1 um",
         source="difference of free growth; 1 um, the finish of the joint, is taken up without a ratchet",
-        formula="|alpha_way - alpha_base| L dT <= 1 um",
-        substituted=f"{show(growth, 'm')} over {show(length, 'm')} and {change:.3g} K",
-        proposal=f"hold the temperature to {ratio(change * 1e-6, growth):.2g} K, or pin the way at its middle and let "
+        proposal=f"hold the temperature to {{{_CHANGE}*check.limit/check.value}}, or pin the way at its middle and let "
         "it slide",
-        requirement="Table 2: low thermal expansion",
-        note=f"on a base of {other}: {show(other_base, 'm')}",
+        requirement=_THERMAL,
+        note=f"on a base of {other}: {{{growth(f'materials.{key}')}}}",
     )
 
 
@@ -96,97 +82,86 @@ base_expansion = stated(
 )
 
 
-def magnetism(r: DesignInputs) -> Check:
-    """Invar 36 (up to some 230 degC) and SUS416 are both ferromagnetic: flux must not find a way through the base."""
+def _attracted(r: DesignInputs) -> float:
     name = str(r.design.value("base.material"))
-    attracted = r.given(
-        f"{name} attracted by a magnet", float(r.design.materials[name].magnetic), "", "materials table: 1 is yes"
-    )
-    gap, clear = r("teeth.gap"), r("tooth_bar.height") - r("teeth.groove_depth")
-    _, other = _alternative_base(r)
-    return Check(
+    magnetic = r.design.materials[name].magnetic
+    return r.given(f"{name} attracted by a magnet", float(magnetic), "", "materials table: 1 is yes")
+
+
+def magnetism(other: str) -> FormulaCheck:
+    """Invar 36 (up to some 230 degC) and SUS416 are both ferromagnetic: flux must not find a way through the base."""
+    return stated(
         "flux of the teeth leaking into the base",
-        at_most(attracted * gap / clear, 0.25, ""),
-        source="the iron below the teeth carries the flux in a section thick compared with the gap",
-        formula="gap/(bar height - groove) <= 1/4 where the base is ferromagnetic",
-        substituted=f"{show(gap, 'm')}/{show(clear, 'm')}",
+        "base.attracted*teeth.gap/(tooth_bar.height - teeth.groove_depth) <= 1/4",
+        given={"base.attracted": (_attracted, "")},
+        source="the iron below the teeth carries the flux in a section thick compared with the gap, where the base is "
+        "ferromagnetic",
         proposal="higher bars, or a non-magnetic liner under them",
         note=f"{other} is ferromagnetic too: both materials of the base are attracted by the magnets",
     )
 
 
-def bow(r: DesignInputs) -> Check:
+def bow(key: str, other: str) -> FormulaCheck:
     """Way and base as one bimetal: for a joint that never slips. With screws it slips, and the bow is smaller."""
-    way, change = rail(r), r("environment.temperature_change")
-    key, other = _alternative_base(r)
 
-    def sagitta(modulus: float, expansion: float) -> float:
-        ceramic, below = r.material("bearing_way", "expansion"), r("base.height")
-        bow = bow_of_layers(way.length, way.height, way.rail_modulus, ceramic, below, modulus, expansion)
-        return change * float(bow)
+    def sagitta(r: DesignInputs, base: str | None = None) -> float:
+        way, bed = rail(r), f"materials.{base or r.design.value('base.material')}"
+        below = r("base.height"), r(f"{bed}.youngs_modulus"), r(f"{bed}.expansion")
+        ceramic = r.material("bearing_way", "expansion")
+        return float(bow_of_layers(way.length, way.height, way.rail_modulus, ceramic, *below))
 
-    here = sagitta(way.bed_modulus, r.material("base", "expansion"))
-    other_base = sagitta(r(f"materials.{key}.youngs_modulus"), r(f"materials.{key}.expansion"))
-    limit = r("requirements.straightness")
-    return Check(
+    return stated(
         "bow of the way on its base by heat",
-        at_most(here, limit, "m"),
-        source="Timoshenko (1925), two layers that cannot slip: an upper bound",
-        formula="sagitta = curvature L^2/8 <= straightness",
-        substituted=f"{show(here, 'm')} over {show(way.length, 'm')} and {change:.3g} K",
-        proposal=f"hold the temperature to {ratio(change * limit, here):.2g} K, or a base of silicon carbide or "
+        f"bow.of_way*{_CHANGE} <= requirements.straightness",
+        given={"bow.of_way": (sagitta, "m/K"), "bow.on_other_base": (lambda r: sagitta(r, key), "m/K")},
+        source="Timoshenko (1925), two layers that cannot slip: an upper bound; sagitta = curvature L^2/8",
+        proposal=f"hold the temperature to {{{_CHANGE}*check.limit/check.value}}, or a base of silicon carbide or "
         "alumina",
-        requirement="Table 2: low thermal expansion",
-        note=f"on a base of {other}: {show(other_base, 'm')}",
+        requirement=_THERMAL,
+        note=f"on a base of {other}: {{bow.on_other_base*{_CHANGE}}}",
     )
 
 
-def symmetry(r: DesignInputs) -> Check:
-    """Teeth and ways locate the stage in the middle plane of the base; a tip off that plane drifts from it."""
+def _off_middle(r: DesignInputs) -> float:
     off = max(abs(y) for _, y in r.design.derived.fitted_places[:1]) * 1e-3
-    off = r.given("actuator 1 from the middle plane", off, "m", "layout of the pockets")
-    change, alpha = r("environment.temperature_change"), r.material("base", "expansion")
-    half = r("base.way_gap") / 2
-    return Check(
-        "sideways drift by asymmetry of the base",
-        at_most(off * alpha * change, r("requirements.resolution_coarse"), "m"),
-        source="growth of the base from its middle plane to the tip",
-        formula="alpha_base y dT <= 10 nm",
-        substituted=f"y = {show(off, 'm')}: {show(off * alpha * change, 'm')}",
-        proposal="the actuator on the base's middle plane",
-        thesis="'designed as asymmetrically as possible for thermal stability' must be symmetrically: with the "
-        f"actuator next to a way, {show(half, 'm')} off, the tip would wander {show(half * alpha * change, 'm')}",
-        requirement="Table 2: low thermal expansion",
-    )
+    return r.given("actuator 1 from the middle plane", off, "m", "layout of the pockets")
 
 
-def vibration(r: DesignInputs, direction: str) -> Check:
-    """Relative motion of tip and stage by floor vibration."""
-    velocity = r("environment.floor_velocity")
-    if direction == "along":
-        stiffness, holder = holding_stiffness(r), "sway of the stacks, rocking of the tip and shear of its contact"
-        damping = r("piezo.damping_ratio")
-        limit, requirement = r("requirements.resolution_coarse"), "Table 1: resolution"
-    else:
-        stiffness, holder = pads_stiffness(r).normal, "the pads"
-        damping = r("bearing.damping_ratio")
-        limit, requirement = r("requirements.smoothness"), "Table 1: smoothness"
-    first = float(resonance(stiffness, moved_mass(r)))
-    motion = float(floor_motion(velocity, first, damping))
-    return Check(
-        f"floor vibration between tip and stage, {direction}",
-        at_most(motion, limit, "m"),
-        source=f"base shaken in all third octaves of 8 to 80 Hz, stage and payload held by {holder}",
-        formula="x^2 = sum over third octaves of (v/(2 pi f))^2 |r^2/(1 - r^2 + 2 i zeta r)|^2, r = f/f_1",
-        substituted=f"{show(velocity, 'm/s')} in each, K = {show(stiffness, 'N/m')}, f_1 = {show(first, 'Hz')}, zeta = "
-        f"{damping:.3g}: {show(motion, 'm')} rms",
-        proposal="an isolation table"
-        + (", or stacks guided in their bores without play" if direction == "along" else ", or stiffer pads"),
-        requirement=requirement,
-        note=(
-            f"the finest required resolution, {show(r('requirements.resolution'), 'm')}, needs a floor "
-            f"{max(motion / r('requirements.resolution'), 1):.3g} times quieter"
-            if direction == "along"
-            else ""
-        ),
-    )
+# Teeth and ways locate the stage in the middle plane of the base; a tip off that plane drifts from it.
+symmetry = stated(
+    "sideways drift by asymmetry of the base",
+    f"actuator.off_middle*base.material.expansion*{_CHANGE} <= requirements.resolution_coarse",
+    given={"actuator.off_middle": (_off_middle, "m")},
+    source="growth of the base from its middle plane to the tip",
+    proposal="the actuator on the base's middle plane",
+    thesis="'designed as asymmetrically as possible for thermal stability' must be symmetrically: with the actuator "
+    f"next to a way, {{base.way_gap/2}} off, the tip would wander {{base.way_gap/2*base.material.expansion*{_CHANGE}}}",
+    requirement=_THERMAL,
+)
+
+
+def _followed(stiffness: Callable[[DesignInputs], float], damping: str) -> Callable[[DesignInputs], float]:
+    """Motion of the stage against the tip over the floor's velocity, s."""
+    return lambda r: float(floor_motion(1.0, float(resonance(stiffness(r), moved_mass(r))), r(damping)))
+
+
+_FLOOR = "base shaken in all third octaves of 8 to 80 Hz, stage and payload held by "
+vibration_along = stated(
+    "floor vibration between tip and stage, along",
+    "environment.floor_velocity*follow.along <= requirements.resolution_coarse",
+    given={"follow.along": (_followed(holding_stiffness, "piezo.damping_ratio"), "s")},
+    source=_FLOOR + "sway of the stacks, rocking of the tip and shear of its contact",
+    proposal="an isolation table, or stacks guided in their bores without play",
+    requirement="Table 1: resolution",
+    note="held by {stiffness.along}; the finest required resolution, {requirements.resolution}, needs a floor "
+    "{max(check.value/requirements.resolution, 1)} times quieter",
+)
+vibration_normal = stated(
+    "floor vibration between tip and stage, normal",
+    "environment.floor_velocity*follow.normal <= requirements.smoothness",
+    given={"follow.normal": (_followed(lambda r: pads_stiffness(r).normal, "bearing.damping_ratio"), "s")},
+    source=_FLOOR + "the pads",
+    proposal="an isolation table, or stiffer pads",
+    requirement="Table 1: smoothness",
+    note="held by {stiffness.pads}",
+)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, change, show
-from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_forces
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
+from designcalc.friction_stage.physics.pads import film, heaviest_pad
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
@@ -30,32 +30,26 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def lightest_pad(r: DesignInputs) -> Check:
-    loads = pad_forces(r)
-    return Check(
-        "lightest pad load over the mean",
-        at_least(float(np.min(loads) / np.mean(loads)), 0.5, ""),
-        source="statics of the plate on its pads",
-        formula="min N/mean N",
-        substituted=", ".join(show(float(n), "N") for n in loads),
-        proposal="pads nearer to equal shares of the load",
-    )
+lightest_pad = stated(
+    "lightest pad load over the mean",
+    "load.lightest_pad/(load.whole/pads.count) >= 0.5",
+    source="statics of the plate on its pads",
+    proposal="pads nearer to equal shares of the load",
+    note="heaviest pad load {load.heaviest_pad}",
+)
 
 
 def pressure(r: DesignInputs) -> Check:
-    heaviest = heaviest_pad(r)
-    contact = film(r, heaviest)
-    peak, allowed = float(contact.peak_pressure), r("bearing.allowable_pressure")
-    return Check(
+    crown = crown_for(r, heaviest_pad(r), r("bearing.allowable_pressure")) if r.advise else 0.0
+    return stated(
         "pad pressure",
-        at_most(peak, allowed, "Pa"),
+        "pressure.of_pad <= bearing.allowable_pressure",
+        ("pads.crown_radius", "crown.needed", True),
+        given={"crown.needed": (crown, "m")},
         source=_FILM,
-        formula="p0 = (1.5 to 2) F/(pi a^2) <= p_allowed",
-        substituted=f"F = {show(heaviest, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
-        f"{show(float(contact.radius), 'm')}",
         proposal="a flatter crown, or a lighter pad load",
-        changes=change("pads.crown_radius", crown_for(r, heaviest, allowed), "m", up=True) if r.advise else (),
-    )
+        note="{load.heaviest_pad} on a spot of radius {radius.of_pad}",
+    )(r)
 
 
 def crown_for(r: DesignInputs, load: float, allowed: float) -> float:
@@ -85,23 +79,19 @@ def _crown(excess: Callable[[float], float], here: float) -> float:
 
 
 def pv(r: DesignInputs) -> Check:
-    heaviest = heaviest_pad(r)
-    contact = film(r, heaviest)
-    mean = heaviest / (np.pi * float(contact.radius) ** 2)
-    speed, allowed = r("requirements.speed"), r("bearing.allowable_pv")
-    crown = crown_for_mean(r, heaviest, allowed / speed) if r.advise else r("pads.crown_radius")
+    speed, allowed, here = r("requirements.speed"), r("bearing.allowable_pv"), r("pads.crown_radius")
+    crown = crown_for_mean(r, heaviest_pad(r), allowed / speed) if r.advise else here
     sag = r("pads.length") ** 2 / (8 * crown)
-    return Check(
+    return stated(
         "PTFE pressure times speed",
-        at_most(mean * speed, allowed, "W/m^2"),
+        "load.heaviest_pad/(pi*radius.of_pad^2)*requirements.speed <= bearing.allowable_pv",
+        ("pads.crown_radius", "crown.needed", True),
+        given={"crown.needed": (crown if sag > 0.1e-6 else 0.0, "m"), "crown.flatter": (crown, "m")},
         source="pv limit of the film",
-        formula="F/(pi a^2) v <= (pv)_allowed",
-        substituted=f"{show(mean, 'Pa')} x {show(speed, 'm/s')} = {mean * speed:.3g} W/m^2",
-        proposal=f"a flatter crown ({show(crown, 'm')}, {show(sag, 'm')} of sag over the pad), or full speed for "
-        f"{100 * allowed / (mean * speed):.2g} % of the time",
-        changes=change("pads.crown_radius", crown, "m", up=True) if sag > 0.1e-6 else (),
+        proposal="a flatter crown ({crown.flatter}, {pads.length^2/(8*crown.flatter)} of sag over the pad), or full "
+        "speed for {100*check.limit/check.value} % of the time",
         requirement="Table 1: speed",
-    )
+    )(r)
 
 
 indentation = stated(

@@ -1,14 +1,13 @@
 """Smoothness: response of the pads to the way's surface, by formula and over a sampled profile."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_most, change, show
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
+from designcalc.checks.formula_check import FormulaCheck
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_positions
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
@@ -20,8 +19,8 @@ def checks(design: Design) -> list[CheckFunction]:
     """Roughness under the film, smoothness of the way as drawn, as proposed, and with the waves that lapping leaves."""
     return [
         roughness_under_film,
-        partial(smoothness, key="way_roughness", label="way as drawn"),
-        partial(smoothness, key="proposed_way_roughness", label="way as proposed"),
+        smoothness("way_roughness", "way as drawn", thesis=_PRINTED_RULE),
+        smoothness("proposed_way_roughness", "way as proposed"),
         ridden,
     ]
 
@@ -52,56 +51,46 @@ def lapped_surface(r: DesignInputs) -> Surface:
     )
 
 
-def smoothness(r: DesignInputs, key: str, label: str) -> Check:
-    side = spot(r)
-    rough = r(f"bearing.{key}")
-    number = int(r("pads.count"))
-    left = float(averaged_roughness(rough, r("bearing.roughness_correlation"), side / 2, number))
-    limit = r("requirements.smoothness")
-    return Check(
+# Not a length, so it depends on the unit.
+_PRINTED_RULE = (
+    "'smoothness in the order of sqrt(Ra^3)' is no length: worked in metres it reads "
+    "{sqrt((bearing.way_roughness/1 m)^3)*1 m}, in millimetres {sqrt((bearing.way_roughness/1 mm)^3)*1 mm}; average "
+    "the surface over the pad instead"
+)
+
+
+def smoothness(key: str, label: str, thesis: str = "") -> FormulaCheck:
+    return stated(
         f"smoothness of the {label}",
-        at_most(left, limit, "m"),
+        f"bearing.{key}*sqrt(pi/2)*sqrt(pi)*bearing.roughness_correlation"
+        "/(radius.of_averaging*sqrt(8*pi/9*pads.count)) <= requirements.smoothness",
+        (f"bearing.{key}", f"bearing.{key}*check.limit/check.value", False),
         source=_AVERAGING,
-        formula="Ra sqrt(pi/2) sqrt(pi) l/(a sqrt(8 pi n/9)) <= 1 nm rms",
-        substituted=f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
         proposal="a smoother way, or flatter pads",
-        changes=change(f"bearing.{key}", rough * limit / left, "m", up=False),
-        thesis=(_printed_rule(rough) if key == "way_roughness" else ""),
+        thesis=thesis,
         requirement="Table 1: smoothness",
-    )
-
-
-def _printed_rule(roughness: float) -> str:
-    """The printed 'smoothness in the order of sqrt(Ra^3)': not a length, so it depends on the unit."""
-    in_metres, in_millimetres = np.sqrt(roughness**3), np.sqrt((roughness * 1e3) ** 3) * 1e-3
-    return (
-        f"'smoothness in the order of sqrt(Ra^3)' is no length: worked in metres it reads {show(in_metres, 'm')}, "
-        f"in millimetres {show(in_millimetres, 'm')}; average the surface over the pad instead"
     )
 
 
 def ridden(r: DesignInputs) -> Check:
     """Height of the stage over profiles of roughness and waves; their bow belongs to the straightness."""
-    side, places = spot(r), pad_positions(r)
-    surface = lapped_surface(r)
-    rough, waves = _carried_rms(r, surface, side, places)
-    both = float(np.hypot(rough, waves))
-    limit = r("requirements.smoothness")
-    may = surface.waviness * np.sqrt(max(limit**2 - rough**2, 0.0)) / waves if waves > 0 else np.inf
-    return Check(
+    rough, waves = _carried_rms(r, lapped_surface(r), spot(r), pad_positions(r))
+    return stated(
         "smoothness over a lapped way with its waves",
-        at_most(both, limit, "m"),
+        "sqrt(height.by_waves^2 + height.by_roughness^2) <= requirements.smoothness",
+        (
+            "bearing.way_waviness",
+            "bearing.way_waviness*sqrt(max(check.limit^2 - height.by_roughness^2, 0 m^2))/height.by_waves",
+            False,
+        ),
+        given={"height.by_waves": (waves, "m"), "height.by_roughness": (rough, "m")},
         source="profiles averaged over each pad's contact as its pressure weighs them; mean of the pads; rms over the "
         "travel",
-        formula="rms over x of mean over pads of the height averaged over 2a",
-        substituted=f"contact {show(side, 'm')} long, {len(places)} pads, Ra {show(surface.roughness, 'm')}, waves of "
-        f"{show(surface.waviness, 'm')} at {show(surface.wavelength, 'm')}: {show(waves, 'm')}, and "
-        f"{show(rough, 'm')} of roughness",
-        changes=change("bearing.way_waviness", may, "m", up=False),
-        proposal="smaller waves, or pads that touch over several of their lengths: a convex pad "
-        "averages roughness, not waves longer than its contact",
+        proposal="smaller waves, or pads that touch over several of their lengths: a convex pad averages roughness, "
+        "not waves longer than its contact",
         requirement="Table 1: smoothness",
-    )
+        note="contact {2*radius.of_pad} long",
+    )(r)
 
 
 def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> tuple[float, float]:

@@ -3,14 +3,8 @@
 from dataclasses import replace
 
 from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
-from designcalc.bearing.fastener import (
-    Thread,
-    cone_compliance,
-    screw_waves,
-)
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, at_least, at_most, show
-from designcalc.errors.thermal import preload_change
-from designcalc.friction_stage.physics.clamp import screw_preload
+from designcalc.bearing.fastener import cone_compliance, screw_waves
+from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.friction_stage.physics.loads import moved_mass
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.plate_vibration import at_feet
@@ -37,70 +31,69 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def _ratios(r: DesignInputs) -> tuple[float, float]:
-    diameter = r("screws.way.diameter")
-    return r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
+_JOINT = "(bearing_way.bolt_edge/bearing_way.width)^2*(1 + bearing_way.joint_ratio)*stiffness.way_joint"
+_STIFFNESS = (
+    "bearing_way.length/bearing_way.bolt_spacing"
+    f"/(give.of_way_edge/(bearing_way.bolt_spacing - screws.way.diameter) + 1/({_JOINT}))"
+)
 
 
 def spacing(r: DesignInputs) -> Check:
     way = rail(r)
-    M, tau = _ratios(r)
+    tau = r("bearing_way.flange_thickness") / way.bolt_diameter
     best = best_spacing_ratio(way, tau)
-    reached = float(total_stiffness(way, M, tau)) / float(total_stiffness(way, best, tau))
-    return Check(
+    given = {"spacing.best": (best, ""), "stiffness.at_best": (float(total_stiffness(way, best, tau)), "N/m")}
+    return stated(
         "bolt spacing against its optimum",
-        at_least(reached, 0.95, ""),
+        f"{_STIFFNESS}/stiffness.at_best >= 0.95",
+        given=given,
         source=_APPENDIX,
-        formula="K(M)/K(M_best), K = N/[1/K_bs + 1/(J (K_joint + K_bolt))], M = spacing/Db",
-        substituted=f"M = {M:.3g}, best {best:.3g} with the real materials",
-        proposal=f"bolt spacing of {show(best * way.bolt_diameter, 'm')}",
-        note=f"optimum at M = {best:.3g}; the curve is flat about it",
-    )
+        proposal="bolt spacing of {spacing.best*screws.way.diameter}",
+        note="optimum at {spacing.best} bolt diameters; the curve is flat about it",
+    )(r)
 
 
-def stiffness(r: DesignInputs) -> Check:
-    way = rail(r)
-    M, tau = _ratios(r)
-    K = float(total_stiffness(way, M, tau))
-    steel = r("materials.steel.youngs_modulus")
+def _steel_stiffness(r: DesignInputs) -> float:
+    """Stiffness of the way with way, base and screws of steel, N/m."""
+    way, steel = rail(r), r("materials.steel.youngs_modulus")
     sheet = replace(way, rail_modulus=steel, bed_modulus=steel, bolt_modulus=steel, poisson=0.3)
-    printed = float(total_stiffness(sheet, M, tau))
-    return Check(
-        "bearing way stiffness",
-        at_least(K, r("bearing_way.wanted_stiffness"), "N/m"),
-        source=_APPENDIX,
-        formula="K = N/[1/K_bs + 1/(J (K_joint + K_bolt))], N = L/(M Db)",
-        substituted=f"M = {M:.3g}, t/Db = {tau:.3g}: {show(K, 'N/m')}; bolt joint "
-        f"{show(float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter, 'N/m')}",
-        proposal="a stiffer bed, or a thicker way",
-        thesis=f"the sheet takes steel throughout: {show(printed, 'N/m')}; way, base and screws as specified "
-        f"give {show(K, 'N/m')}",
-        note="one-sided cantilever: a lower bound for a way bedded over its width",
-    )
+    M, tau = (r(f"bearing_way.{key}") / way.bolt_diameter for key in ("bolt_spacing", "flange_thickness"))
+    return float(total_stiffness(sheet, M, tau))
+
+
+stiffness = stated(
+    "bearing way stiffness",
+    f"{_STIFFNESS} >= bearing_way.wanted_stiffness",
+    given={"stiffness.of_steel": (_steel_stiffness, "N/m")},
+    source=_APPENDIX,
+    proposal="a stiffer bed, or a thicker way",
+    thesis="the sheet takes steel throughout: {stiffness.of_steel}; way, base and screws as specified give "
+    "{check.value}",
+    note="one-sided cantilever: a lower bound for a way bedded over its width",
+)
+
+
+_RIPPLE = "load.moved_mass*requirements.acceleration_low/drive.friction"
 
 
 def force_ripple(r: DesignInputs) -> Check:
-    way = rail(r)
-    M, tau = _ratios(r)
-    smooth = r("requirements.smoothness")
-    ripple = moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction")
-    feet = at_feet(r, ripple)
-    moved = float((feet.static + feet.vibration).max())
-    K = 1 / (1 / (2 * float(total_stiffness(way, M, tau))) + moved / ripple)
-    return Check(
+    feet = at_feet(r, moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"))
+    return stated(
         "smoothness against the tip's own pulsation",
-        at_most(ripple, K * smooth, "N"),
+        f"{_RIPPLE} <= requirements.smoothness/(1/(2*{_STIFFNESS}) + motion.of_feet/({_RIPPLE}))",
+        given={
+            "motion.of_feet": (float((feet.static + feet.vibration).max()), "m"),
+            "motion.static": (float(feet.static.max()), "m"),
+            "motion.shaken": (float(feet.vibration.max()), "m"),
+        },
         source="elastic deflection of ways, pads and stage at the payload by what the tip takes off them each cycle, "
         "and their vibration by its pulses, by the modes of the plate on its pads",
-        formula="m a/mu <= K x 1 nm, 1/K = 1/K_ways + (static deflection + vibration)/(m a/mu)",
-        substituted=f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; feet moved by "
-        f"{show(float(feet.static.max()), 'm')} and shaken by {show(float(feet.vibration.max()), 'm')}; "
-        f"{show(K, 'N/m')} x {show(smooth, 'm')} = {show(K * smooth, 'N')}",
-        proposal=f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take "
-        "smoothness with the drive at rest",
+        proposal="press with at most {check.limit} while measuring (hold on the static tip), or take smoothness with "
+        "the drive at rest",
         thesis="1 nm smoothness with a tip that pulses with the weight: one way's 150-190 N/um allow 0.15-0.19 N",
         requirement="Table 1: smoothness",
-    )
+        note="feet moved by {motion.static} and shaken by {motion.shaken}",
+    )(r)
 
 
 engagement = stated(
@@ -109,10 +102,6 @@ engagement = stated(
     source="rule of one diameter in steel-like beds",
     proposal="flange of at most {screws.way.length - screws.way.diameter}",
 )
-
-
-def _thread(r: DesignInputs) -> Thread:
-    return Thread(r("screws.way.diameter"), r("screws.way.pitch"))
 
 
 stripping = stated(
@@ -148,70 +137,56 @@ head = stated(
 )
 
 
-def heat_of_joint(r: DesignInputs) -> Check:
-    way = rail(r)
-    _, tau = _ratios(r)
-    flange = r("bearing_way.flange_thickness")
-    joint = float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter
-    change = abs(
-        preload_change(
-            flange,
-            r.material("screws.way", "expansion"),
-            r.material("bearing_way", "expansion"),
-            joint,
-            way.joint_ratio * joint,
-        )
-    )
-    force, span = screw_preload(r, "way"), r("environment.storage_change")
-    return Check(
-        "way's bolt preload in store and transport",
-        at_most(span * change, 0.2 * force, "N"),
-        source="springs of bolt and clamped parts in series",
-        formula="(alpha_bolt - alpha_way) t dT/(1/k_b + 1/k_j) <= F/5",
-        substituted=f"{span:.3g} K: {show(span * change, 'N')} of {show(force, 'N')}",
-        proposal="longer bolts (more compliance)",
-    )
+heat_of_joint = stated(
+    "way's bolt preload in store and transport",
+    "environment.storage_change*abs(screws.way.material.expansion - bearing_way.material.expansion)"
+    "*bearing_way.flange_thickness/(1/stiffness.way_joint + 1/(bearing_way.joint_ratio*stiffness.way_joint))"
+    " <= force.way_screw/5",
+    source="springs of bolt and clamped parts in series",
+    proposal="longer bolts (more compliance)",
+)
 
 
-def bolt_dimple(r: DesignInputs) -> Check:
-    way, force = rail(r), screw_preload(r, "way")
-    _, tau = _ratios(r)
+def _give_under_head(r: DesignInputs) -> float:
     head, hole = r("screws.way.head_diameter"), r("bearing_way.bolt_hole")
     flange, edge = r("bearing_way.flange_thickness"), 2 * r("bearing_way.bolt_edge")
-    dimple = force * float(cone_compliance(head, hole, flange, edge, way.rail_modulus))
-    sheet = force / (float(joint_stiffness(way, tau).flange_compression) * way.bolt_diameter)
-    limit = r("bearing.way_straightness")
-    return Check(
-        "dimple of the way under its screws",
-        at_most(dimple, limit, "m"),
-        source="compression of the flange under the head with its hole, VDI 2230-1, section 5.1.2",
-        formula="F ln[(D+d)(D+2 t tan(phi)-d)/((D-d)(D+2 t tan(phi)+d))]/(E pi d tan(phi)) <= straightness",
-        substituted=f"{show(force, 'N')}: {show(dimple, 'm')} at the ledge, less on the lapped face next to it",
-        proposal=f"torque of at most {show(limit / dimple * r('screws.way.torque'), 'N*m')}, and lap the way bolted "
-        "down",
-        thesis=f"the sheet's cone of 45 degrees, with a hole as wide as the screw: {show(sheet, 'm')}",
-        requirement="Table 1: smoothness",
-        note="the same torque on every screw keeps the warp even",
-    )
+    return float(cone_compliance(head, hole, flange, edge, rail(r).rail_modulus))
 
 
-def warp(r: DesignInputs) -> Check:
-    """The row of screws causes waves of its pitch in the running face under the pads."""
-    way, force = rail(r), screw_preload(r, "way")
-    pitch = r("bearing_way.bolt_spacing")
-    line = r("base.way_gap") / 2 + r("bearing_way.width") - r("bearing_way.bolt_edge")
+def _sheet_give(r: DesignInputs) -> float:
+    way = rail(r)
+    tau = r("bearing_way.flange_thickness") / way.bolt_diameter
+    return 1 / (float(joint_stiffness(way, tau).flange_compression) * way.bolt_diameter)
+
+
+bolt_dimple = stated(
+    "dimple of the way under its screws",
+    "force.way_screw*give.under_head <= bearing.way_straightness",
+    given={"give.under_head": (_give_under_head, "m/N"), "give.of_sheet": (_sheet_give, "m/N")},
+    source="compression of the flange under the head with its hole, VDI 2230-1, section 5.1.2; less on the lapped face "
+    "next to the ledge",
+    proposal="torque of at most {check.limit/check.value*screws.way.torque}, and lap the way bolted down",
+    thesis="the sheet's cone of 45 degrees, with a hole as wide as the screw: {force.way_screw*give.of_sheet}",
+    requirement="Table 1: smoothness",
+    note="the same torque on every screw keeps the warp even",
+)
+
+
+def _waves(r: DesignInputs) -> float:
+    """Waves of the way's pitch of screws in the running face under the pads by a unit force, m/N."""
+    line, way = r("base.way_gap") / 2 + r("bearing_way.width") - r("bearing_way.bolt_edge"), rail(r)
     away = line - r("pads.spacing_across") / 2
-    wave = float(screw_waves(force, pitch, away, way.rail_modulus, way.poisson))
-    limit = r("requirements.smoothness")
-    return Check(
-        "waves of the way's screws under the pads",
-        at_most(wave, limit, "m"),
-        source="row of forces on a half-space: an upper bound, for the bed beneath takes the same forces (Boussinesq; "
-        "Johnson (1985), section 3.2)",
-        formula="4 F (1 - nu^2)/(pi E p) K0(2 pi d/p) <= 1 nm",
-        substituted=f"F = {show(force, 'N')}, p = {show(pitch, 'm')}, d = {show(away, 'm')}: {show(wave, 'm')}",
-        proposal=f"torque of {show(r('screws.way.torque') * limit / wave, 'N*m')}, a closer pitch (waves decay "
-        "sooner), or lap the way bolted down",
-        thesis="a uniform stiffness along the way is required; this is the variation by the screws",
-        requirement="Table 1: smoothness",
-    )
+    return float(screw_waves(1.0, r("bearing_way.bolt_spacing"), away, way.rail_modulus, way.poisson))
+
+
+warp = stated(
+    "waves of the way's screws under the pads",
+    "force.way_screw*waves.of_screws <= requirements.smoothness",
+    given={"waves.of_screws": (_waves, "m/N")},
+    source="row of forces on a half-space: an upper bound, for the bed beneath takes the same forces "
+    "(Boussinesq; Johnson (1985), section 3.2)",
+    proposal="torque of {screws.way.torque*check.limit/check.value}, a closer pitch (waves decay sooner), or lap the "
+    "way bolted down",
+    thesis="a uniform stiffness along the way is required; this is the variation by the screws",
+    requirement="Table 1: smoothness",
+)

@@ -12,13 +12,14 @@ from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz_stress import peak_mises
-from designcalc.friction_stage.checks import contact
+from designcalc.friction_stage.checks.contact import coating
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.position_loop import dynamic_budget, suspension
 from designcalc.friction_stage.physics.stage_plate import give_at_tip
 from designcalc.friction_stage.physics.teeth import attraction
 from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness
+from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from tests.reference.tables import cases
@@ -49,11 +50,15 @@ def packaged():
 
 def test_edge_tension_of_body_and_coating_with_traction(monkeypatch):
     """180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force."""
-    monkeypatch.setattr(contact, "peak_tip_force", lambda r: 33.2)
-    assert contact.coating(inputs("tip.coating_material=al_6061_t6")).value == pytest.approx(179.9e6, rel=2e-3)
-    assert contact.coating(inputs("tip.coating_material=alumina")).value == pytest.approx(905e6, rel=2e-3)
-    without = inputs("tip.coating_material=al_6061_t6", "drive.friction=1e-9")
-    assert contact.coating(without).value == pytest.approx(32.7e6, rel=2e-3)
+    monkeypatch.setitem(QUANTITIES, "load.peak_of_tip", (33.2, "N"))
+
+    def tension(*overrides: str) -> float | None:
+        r = inputs(*overrides)
+        return coating(r.design)(r).value
+
+    assert tension("tip.coating_material=al_6061_t6") == pytest.approx(179.9e6, rel=2e-3)
+    assert tension("tip.coating_material=alumina") == pytest.approx(905e6, rel=2e-3)
+    assert tension("tip.coating_material=al_6061_t6", "drive.friction=1e-9") == pytest.approx(32.7e6, rel=2e-3)
 
 
 def test_first_yield_of_a_round_contact():

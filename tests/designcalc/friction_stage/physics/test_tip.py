@@ -89,7 +89,7 @@ def test_the_stroke_is_the_piezos_in_every_check():
         "shift of the tip's height by clamping",
     ):
         check = next(c for c in checks if c.name == name)
-        assert f"Y = {1e6 * stroke:.4g} um" in check.substituted or check.limit == pytest.approx(stroke)
+        assert f"{1e6 * stroke:.4g} um" in check.substituted
 
 
 def test_tension_is_at_the_frequency_of_heat_and_current():
@@ -98,7 +98,7 @@ def test_tension_is_at_the_frequency_of_heat_and_current():
     assert len(names) == 3
     assert all("9.567 kHz" in found[name].substituted for name in names)
     # 104.5 N at 5 kHz.
-    assert "382.5 N" in found["tension of a piezo by the tip's inertia and drive force"].substituted
+    assert "382.5 N of inertia" in found["tension of a piezo by the tip's inertia and drive force"].note
 
 
 def test_a_larger_side_force_does_not_turn_the_check_of_the_stack():
