@@ -28,7 +28,7 @@ from sysid.estimation.variant_selection import (
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.history import Revision, append_revision, edited_by_hand, read_history
 from sysid.experiment.in_memory import with_revision
-from sysid.prediction.model import Model, public_name
+from sysid.prediction.model import Model, public_name, with_effect
 from sysid.prediction.observable import candidate_effects, is_observable, next_copy
 from sysid.prediction.problem import Problem, build_problem, load_problem, problem_of
 from sysid.report import both_json, ledger_json, noise_json, parameter_unit, parameters_json
@@ -77,8 +77,8 @@ def add_all(
     found = diagnose(problem, progress=progress)
     steps: list[Addition] = []
     for entry in found.ledger.established:
-        _, at, channel = (entry.model.law or entry.effect.name).partition("@")
-        step = add_effects(problem, [f"{entry.name}{at}{channel}"], design, near=found.ledger.model.fitted.model)
+        name = entry.model.law or entry.effect.name
+        step = add_effects(problem, [name], design, near=found.ledger.model.fitted.model)
         steps.append(step)
         problem = problem_of(step.experiment or load_experiment(problem.experiment.path, design))
     return found, steps
@@ -104,7 +104,7 @@ def add_effects(
         design: values of the design for known quantities stated as `"design"`.
         drop: names of effects that are removed first, in the same revision.
         accept: called with the extended model before anything is written; nothing is where it raises.
-        near: a fitted model whose values are tried as further starting points.
+        near: a fitted model that has the effects: they get its laws as they are, and start from its values.
 
     Raises:
         InputError: an effect that is unknown, already present (to drop: absent), or not observable on this rig; a fault
@@ -114,13 +114,12 @@ def add_effects(
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)
     experiment, free = problem.experiment, reselectable_effects(problem, effects)
-    extended, fitted = _extended(problem, base.fitted, effects, drop)
+    extended, fitted = _extended(problem, base.fitted, effects, drop, near)
     # A variant selected while an effect was missing may be the wrong one now.
-    fitted, _ = select_variants(extended, fitted, free, partial(predicts_clearly_better, extended))
-    if near is not None:
-        known = {key: value for key, value in near.values.items() if key in fitted.model.values}
-        other = fit_model(fitted.model.at(known), extended.fit_records, fitted.weights, iterations=40)
-        fitted = other if other.fit.cost < fitted.fit.cost else fitted
+    decided = set() if near is None else {effect.name for effect in near.effects}
+    decided = {public_name(effect.name) for effect in fitted.model.effects if effect.name in decided}
+    undecided = [name for name in free if name not in decided]
+    fitted, _ = select_variants(extended, fitted, undecided, partial(predicts_clearly_better, extended))
     extended, reached = reported_fit(extended, reference_fit(extended, fitted))
     problem, base = reported_fit(problem, base)
     fitted = reached.fitted
@@ -160,13 +159,22 @@ def add_effects(
 
 
 def _extended(
-    problem: Problem, fitted: FittedModel, effects: Sequence[str], drop: Sequence[str]
+    problem: Problem, fitted: FittedModel, effects: Sequence[str], drop: Sequence[str], near: Model | None
 ) -> tuple[Problem, FittedModel]:
-    """The problem and the fitted model without and with some effects."""
+    """The problem and the fitted model without and with some effects; those of `near` as they are there."""
+    laws = {} if near is None else {effect.name: effect for effect in near.effects}
     for name in drop:
         problem, fitted = _without_effect(problem, fitted, name)
     for name in effects:
-        problem, fitted = _with_effect(problem, fitted, name)
+        if near is None or name not in laws:
+            problem, fitted = _with_effect(problem, fitted, name)
+            continue
+        extended = with_effect(fitted.model, laws[name], problem.scales)
+        own = {key: near.values[key] for key in extended.values if key in near.values}
+        # The values of the others may belong to a model with effects that are still to come.
+        starts = [extended.at(own), extended.at({k: v for k, v in own.items() if k.startswith(f"{name}.")})]
+        fits = [fit_model(start, problem.fit_records, fitted.weights, iterations=40) for start in starts]
+        fitted = min(fits, key=lambda other: other.fit.cost)
     return problem, fitted
 
 
