@@ -56,7 +56,8 @@ _OVERTONE = replace(
     refinement=True,
     meaning="a cogging force with a second harmonic: square teeth, saturated iron",
     equation="force = amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a), a = 2 pi x/pitch + phase",
-    parameters=(*_SINE.parameters, *SECOND_HARMONIC),
+    # A second harmonic above the first would be found as a wave of half the pitch.
+    parameters=(*_SINE.parameters, *(replace(part, low=-1.0, high=1.0) for part in SECOND_HARMONIC)),
     force=_two_harmonics_force,
     slopes={"force.position": _two_harmonics_force_position},
 )
