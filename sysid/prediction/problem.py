@@ -1,7 +1,7 @@
 """The identification problem of an experiment: prepared records, noise and stated model."""
 
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -112,8 +112,7 @@ def build_problem(
     for name in names:
         model = with_effect(model, find(name, custom), scales, as_listed=True)
     model = _with_settings(rig.with_nuisances(model, fits), experiment)
-    # Two records may be parts of one file.
-    notes.extend(dict.fromkeys(f"{record.file}: {note}" for record in records for note in record.notes))
+    notes.extend(_notes_of_files(records))
     stiffness = experiment.rig.known.get("pull_stiffness")
     by_spring = any(p.stick_phases is not None and p.stick_phases.compliance > 0.0 for p in prepared)
     if stiffness is not None and stiffness.std is None and by_spring:
@@ -152,6 +151,14 @@ def averaged(experiment: Experiment, records: Sequence[Record]) -> tuple[Literal
         return hold, list(records)
     held = ("drive_force",) if hold == "zero" else ()
     return "linear", [decimated(record, k, held) for record in records]
+
+
+def _notes_of_files(records: Sequence[Record]) -> Iterator[str]:
+    """Each note of the records once, after the files that it is on."""
+    for said in dict.fromkeys(note for record in records for note in record.notes):
+        # Two records may be parts of one file.
+        files = list(dict.fromkeys(record.file for record in records if said in record.notes))
+        yield f"{', '.join(files[:3])}{f' and {len(files) - 3} more' if len(files) > 3 else ''}: {said}"
 
 
 def _with_settings(model: Model, experiment: Experiment) -> Model:
