@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15014,
     "designcalc": 10545,
     "sim": 12408,
-    "sysid": 20248,
+    "sysid": 20247,
     "drawings": 12008,
     "workbench": 15271,
 }

@@ -1,6 +1,5 @@
 """Magnetic cogging: a force that repeats with the pitch of teeth or magnets."""
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -11,23 +10,23 @@ from sim.effects.friction.position_dependent_friction import SECOND_HARMONIC
 
 
 def force(axis: Axis, p: Any) -> Any:
-    return p.amplitude * np.sin(2.0 * math.pi * axis.position / p.pitch + p.phase)
+    return p.amplitude * np.sin(2.0 * np.pi * axis.position / p.pitch + p.phase)
 
 
 def force_position(axis: Axis, p: Any) -> Any:
-    return p.amplitude * 2.0 * math.pi / p.pitch * np.cos(2.0 * math.pi * axis.position / p.pitch + p.phase)
+    return p.amplitude * 2.0 * np.pi / p.pitch * np.cos(2.0 * np.pi * axis.position / p.pitch + p.phase)
 
 
 def _two_harmonics_force(axis: Axis, p: Any) -> Any:
-    angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
+    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
     overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
     return p.amplitude * (np.sin(angle) + overtone)
 
 
 def _two_harmonics_force_position(axis: Axis, p: Any) -> Any:
-    angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
+    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
     overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
-    return p.amplitude * 2.0 * math.pi / p.pitch * (np.cos(angle) + overtone)
+    return p.amplitude * 2.0 * np.pi / p.pitch * (np.cos(angle) + overtone)
 
 
 _SINE = Effect(
@@ -38,11 +37,11 @@ _SINE = Effect(
     dissipation="Conservative: no work over a closed cycle of position.",
     source="Otten, de Vries, van Amerongen et al. 1997, IEEE/ASME Trans. Mechatronics 2(3): cogging of linear motors",
     parameters=(
-        Parameter("amplitude", "N", 0.1, 0.0, math.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),
+        Parameter("amplitude", "N", 0.1, 0.0, np.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),
         Parameter(
             "pitch", "m", 5e-3, 1e-9, 10.0, "distance over which the force repeats", "assumed: the design's tooth pitch"
         ).shape(Scan("position", 0.02, 0.5, 110, "reciprocal", shortest=0.002)),
-        Parameter("phase", "rad", 0.0, -math.pi, math.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
+        Parameter("phase", "rad", 0.0, -np.pi, np.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
     ),
     coordinates=("position",),
     force=force,
