@@ -67,6 +67,12 @@ class Candidate:
         """Root mean Huber loss on the held-out records, in standard deviations of the noise."""
         return float(np.sqrt(self.held_out.loss))
 
+    @property
+    def fit_share(self) -> float:
+        """Part of the loss of the base model on the records of the fit that it removes."""
+        after = root_mean_huber(self.fitted.fit.residual) ** 2
+        return self.fit_gain / max(self.fit_gain + after, 1e-300)
+
     @cached_property
     def after_fit(self) -> dict[str, ChannelMisfit]:
         """Misfit by channel on the records of the fit."""

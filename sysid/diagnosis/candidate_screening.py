@@ -8,6 +8,8 @@ residual to the candidates are returned too, for screenings on top of a similar 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +31,9 @@ LEAST_PROMISE = 0.02
 OF_THE_BEST = 0.1
 """Predicted share of the squared residual, and its ratio to the largest one, below which no short fit is made. In
 generated records with two missing effects, the second one had at least 0.05, and 0.4 of the largest."""
+
+ALONE = 0.2
+"""Time for which items are computed in this process before others are forked, s."""
 
 ROWS_SEEN = 5000
 """Least number of rows of the residual at which the sensitivities are kept; all rows if there are fewer."""
@@ -95,7 +100,7 @@ def screen_all(
     def screen(scored: ScoredCandidate) -> ScreeningFit | None:
         return screen_scored(scored, fitted, records, problem.scales, basis, rows)
 
-    scored = fork_map(score, effects, shared, report)
+    scored = map_items(score, effects, shared, report)
     grids = {one.effect.name: grid for one, grid in scored}
     known = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # Effects without a linear amplitude are always fitted.
@@ -106,7 +111,7 @@ def screen_all(
     fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
-    found = fork_map(screen, fitting, shared, report)
+    found = map_items(screen, fitting, shared, report)
     screened = [one for one in found if one is not None and np.isfinite(one.error)]
     screened.sort(key=lambda one: one.error)
     if progress is not None:
@@ -114,6 +119,22 @@ def screen_all(
     if jacobians is None:
         jacobians = CandidateJacobians(size, kept, grids)
     return ScreeningResult(screened, unfitted, target, jacobians)
+
+
+def map_items(
+    function: Callable[[Any], Any],
+    items: Sequence[Any],
+    identical: Sequence[object] = (),
+    progress: Callable[[Any], None] = lambda item: None,
+) -> list[Any]:
+    """`fork_map`, the first items in this process: to fork it takes as long as `ALONE`."""
+    found, began = [], perf_counter()
+    for item in items:
+        if perf_counter() - began > ALONE:
+            break
+        found.append(function(item))
+        progress(item)
+    return [*found, *fork_map(function, items[len(found) :], identical, progress)]
 
 
 def _preload(problem: Problem, effects: Sequence[Effect]) -> None:

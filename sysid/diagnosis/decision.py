@@ -94,7 +94,7 @@ def decide(
     curve = next(iter(search.curves), None)
     # Mass times acceleration has the errors of the measured motion: a curve of it takes them up, missing force or not.
     deciding = recurring - {"acceleration"} if driven else recurring
-    fair = next((c for c in search.curves if c.effect.coordinates[0] in deciding), None)
+    fair = [c for c in search.curves if c.effect.coordinates[0] in deciding]
     named = next((c for c in search.ranked if c.implausible is None), None)
 
     def share(candidate: Candidate) -> float:
@@ -116,10 +116,9 @@ def decide(
             words = first.reason
         best = _alone(search, first, ledger)
         return Decision("missing-effect", best, ledger, words, best_curve, best_named, first.words)
-    gain = None if fair is None else fair.gain
-    notable = gain is not None and gain.loss >= NOTABLE_SHARE * reference.loss and gain.z >= CERTAIN_Z
     # Below the noise as far as it is known, a dependence is one of the estimate of its level.
-    if noise.plausible and not (notable and reference.loss > 1.0):
+    notable = next((c for c in fair if _is_notable(c, reference.loss)), None) if reference.loss > 1.0 else None
+    if noise.plausible and notable is None:
         words = "no effect and no coordinate explains the residual"
         if noise.adequate_loss > NOISE_FACTOR:
             words += (
@@ -133,9 +132,16 @@ def decide(
         words = f"{entry.name} is {'possible' if entry.state == 'possible' else 'not established'}: {entry.reason}"
     elif noise.adequate_loss <= NOISE_FACTOR**2 and not noise.plausible:
         words += "; most of the error occurs in less than half of the time"
-    if fair is not None and notable:
-        words += f"; a free curve of {fair.effect.coordinates[0]} explains {100.0 * share(fair):.0f} %"
+    if notable is not None:
+        words += f"; a free curve of {notable.effect.coordinates[0]} explains {100.0 * share(notable):.0f} %"
     return Decision("unexplained", None, ledger, words, best_curve, best_named)
+
+
+def _is_notable(curve: Candidate, loss: float) -> bool:
+    """Whether a free curve explains a notable part of the loss on the records of the fit and on the held-out ones: what
+    acts on one of them only is a property of the record, such as its noise or its sampling."""
+    held = curve.gain.loss >= NOTABLE_SHARE * loss and curve.gain.z >= CERTAIN_Z
+    return held and curve.fit_share >= NOTABLE_SHARE
 
 
 def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:

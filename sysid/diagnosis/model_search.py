@@ -18,9 +18,8 @@ import numpy as np
 
 from sim.effects.catalogue import rigid_friction
 from sim.effects.effect import Effect
-from stagecad.processes import fork_map
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
-from sysid.diagnosis.candidate_screening import Progress, ScreeningResult, screen_all
+from sysid.diagnosis.candidate_screening import Progress, ScreeningResult, map_items, screen_all
 from sysid.diagnosis.free_curves import free_curves, with_curve
 from sysid.diagnosis.held_out import HeldOut, held_out
 from sysid.diagnosis.pair_scores import ScoredPair, scored_pairs
@@ -228,7 +227,7 @@ class ModelSearch:
         self, function: Callable[[Any], Candidate | None], items: Sequence[Any], identical: Sequence[object]
     ) -> list[Candidate]:
         shared = (*identical, *self.base.fitted.model.effects, self.base.fitted.weights, self.problem)
-        return [found for found in fork_map(function, items, shared) if found is not None]
+        return [found for found in map_items(function, items, shared) if found is not None]
 
     def _evaluate(self, refit: RefittedEffect) -> Candidate | None:
         return self.reference.evaluate(

@@ -34,7 +34,7 @@ def _fitted(effects: tuple[Effect, ...], count: int) -> FittedModel:
     """A model with `count` unknowns; nothing of it is evaluated."""
     unknowns = tuple(Unknown(f"effect.p{k}", 0.0, -1.0, 1.0, 1.0) for k in range(count))
     empty = np.empty(0)
-    fit = FitResult({}, 0.0, np.empty((0, count)), empty, empty, tuple(u.key for u in unknowns))
+    fit = FitResult({}, 0.0, np.empty((0, count)), NOISE, empty, tuple(u.key for u in unknowns))
     return FittedModel(Model(effects, {}, unknowns), fit, ResidualWeights((), ()))
 
 

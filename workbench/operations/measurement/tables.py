@@ -245,7 +245,11 @@ def ladder_table(rungs: Sequence[Row]) -> Table:
             (fit_rms, fit_ratio, _), (rms, ratio, _) = _error_cells(error), _error_cells(held.get(channel))
             rows.append((*first, channel, fit_rms, rms, fit_ratio, ratio))
             first = ("", "")
-    return make_table("Ladder", columns, rows)
+    note = (
+        "rms: of all rows. Over noise: of the rows without the largest 3 % of the errors, at jumps and reversals between "
+        "two rows, and without those at which friction holds the body against the measured force."
+    )
+    return make_table("Ladder", columns, rows, note)
 
 
 def motion_table(motions: Sequence[Row]) -> Table:
