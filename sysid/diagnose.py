@@ -15,8 +15,8 @@ from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.quantised_channel import QuantisedChannel, quantised_channel
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
 from sysid.diagnosis.structural_modes import with_mode_above_band
-from sysid.estimation.misfit import ChannelMisfit, misfit
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
+from sysid.estimation.misfit import ChannelMisfit, misfit, worst_over_noise
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reference_fit, reported_fit
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
 from sysid.prediction.model import public_name
@@ -111,7 +111,15 @@ def diagnose(
     noise = noise_level(search, added)
     ledger = with_mode_above_band(search, make_ledger(search, noise.loss, added, recurring))
     driven = any(record.acceleration is not None for record in problem.fit_records)
+    shown = _reported(ledger.model)
+    observed = shown.problem is not ledger.model.problem and not ledger.established
+    if observed:
+        # Along the measured motion the error of the model is that of the filter of the motion.
+        level = worst_over_noise(shown.after_fit, shown.after_validate)
+        noise, recurring = replace(noise, adequate_loss=level**2, evenness=1.0), frozenset()
     decision = decide(search, ledger, noise, recurring, driven)
+    best = shown if decision.best is ledger.model else decision.best
+    decision = replace(decision, best=best, ledger=replace(ledger, model=shown))
     ranked = search.ranked
     if quantised is not None:
         decision = _with_quantisation(decision, quantised)
@@ -129,7 +137,11 @@ def diagnose(
         others = [trial for trial in ranked if trial.public_name != decision.best.public_name]
         in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
         ranked = [decision.best, *others]
-    before_fit = misfit(base.fitted.model, problem.fit_records)
+    if observed and quantised is None:
+        before_fit, before_validate = shown.after_fit, shown.after_validate
+    else:
+        before_fit = misfit(base.fitted.model, problem.fit_records)
+        before_validate = misfit(base.fitted.model, problem.validate_records)
     after_fit = before_fit if decision.best is None else decision.best.after_fit
     return Diagnosis(
         problem=problem,
@@ -138,12 +150,18 @@ def diagnose(
         decision=decision,
         maps=tuple(maps),
         before_fit=before_fit,
-        before_validate=misfit(base.fitted.model, problem.validate_records),
+        before_validate=before_validate,
         seconds=perf_counter() - began,
         replacements=tuple(replacements),
         reported_in_full=in_full,
         warnings=(*consistency_warnings(problem, after_fit), *_untried(problem, ranked)),
     )
+
+
+def _reported(model: Candidate) -> Candidate:
+    """A model as `compare` and `add` report it: along the motion of a state observer where that is better."""
+    problem, found = reported_fit(model.problem, reference_fit(model.problem, model.fitted))
+    return model if found.fitted is model.fitted else replace(model, problem=problem, fitted=found.fitted)
 
 
 def _with_quantisation(decision: Decision, quantised: QuantisedChannel) -> Decision:

@@ -7,7 +7,7 @@ residual to the candidates are returned too, for screenings on top of a similar 
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -17,7 +17,7 @@ from sim.effects.effect import Effect
 from stagecad.processes import fork_map
 from sysid.estimation.driven_stage_search import truncated
 from sysid.estimation.reference_fit import ReferenceFit
-from sysid.estimation.score_test import EVERY_ROW, GridPoint, candidate_directions, profiled_residual, score_test
+from sysid.estimation.score_test import GridPoint, candidate_directions, profiled_residual, score_test
 from sysid.estimation.screening import ScoredCandidate, ScreeningFit, screen_scored
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.observable import candidate_effects
@@ -36,7 +36,7 @@ ALONE = 0.2
 """Time for which items are computed in this process before others are forked, s."""
 
 ROWS_SEEN = 5000
-"""Least number of rows of the residual at which the sensitivities are kept; all rows if there are fewer."""
+"""Least number of rows of the residual at which effects are scored; all rows if there are fewer."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,6 @@ class CandidateJacobians:
     """Changes of the residual by candidate effects; nearly unchanged if the model has one effect more or less."""
 
     size: int  # number of rows of the residual
-    rows: slice  # indices of the rows at which the changes are kept
     grids: Mapping[str, list[GridPoint]]  # changes at the points of the shape grid, by name of the effect
 
 
@@ -56,8 +55,7 @@ class ScreeningResult:
     # scores of the effects that were not fitted, since their predicted share was too small
     unfitted: list[ScoredCandidate]
     target: np.ndarray  # residual of the model in the score tests, (n,)
-    # sensitivities of the residual to each candidate, for screenings on top of this model
-    jacobians: CandidateJacobians | None = None
+    jacobians: CandidateJacobians  # sensitivities to each candidate, for screenings on top of this model
 
 
 def screen_all(
@@ -73,12 +71,11 @@ def screen_all(
     """Screen every candidate on top of a fitted model."""
     fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
-    if jacobians is not None and (jacobians.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
-        # On a driven stage one effect more or less changes the times of slip.
-        jacobians = None
-    rows = EVERY_ROW if jacobians is None else jacobians.rows
-    kept = slice(None, None, max(1, size // ROWS_SEEN))
+    rows = slice(None, None, max(1, size // ROWS_SEEN))
     basis, target = profiled_residual(fitted, rows)
+    # On a driven stage one effect more or less changes the times of slip.
+    driven = any(isinstance(record, FrictionDriveRecord) for record in records)
+    known_grids = {} if jacobians is None or jacobians.size != size or driven else jacobians.grids
     effects = candidate_effects(problem, present, all_effects) if options is None else list(options)
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _preload(problem, effects)
@@ -91,11 +88,11 @@ def screen_all(
             progress(effect.name, next(steps), 2 * len(effects))
 
     def score(effect: Effect) -> tuple[ScoredCandidate, list[GridPoint]]:
-        if jacobians is not None and effect.name in jacobians.grids and not effect.is_periodic:
-            return ScoredCandidate(effect, score_test(effect, jacobians.grids[effect.name], basis, target)), []
+        grid = None if effect.is_periodic else known_grids.get(effect.name)
+        if grid is not None:
+            return ScoredCandidate(effect, score_test(effect, grid, basis, target)), []
         grid = candidate_directions(fitted, effect, records, problem.scales, rows)
-        thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if jacobians is None else []
-        return ScoredCandidate(effect, score_test(effect, grid, basis, target)), thinned
+        return ScoredCandidate(effect, score_test(effect, grid, basis, target)), [] if known_grids else grid
 
     def screen(scored: ScoredCandidate) -> ScreeningFit | None:
         return screen_scored(scored, fitted, records, problem.scales, basis, rows)
@@ -116,9 +113,7 @@ def screen_all(
     screened.sort(key=lambda one: one.error)
     if progress is not None:
         progress("", 2 * len(effects), 2 * len(effects))
-    if jacobians is None:
-        jacobians = CandidateJacobians(size, kept, grids)
-    return ScreeningResult(screened, unfitted, target, jacobians)
+    return ScreeningResult(screened, unfitted, target, CandidateJacobians(size, known_grids or grids))
 
 
 def map_items(

@@ -291,7 +291,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
         other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
         if _any_established(of_pair):
             whole, entries = other, of_pair
-    model = whole.model if _any_established(entries) else search.stated
+    model = search.converged(whole.model) if _any_established(entries) else search.stated
     final = replace(whole, model=model)
     order = {"established": 0, "possible": 1, "refused": 2}
     entries.sort(key=lambda entry: (order[entry.state], -entry.gain))

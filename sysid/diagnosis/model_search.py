@@ -126,7 +126,9 @@ class ModelSearch:
         found.sort(key=lambda c: c.held_out.loss)
         if fitted is not base.fitted:
             found[:IN_FULL] = [self._refitted(c, problem, base) or c for c in found[:IN_FULL]]
-        return self._with_best_reselected(self._with_lower_minima(found))
+        found = sorted(self._with_lower_minima(found), key=lambda c: c.held_out.loss)
+        # The variants and shapes of the effects of the model, with the best one, are searched again.
+        return [*map(self._with_searched_effects, found[:1]), *found[1:]]
 
     @cached_property
     def ranked(self) -> list[Candidate]:
@@ -258,13 +260,6 @@ class ModelSearch:
             further = self._evaluate(lower) if lower is not own else None
             if further is not None and further.held_out.loss < candidate.held_out.loss:
                 found[k] = further
-        return found
-
-    def _with_best_reselected(self, found: list[Candidate]) -> list[Candidate]:
-        """The candidates, lowest held-out loss first, the best one with the effects of the model searched again."""
-        found = sorted(found, key=lambda c: c.held_out.loss)
-        if found:
-            found[0] = self._with_searched_effects(found[0])
         return found
 
     @cached_property
