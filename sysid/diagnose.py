@@ -38,7 +38,6 @@ class Diagnosis:
         before_fit, before_validate: misfit of the base model by channel, on the records of the fit and held out.
         seconds: run time.
         replacements: effects added earlier that should be removed or replaced.
-        reported_in_full: number of trials reported with their errors and values.
         warnings: contradictions in the records, one line each.
     """
 
@@ -51,7 +50,6 @@ class Diagnosis:
     before_validate: dict[str, ChannelMisfit]
     seconds: float
     replacements: tuple[Replacement, ...] = ()
-    reported_in_full: int = IN_FULL
     warnings: tuple[str, ...] = ()
 
     @property
@@ -131,17 +129,13 @@ def diagnose(
     maps = residual_maps(*of_model)
     if decision.verdict == "unexplained":
         maps = compared_with_time(maps, *of_model)
-    in_full = IN_FULL
     if decision.best is not None and decision.best not in ranked:
         # The decision may name another variant than the one with the lowest error.
-        others = [trial for trial in ranked if trial.public_name != decision.best.public_name]
-        in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
-        ranked = [decision.best, *others]
+        ranked = [decision.best, *(trial for trial in ranked if trial.public_name != decision.best.public_name)]
+    sets = (problem.fit_records, problem.validate_records)
+    before_fit, before_validate = (misfit(base.fitted.model, records) for records in sets)
     if observed and quantised is None:
         before_fit, before_validate = shown.after_fit, shown.after_validate
-    else:
-        before_fit = misfit(base.fitted.model, problem.fit_records)
-        before_validate = misfit(base.fitted.model, problem.validate_records)
     after_fit = before_fit if decision.best is None else decision.best.after_fit
     return Diagnosis(
         problem=problem,
@@ -153,7 +147,6 @@ def diagnose(
         before_validate=before_validate,
         seconds=perf_counter() - began,
         replacements=tuple(replacements),
-        reported_in_full=in_full,
         warnings=(*consistency_warnings(problem, after_fit), *_untried(problem, ranked)),
     )
 

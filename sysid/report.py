@@ -9,7 +9,7 @@ import numpy as np
 from sim.effects.effect import rotary_unit
 from stagecad.parameters.units import as_json
 from sysid.compare import Comparison
-from sysid.diagnose import Diagnosis
+from sysid.diagnose import IN_FULL, Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.covariance import Intervals, intervals
@@ -181,7 +181,7 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
     rows = []
     for k, trial in enumerate(diagnosis.trials[:most]):
         row: dict[str, Any] = {"effect": trial.public_name}
-        in_full = k < diagnosis.reported_in_full or trial is diagnosis.best
+        in_full = k < IN_FULL
         after = trial.after_validate.get(channel) if in_full else None
         if after is not None:
             row["validate_error"] = as_json(after.rms, channel_unit(problem, channel))

@@ -26,7 +26,6 @@ from sysid.prediction.problem import Problem
 Progress = Callable[[str, int, int], None]
 """Called with the name of the next step, the number of completed steps, and the total; and again at the end."""
 
-
 LEAST_PROMISE = 0.02
 OF_THE_BEST = 0.1
 """Predicted share of the squared residual, and its ratio to the largest one, below which no short fit is made. In
@@ -51,9 +50,8 @@ class CandidateJacobians:
 class ScreeningResult:
     """Screening of every candidate on top of a fitted model."""
 
-    fits: list[ScreeningFit]  # screening fits, best first
-    # scores of the effects that were not fitted, since their predicted share was too small
-    unfitted: list[ScoredCandidate]
+    fits: list[ScreeningFit]  # best first
+    unfitted: list[ScoredCandidate]  # effects of which no fit was made, since their predicted share was too small
     target: np.ndarray  # residual of the model in the score tests, (n,)
     jacobians: CandidateJacobians  # sensitivities to each candidate, for screenings on top of this model
 
@@ -109,8 +107,7 @@ def screen_all(
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
     found = map_items(screen, fitting, shared, report)
-    screened = [one for one in found if one is not None and np.isfinite(one.error)]
-    screened.sort(key=lambda one: one.error)
+    screened = sorted((one for one in found if one is not None and np.isfinite(one.error)), key=lambda one: one.error)
     if progress is not None:
         progress("", 2 * len(effects), 2 * len(effects))
     return ScreeningResult(screened, unfitted, target, CandidateJacobians(size, known_grids or grids))

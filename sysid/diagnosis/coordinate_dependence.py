@@ -244,15 +244,11 @@ def _remainder(residual: np.ndarray, predicted: np.ndarray) -> np.ndarray:
 
 
 def _monotonic_in_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:
-    return abs(_rank_correlation(coordinates[name], coordinates["time"])) > MONOTONIC_IN_TIME
-
-
-def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
-    """Spearman's rank correlation of two coordinates (n,)."""
-    ranks = [np.argsort(np.argsort(v)).astype(float) for v in (a, b)]
-    if np.ptp(a) == 0 or np.ptp(b) == 0:
-        return 0.0
-    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
+    """Whether Spearman's rank correlation of a coordinate with time is large."""
+    values, time = coordinates[name], coordinates["time"]
+    ranks = [np.argsort(np.argsort(v)) for v in (values, time)]
+    varies = np.ptp(values) > 0.0 and np.ptp(time) > 0.0
+    return bool(varies and abs(np.corrcoef(*ranks)[0, 1]) > MONOTONIC_IN_TIME)
 
 
 def _cross_validated(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:

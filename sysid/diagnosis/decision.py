@@ -110,8 +110,8 @@ def decide(
         if named is not None:
             best_named = named.public_name, share(named)
     if ledger.established:
-        first, rest = ledger.established[0], ledger.established[1:]
-        words = "explains the residual" if not rest else f"explains a part; {_listed(rest)} the rest"
+        first, rest = ledger.established[0], dict.fromkeys(entry.name for entry in ledger.established[1:])
+        words = f"explains the residual together with {', '.join(rest)}" if rest else "explains the residual"
         if first.words:
             words = first.reason
         best = _alone(search, first, ledger)
@@ -153,12 +153,6 @@ def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:
         if effect.name != entry.effect.name:
             alone = search.without(alone, effect.name) or alone
     return alone
-
-
-def _listed(entries: Sequence[Entry]) -> str:
-    names = list(dict.fromkeys(entry.name for entry in entries))
-    verb = "explains" if len(names) == 1 else "explain"
-    return f"{', '.join(names[:-1])} and {names[-1]} {verb}" if len(names) > 1 else f"{names[0]} {verb}"
 
 
 def noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:

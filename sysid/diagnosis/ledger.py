@@ -295,13 +295,12 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     final = replace(whole, model=model)
     order = {"established": 0, "possible": 1, "refused": 2}
     entries.sort(key=lambda entry: (order[entry.state], -entry.gain))
-    best = next(iter(search.with_curves(model, recurring)), None)
-    rest = best is not None and best.held_out.loss < model.held_out.loss
+    curves = [c for c in search.with_curves(model, recurring) if c.held_out.loss < model.held_out.loss]
     return Ledger(
         entries=tuple(entries),
         model=model,
         explained=min(1.0, max(final.explained, 0.0)) if model.added else 0.0,
-        coordinate=best.added[-1].coordinates[0] if best is not None and rest else "",
+        coordinate=curves[0].added[-1].coordinates[0] if curves else "",
     )
 
 
@@ -327,8 +326,7 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
 
 
 def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
-    """The model with the set of effects found by forward selection, without those that fail in the complete set; it
-    begins with one of the candidates `first`."""
+    """The model with the set of effects found by forward selection, which begins with one of the candidates `first`."""
     search, model = whole.search, whole.search.stated
     while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS:
         options = [c for c in (search.step(model) if model.added else first) if _is_step(model, c)]
@@ -339,7 +337,7 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
         if found.held_out.loss >= model.held_out.loss:
             break
         model = found
-    return _reduced(search, model)
+    return model
 
 
 def _is_step(model: Candidate, larger: Candidate) -> bool:
@@ -361,19 +359,6 @@ def is_tied(other: Candidate, best: Candidate, gained: float) -> bool:
     """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
     behind = other.held_out.loss - best.held_out.loss
     return behind <= 0.1 * TIE * gained or (behind <= TIE * gained and other.held_out.gain_of(best.held_out).z < STEP_Z)
-
-
-def _reduced(search: ModelSearch, model: Candidate) -> Candidate:
-    """A model without the effects that are not significant beside the others, the weakest one first."""
-    while len(model.added) > 1:
-        below = [search.without(model, effect.name) for effect in model.added]
-        gains = [(c.held_out.gain_of(model.held_out).z, k) for k, c in enumerate(below) if c is not None]
-        weakest = min(gains, default=(np.inf, 0))
-        smaller = below[weakest[1]]
-        if weakest[0] >= EACH_Z or smaller is None:
-            break
-        model = smaller
-    return model
 
 
 def _judged(whole: _Set, effect: Effect) -> Entry | None:
@@ -420,9 +405,8 @@ def find_replacements(search: ModelSearch, added: Sequence[str], others_too: boo
     """Effects added earlier that are not needed, or in whose place another one gains clearly more."""
     stated, found = search.stated, []
     for name in added:
-        below = (
-            search.without(stated, public_name(name)) if _is_removable(stated.fitted.model, public_name(name)) else None
-        )
+        family = public_name(name)
+        below = search.without(stated, family) if _is_removable(stated.fitted.model, family) else None
         if below is None:
             continue
         gain = below.held_out.gain_of(stated.held_out)

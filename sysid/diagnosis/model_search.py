@@ -107,7 +107,7 @@ class ModelSearch:
     def screening(self) -> ScreeningResult:
         """Screening of every candidate effect on top of the base model."""
         present = [effect.name for effect in self.problem.start.effects]
-        return screen_all(self.problem, self.base, present, self.all_effects, self._report, options=self._options)
+        return screen_all(self.problem, self.base, present, self.all_effects, self._progress, options=self._options)
 
     @cached_property
     def singles(self) -> list[Candidate]:
@@ -293,10 +293,6 @@ class ModelSearch:
             candidate.blocked_reduction,
         )
         return candidate if found is None or found.held_out.loss >= candidate.held_out.loss else found
-
-    def _report(self, name: str, count: int, total: int) -> None:
-        if self._progress is not None:
-            self._progress(name, count, total)
 
 
 def without_added(model: Model, name: str, stated: Model, scales: Scales) -> Model:

@@ -159,9 +159,7 @@ class Diagnosis(FittedResult):
     @property
     def candidates(self) -> dict[str, Model]:
         """The model before (`model`), and the model with each effect that was fitted in full, by its name."""
-        tried = {
-            trial.public_name: trial.fitted.model for trial in self.computed.trials[: self.computed.reported_in_full]
-        }
+        tried = {trial.public_name: trial.fitted.model for trial in self.computed.trials[: identification.IN_FULL]}
         return {"model": self.computed.base.fitted.model, **tried}
 
     def lines(self) -> Iterator[Line]:

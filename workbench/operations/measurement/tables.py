@@ -245,10 +245,7 @@ def ladder_table(rungs: Sequence[Row]) -> Table:
             (fit_rms, fit_ratio, _), (rms, ratio, _) = _error_cells(error), _error_cells(held.get(channel))
             rows.append((*first, channel, fit_rms, rms, fit_ratio, ratio))
             first = ("", "")
-    note = (
-        "rms: of all rows. Over noise: of the rows without the largest 3 % of the errors, at jumps and reversals between "
-        "two rows, and without those at which friction holds the body against the measured force."
-    )
+    note = "rms: all rows. Over noise: without the largest 3 % of the errors and the rows that friction holds at rest."
     return make_table("Ladder", columns, rows, note)
 
 
