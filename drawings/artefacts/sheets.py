@@ -19,8 +19,8 @@ from drawings.artefacts.machine_pictures import stored_picture
 from drawings.sheets.plans import sheets_of
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import combined
+from stagecad.solids.artefacts.cache_key import versions
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, part_mass
-from stagecad.solids.artefacts.source_digest import versions
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import assemble
 from stagecad.solids.modelling.mass import placed

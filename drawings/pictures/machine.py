@@ -14,10 +14,10 @@ import numpy as np
 
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, TOP, Picture, Piece, picture
 from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved, visible_stretches
-from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, in_plane
+from drawings.views.section import cut_faces, cut_shape, different_hatches, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.frame import UNMOVED, Box, add, near, subtract
+from stagecad.solids.modelling.frame import UNMOVED, Box, add, subtract
 
 if TYPE_CHECKING:
     from stagecad.solids.modelling.registry import Instance
@@ -26,9 +26,6 @@ EYE_BELOW = Projection(
     FROM_BELOW, (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0), (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6))
 )
 """The isometric direction from below, for the parts under the stage."""
-
-HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH), (True, 0.6 * HATCH_PITCH))
-"""Hatches of parts, whether falling and their pitch on the paper, in mm: neighbours differ (ISO 128-50)."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +107,7 @@ def _section(
         left, faces = _cut(moved(shape.shape, frame), cut)
         cut_pieces.append(((tuple(vertices.min(axis=0)), tuple(vertices.max(axis=0))), faces))
         pieces.append(Piece(instance.part, meshed(left), UNMOVED))
-    hatches = different_hatches([box for box, _ in cut_pieces])
+    hatches = different_hatches([box for box, _ in cut_pieces], DEFLECTION)
     hatched = [
         line
         for (_, faces), (falling, pitch) in zip(cut_pieces, hatches, strict=True)
@@ -120,16 +117,6 @@ def _section(
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
     label = f"{cut.letter}-{cut.letter}"
     return replace(shown, view=replace(shown.view, curves=curves, label=label, cut=cut))
-
-
-def different_hatches(boxes: Sequence[Box]) -> list[tuple[bool, float]]:
-    """A hatch of `HATCHES` for each part: the first that none of those before has whose box touches its own, else the
-    first."""
-    chosen: list[tuple[bool, float]] = []
-    for box in boxes:
-        taken = {hatch for other, hatch in zip(boxes, chosen, strict=False) if near(box, other, DEFLECTION)}
-        chosen.append(next((hatch for hatch in HATCHES if hatch not in taken), HATCHES[0]))
-    return chosen
 
 
 def _exploded(

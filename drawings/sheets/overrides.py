@@ -186,7 +186,7 @@ def moved(
     annotations: Sequence[Annotation], overrides: Overrides, sheet: str
 ) -> tuple[tuple[Annotation, ...], list[str]]:
     """The annotations of a sheet with those moved that the file names, and what does not apply."""
-    from drawings.placement.occupancy import translated
+    from drawings.placement.conflicts import translated
 
     names = [name for one in annotations for name in _names(one)]
     problems = [

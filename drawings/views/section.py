@@ -13,6 +13,7 @@ import numpy as np
 
 from drawings.views.line_cleaning import Span, joined, without
 from drawings.views.view import Cut, Point2, Projection, Segment
+from stagecad.solids.modelling.frame import Box, near
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 HATCH_PITCH = 3.0
 """Distance of hatch lines on paper, mm."""
 HATCH_ANGLE = 45.0
+HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH), (True, 0.6 * HATCH_PITCH))
+"""Hatches of parts, whether falling and their pitch on the paper, in mm: neighbours differ (ISO 128-50)."""
 _CHORD = 0.02
 
 
@@ -134,6 +137,16 @@ def _inside(edges: np.ndarray, level: float) -> list[Span]:
     (a, b), (c, d) = crossed[:, 0].T, crossed[:, 1].T
     hits = np.sort(a + (level - b) * (c - a) / (d - b)).tolist()
     return list(zip(hits[::2], hits[1::2]))
+
+
+def different_hatches(boxes: Sequence[Box], gap: float) -> list[tuple[bool, float]]:
+    """A hatch of `HATCHES` for each part: the first that none of those before has whose box is closer than the gap,
+    mm, else the first."""
+    chosen: list[tuple[bool, float]] = []
+    for box in boxes:
+        taken = {hatch for other, hatch in zip(boxes, chosen, strict=False) if near(box, other, gap)}
+        chosen.append(next((hatch for hatch in HATCHES if hatch not in taken), HATCHES[0]))
+    return chosen
 
 
 def in_plane(corners: np.ndarray, triangles: np.ndarray, cut: Cut, projection: Projection) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from sim.export.languages import C, Language, Matlab, Modelica, locals_of
+from sim.export.language_syntax import C, Language, Matlab, Modelica, locals_of
 from sim.export.program import ForceFunction, Program
 
 ARGUMENTS = ("dt", "position", "velocity", "acceleration", "load", "temperature")

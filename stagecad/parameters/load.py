@@ -21,6 +21,7 @@ from stagecad.parameters.formula import is_formula
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.machine import MATERIALS, Computed, Machine, packaged_machine
 from stagecad.parameters.machine_declaration import declared_machine, require_mates, stated_parameters
+from stagecad.parameters.overrides import override
 from stagecad.parameters.project_tables import HARDWARE, NO_ROW, ROW, ProjectTable
 from stagecad.parameters.rules.registry import by_part, violations
 from stagecad.parameters.rules.remedies import violation_documents
@@ -91,7 +92,7 @@ def overridden(design: Design, values: Mapping[str, str]) -> Design:
     source: Source = design.source
     given = dict(source.given)
     for key, text in values.items():
-        found, entry = _override(f"{key}={text}", source.keys, given, source.machine)
+        found, entry = override(f"{key}={text}", source.keys, given, source.machine)
         given[found] = entry
     return Variations(source).of(replace(source, given=given, overrides=(*source.overrides, *values)))
 
@@ -130,7 +131,7 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
             raise InputError(f"{file.name}: no parameter '{key}'{nearest_key(key, keys)}")
     given.update(_chosen_rows(machine, file.tables, given))
     for text in overrides:
-        key, entry = _override(text, keys, given, machine)
+        key, entry = override(text, keys, given, machine)
         given[key] = entry
     for slot, kind in machine.slot_kinds.items():
         entry = given.get(f"{slot}.{ROW}")
@@ -223,25 +224,6 @@ def _check_rows(machine: Machine, tables: Sequence[ProjectTable], materials: Seq
         for row in table.rows:
             for column, cell in row.cells.items():
                 read_entry(column, FileEntry(cell.text, cell.place, None, row.origin), columns[column], materials)
-
-
-def _override(
-    text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry], machine: Machine
-) -> tuple[str, FileEntry]:
-    if not text.isprintable():
-        raise InputError(f"--set {text!r}: contains characters that cannot be printed")
-    key, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not key or not value:
-        raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
-    table, _, last = key.partition(".")
-    if machine.declaration and table in machine.declaration.tables:
-        key = f"{machine.declaration.tables[table]}.{last}"
-    if key not in keys:
-        raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
-    source = given.get(key) or machine.computed.get(key)
-    free = source.free if isinstance(source, FileEntry) else ""
-    tolerance = source.tolerance if source else None
-    return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set", free)
 
 
 @dataclass(frozen=True)

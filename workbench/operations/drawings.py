@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
-from drawings.artefacts.tasks import build_all_sheets
-from drawings.artefacts.tasks import chosen_sheets as chosen_by_part
-from drawings.artefacts.tasks import sheet_names as names_by_part
+from drawings.artefacts.parallel_sheets import build_all_sheets
+from drawings.artefacts.parallel_sheets import chosen_sheets as chosen_by_part
+from drawings.artefacts.parallel_sheets import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest

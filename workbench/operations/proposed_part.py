@@ -30,8 +30,8 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     Raises:
         InputError: no consent, an error of the file, or a dimension that is not on the solid.
     """
+    from drawings.artefacts.parallel_sheets import sheet_names
     from drawings.artefacts.sheets import build_sheets
-    from drawings.artefacts.tasks import sheet_names
     from drawings.sheets.overrides import FILE, read_overrides
     from stagecad.consent import give_consent
     from stagecad.parameters.atomic import atomic_write_text

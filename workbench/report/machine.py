@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 from designcalc.checks.analysis.report import counted
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.units import format_quantity
+from stagecad.solids.artefacts.cache_key import sha256
+from stagecad.solids.artefacts.store import ArtefactStore
 from workbench.operations.drawings import SMALL, reduced_sheet
 from workbench.report.checks import check_rows, data_url, embedded, link, render
 
@@ -101,8 +104,6 @@ def _sheets(drawings: Mapping[str, Any], page: Path, design: Design) -> list[dic
 
 def _reduced(path: Path, design: Design) -> str:
     """A sheet's picture, small enough for an overview."""
-    from stagecad.solids.artefacts.store import ArtefactStore, sha256
-
     entry = reduced_sheet(ArtefactStore(), design, path, sha256(path.read_bytes()))
     return data_url(entry.data(SMALL))
 
@@ -116,8 +117,6 @@ def _size(box: Sequence[Sequence[float]]) -> str:
 
 
 def _measure(quantity: Mapping[str, Any]) -> str:
-    from stagecad.parameters.units import format_quantity
-
     if quantity["unit"] == "m^2":
         return f"{quantity['value'] * 1e6:.1f} mm²"
     return format_quantity(quantity["value"], quantity["unit"])

@@ -11,7 +11,6 @@ damaged one is repaired file by file, so that a run that has found it still find
 artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
 """
 
-import hashlib
 import json
 import logging
 import math
@@ -30,9 +29,8 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
 from stagecad.private import cache_root
-from stagecad.solids.artefacts.source_digest import source_digest, versions
+from stagecad.solids.artefacts.cache_key import artefact_key, root_key, sha256
 
-KERNEL = ("cadquery", "cadquery-ocp")
 LARGEST = 1_000_000_000
 """Default size limit of a store, bytes."""
 MINIMUM_AGE = 600.0
@@ -77,23 +75,19 @@ class Artefact:
 
 
 class ArtefactStore:
-    """The artefacts in one folder.
-
-    Args:
-        folder: of the store; the user's cache folder when left out.
-    """
+    """The artefacts in one folder: the user's cache folder when left out."""
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder if folder is not None else cache_root()
 
     def find(self, name: str, design: Any, modules: Sequence[str], depends: Iterable[str] = ()) -> Artefact | None:
         """The stored artefact of `design`, or None."""
-        root = self._root(name, modules, depends)
+        root = root_key(name, modules, depends)
         for paths in self._path_sets(root):
             values = {path: value_at(design, path) for path in paths}
             if None in values.values():
                 continue
-            entry = self._entry(self._key(root, values))  # type: ignore[arg-type]
+            entry = self._entry(artefact_key(root, values))  # type: ignore[arg-type]
             if entry is not None:
                 return entry
         return None
@@ -114,14 +108,14 @@ class ArtefactStore:
         entry = self.find(name, design, modules, depends)
         if entry is not None:
             return entry
-        root = self._root(name, modules, depends)
+        root = root_key(name, modules, depends)
         reads: dict[AccessPath, str] = {}
         entries = self.folder / "entries"
         entries.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".making-", dir=entries))
         try:
             make(TrackedDesign(design, reads), folder)
-            key = self._key(root, reads)
+            key = artefact_key(root, reads)
             hashes = {path.name: sha256(path.read_bytes()) for path in sorted(folder.iterdir())}
             record = {"name": name, "hashes": hashes, "reads": sorted(path_text(path) for path in reads)}
             (folder / RECORD).write_text(json.dumps(record, indent=1), "utf-8")
@@ -146,16 +140,6 @@ class ArtefactStore:
         """Have a damaged artefact made again by the next `make`; its files stay for runs that read them."""
         entry.path(RECORD).unlink(missing_ok=True)
         _verified.discard(entry.folder)
-
-    @staticmethod
-    def _root(name: str, modules: Sequence[str], depends: Iterable[str]) -> str:
-        words = [name, source_digest(tuple(modules)), versions(KERNEL), sorted(depends)]
-        return sha256(json.dumps(words, sort_keys=True).encode())
-
-    @staticmethod
-    def _key(root: str, values: Mapping[AccessPath, str]) -> str:
-        words = [root, sorted((repr(path), value) for path, value in values.items())]
-        return sha256(json.dumps(words).encode())
 
     def _entry(self, key: str) -> Artefact | None:
         folder = self.folder / "entries" / key
@@ -261,8 +245,3 @@ def _size_limit() -> int:
     if not text.isdecimal() or len(text) > 18:
         raise InputError(f"STAGECAD_CACHE_MAX = '{text}' is not a number of bytes; write it like {LARGEST}")
     return int(text)
-
-
-def sha256(data: bytes) -> str:
-    """Hexadecimal sha256 of `data`."""
-    return hashlib.sha256(data).hexdigest()

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stagecad.solids.artefacts.store import ArtefactStore, sha256
+from stagecad.solids.artefacts.cache_key import sha256
+from stagecad.solids.artefacts.store import ArtefactStore
 
 FILE = "object.pickle"
 Made = TypeVar("Made")

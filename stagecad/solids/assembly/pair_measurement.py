@@ -22,10 +22,7 @@ DIGITS = 9
 
 
 def relative_frame(one: Frame, two: Frame) -> Frame:
-    """Frame from the coordinates of the second part to those of the first, R_1^T (R_2 x + t_2 - t_1).
-
-    It is rounded to `DIGITS`, so that two positions that differ by rounding errors are one.
-    """
+    """Frame from the coordinates of the second part to those of the first, R_1^T (R_2 x + t_2 - t_1), to `DIGITS`."""
     columns = list(zip(*one.rotation, strict=True))
     others = list(zip(*two.rotation, strict=True))
     apart = subtract(two.shift, one.shift)

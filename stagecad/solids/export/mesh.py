@@ -71,12 +71,7 @@ class Mesh:
 
 
 def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
-    """Mesh of a solid, fine enough that the volume agrees within `VOLUME_ERROR`. The solid itself is not meshed.
-
-    Args:
-        shape: the solid.
-        volume: its exact volume, mm^3.
-    """
+    """Mesh of a copy of a solid, fine enough that its volume agrees with the exact one, mm^3, within `VOLUME_ERROR`."""
     error = 1.0
     for angular in ANGULAR:
         if angular**2 / 12.0 > VOLUME_ERROR and _is_wire(shape):

@@ -100,12 +100,7 @@ def exact_box(solid: cq.Shape) -> Box:
 
 
 def mass_properties(geometry: Geometry, density: float) -> MassProperties:
-    """Mass properties in SI and part coordinates.
-
-    Args:
-        geometry: of the solid, mm.
-        density: kg/m^3.
-    """
+    """Mass properties in SI and part coordinates, of a solid in mm and a density in kg/m^3."""
     low, high = geometry.bounding_box
     return MassProperties(
         volume=geometry.volume * MM**3,
@@ -122,12 +117,7 @@ def density_of(design: Any, material: str) -> float:
 
 
 def placed(properties: MassProperties, frame: Frame) -> MassProperties:
-    """The same body after the transformation `frame`; the box encloses the transformed box.
-
-    Args:
-        properties: in part coordinates, SI.
-        frame: its shift is in millimetres.
-    """
+    """The same body, SI, after a transformation with a shift in mm; the box encloses the transformed box."""
     rotation = frame.rotation
     shift = scaled(frame.shift, MM)
     inertia = tuple(

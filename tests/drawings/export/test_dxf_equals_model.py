@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
 from drawings.annotations.primitives import Primitive, Text, printed
 from drawings.export.dxf import flattened
-from drawings.placement.occupancy import primitive_lines, view_lines
+from drawings.placement.conflicts import primitive_lines, view_lines
 from drawings.sheets.frame import frame
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import title_primitives

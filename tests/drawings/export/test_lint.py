@@ -16,7 +16,7 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.export.lint import Hit, lint
-from drawings.placement.occupancy import CROSSES_LINE
+from drawings.placement.conflicts import CROSSES_LINE
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock
 from drawings.views.view import PROJECTIONS, Arc, Curve, Segment, View

@@ -6,10 +6,10 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from drawings.pictures.machine import HATCHES, different_hatches
 from drawings.pictures.picture import Picture, Piece, picture
 from drawings.pictures.scene import FINE, MANY_FACES, faces_of_view, faces_of_views, meshed, moved, visible_faces
 from drawings.views.projection import hidden_lines, project
+from drawings.views.section import HATCHES, different_hatches
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
@@ -129,7 +129,7 @@ def test_neighbours_have_different_hatches() -> None:
     base: Box = ((0.0, 0.0, 0.0), (100.0, 10.0, 20.0))
     on_base: list[Box] = [((x, 0.0, 20.0), (x + 10.0, 10.0, 30.0)) for x in (0.0, 10.0, 50.0)]
     boxes = [base, *on_base, ((0.0, 0.0, 30.0), (60.0, 10.0, 35.0))]
-    hatches = different_hatches(boxes)
+    hatches = different_hatches(boxes, 0.5)
     for (one, first), (two, second) in combinations(zip(boxes, hatches, strict=True), 2):
         assert first != second or not near(one, two, 0.0)
     # What stands alone has the ordinary hatch of a part on the base.
@@ -138,5 +138,5 @@ def test_neighbours_have_different_hatches() -> None:
 
 def test_there_is_a_hatch_for_each_of_more_neighbours_than_hatches() -> None:
     box: Box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    hatches = different_hatches([box] * (len(HATCHES) + 2))
+    hatches = different_hatches([box] * (len(HATCHES) + 2), 0.5)
     assert len(hatches) == len(HATCHES) + 2 and set(hatches) == set(HATCHES)

@@ -23,7 +23,7 @@ from workbench.operations.lines import counted as steps_of
 from workbench.operations.parts import parts, with_repair
 from workbench.report.checks import write_check_files
 from workbench.report.machine import write_report
-from workbench.report.make import LONG, Making
+from workbench.report.make_tasks import LONG, Making
 from workbench.report.stored_results import check_figure, check_files, figures_of, simulation, stored_checks
 
 

@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 from stagecad.parameters.tracking import TrackedDesign, path_text
-from stagecad.solids.artefacts import source_digest
+from stagecad.solids.artefacts import cache_key
 from stagecad.solids.artefacts import store as store_module
-from stagecad.solids.artefacts.source_digest import ROOT, _file, _names
+from stagecad.solids.artefacts.cache_key import ROOT, _file, _names
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.artefacts.stored_object import FILE, stored_object
 
@@ -145,7 +145,7 @@ def test_name_dependencies_and_versions_count(store: ArtefactStore, monkeypatch:
     store.make("part", Plan(), MODULES, maker)
     assert store.find("part", Plan(), MODULES, depends=["another"]) is None
     assert store.find("whole", Plan(), MODULES) is None
-    monkeypatch.setattr(store_module, "versions", lambda packages: {"cadquery": "99"})
+    monkeypatch.setattr(cache_key, "versions", lambda packages: {"cadquery": "99"})
     assert store.find("part", Plan(), MODULES) is None
 
 
@@ -157,12 +157,12 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
     (package / "holes.py").write_text("import stagecad.tables\n")
     (package / "tables.py").write_text("SIZE = 1\n")
     (package / "unrelated.py").write_text("SIZE = 1\n")
-    monkeypatch.setattr(source_digest, "ROOT", tmp_path)
+    monkeypatch.setattr(cache_key, "ROOT", tmp_path)
 
     def digest() -> str:
-        for function in (source_digest._file, source_digest._imported, source_digest.source_digest):
+        for function in (cache_key._file, cache_key._imported, cache_key.source_digest):
             function.cache_clear()
-        return source_digest.source_digest(("stagecad.part",))
+        return cache_key.source_digest(("stagecad.part",))
 
     before = digest()
     (package / "unrelated.py").write_text("SIZE = 2\n")
@@ -170,7 +170,7 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
     (package / "tables.py").write_text("SIZE = 2\n")
     assert digest() != before
     monkeypatch.undo()
-    for function in (source_digest._file, source_digest._imported, source_digest.source_digest):
+    for function in (cache_key._file, cache_key._imported, cache_key.source_digest):
         function.cache_clear()
 
 

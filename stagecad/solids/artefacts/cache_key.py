@@ -1,12 +1,20 @@
-"""Hash of a module's source and of all its imports within this project, found without importing anything."""
+"""Keys of the artefact store: what an artefact depends on.
+
+They contain the source of the modules that make it and of all their imports within this project, found without
+importing anything.
+"""
 
 import hashlib
+import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
+from stagecad.parameters.tracking import AccessPath
+
+KERNEL = ("cadquery", "cadquery-ocp")
 ROOT = Path(__file__).resolve().parents[3]
 
 
@@ -82,3 +90,20 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "absent"
+
+
+def sha256(data: bytes) -> str:
+    """Hexadecimal sha256 of `data`."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def root_key(name: str, modules: Sequence[str], depends: Iterable[str]) -> str:
+    """Hash of all that an artefact depends on but the parameters."""
+    words = [name, source_digest(tuple(modules)), versions(KERNEL), sorted(depends)]
+    return sha256(json.dumps(words, sort_keys=True).encode())
+
+
+def artefact_key(root: str, values: Mapping[AccessPath, str]) -> str:
+    """Key of an artefact by its root and the values that were read of the parameters."""
+    words = [root, sorted((repr(path), value) for path, value in values.items())]
+    return sha256(json.dumps(words).encode())

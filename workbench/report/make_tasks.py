@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.run import subjects_of
 from drawings.artefacts.machine_pictures import stored_picture
+from drawings.artefacts.parallel_sheets import TIME_LIMIT, slowest_first
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
-from drawings.artefacts.tasks import TIME_LIMIT, slowest_first
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map

@@ -1,0 +1,28 @@
+"""`--set KEY=VALUE`: an entry in place of that of the parameter file."""
+
+from collections.abc import Mapping
+
+from stagecad.parameters.entry import FileEntry
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.machine import Machine
+from stagecad.parameters.schema import Declaration, nearest_key
+
+
+def override(
+    text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry], machine: Machine
+) -> tuple[str, FileEntry]:
+    """Key and entry of a text `KEY=VALUE`, with the tolerance class of the entry that it replaces."""
+    if not text.isprintable():
+        raise InputError(f"--set {text!r}: contains characters that cannot be printed")
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not key or not value:
+        raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
+    table, _, last = key.partition(".")
+    if machine.declaration and table in machine.declaration.tables:
+        key = f"{machine.declaration.tables[table]}.{last}"
+    if key not in keys:
+        raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
+    source = given.get(key) or machine.computed.get(key)
+    free = source.free if isinstance(source, FileEntry) else ""
+    tolerance = source.tolerance if source else None
+    return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set", free)
