@@ -11,12 +11,12 @@ Each is a change (n,) of the weighted residual by one standard deviation; it shi
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.misfit import LOSS_CORNER, blocks
+from sysid.estimation.misfit import LOSS_CORNER, at_half_width, blocks
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict
 from sysid.prediction.prepared_record import PreparedRecord
@@ -235,21 +235,18 @@ def systematic_errors(fitted: FittedModel, records: Sequence[PreparedRecord]) ->
     """
     if not any(isinstance(record, ForceBalanceRecord) for record in records):
         return []
-    effects, values = fitted.model.effects, fitted.model.values
     channels = list(records[0].measured)
     skewed: dict[str, list[np.ndarray]] = {channel: [] for channel in channels}
     filtered: list[np.ndarray] = []
     for record, scales, samples in zip(records, fitted.weights.scored_std, fitted.weights.samples, strict=True):
         assert isinstance(record, ForceBalanceRecord)
-        predicted = predict(record, effects, values)
-        finer = predicted
-        if record.half_width_variant is not None:
-            axis, smooth = record.half_width_variant()
-            finer = predict(replace(record, axis=axis, complementary_filter=smooth), effects, values)
+        predicted = predict(record, fitted.model.effects, fitted.model.values)
         for channel, pick in samples.items():
             late = CHANNEL_SKEW * np.gradient(predicted[channel])[pick] / scales[channel]
             for other in channels:
                 skewed[other].append(late if other == channel else np.zeros(pick.size))
-            filtered.append((finer[channel] - predicted[channel])[pick] / scales[channel])
+            finer = at_half_width(fitted.model, record, channel)
+            filtered.append((predicted[channel] if finer is None else finer)[pick] / scales[channel])
+            filtered[-1] -= predicted[channel][pick] / scales[channel]
     changes = [np.concatenate(parts) for parts in (*skewed.values(), filtered)]
     return [change for change in changes if np.isfinite(change).all() and change.any()]

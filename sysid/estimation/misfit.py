@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from sysid.estimation.least_squares import HELD
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, predict
@@ -84,7 +85,7 @@ def residual_std(
         own = _change_without_effects(model, record, redrawn, channel)
         variance = _variance_of_change(change, own, record, channel)
         if isinstance(record, ForceBalanceRecord) and isinstance(redrawn, ForceBalanceRecord):
-            halves = [_at_half_width(model, one, channel) for one in (record, redrawn)]
+            halves = [at_half_width(model, one, channel) for one in (record, redrawn)]
             if halves[0] is not None and halves[1] is not None:
                 blur = halves[0] - predicted[channel]
                 by_noise = halves[1] - there[channel] - blur
@@ -118,7 +119,7 @@ def _variance_of_change(change: np.ndarray, own: np.ndarray, record: PreparedRec
     return level + np.where(excess > (UNEVEN - 1.0) * level, excess, 0.0)
 
 
-def _at_half_width(model: Model, record: ForceBalanceRecord, channel: str) -> np.ndarray | None:
+def at_half_width(model: Model, record: ForceBalanceRecord, channel: str) -> np.ndarray | None:
     """Prediction (n,) along the motion filtered by half the width; none without a filter."""
     if record.half_width_variant is None:
         return None
@@ -189,10 +190,6 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             over_sensor_noise=trimmed_rms(np.concatenate(sensor[channel])),
         )
     return out
-
-
-HELD = 1e-3
-"""Part of the noise within which a force is that of the measurement."""
 
 
 def held_by_measured_force(

@@ -82,14 +82,15 @@ class Series:
 @dataclass(frozen=True)
 class Autoregression:
     """White noise plus a first-order autoregression: standard deviation and spectrum of the sum; whether the log has no
-    white part, so that this is a lower bound; longest lag of the fit, rows; and the factor by which the value may be
-    wrong, half the range of the fits that agree with V."""
+    white part, so that this is a lower bound; longest lag of the fit, rows; the factor by which the value may be wrong,
+    half the range of the fits that agree with V; and that of white noise with the same finest differences."""
 
     value: float
     spectrum: NoiseSpectrum = WHITE
     filtered: bool = False
     reach: int = 1
     factor: float = 1.0
+    finest: float = np.nan
 
 
 class _Fit(NamedTuple):
@@ -218,7 +219,8 @@ def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None
     high = [min(_spread(part, 1, order) for part in parts) for order in FILTERED_ORDERS]
     if not high[-1].variance > 0.0:
         return Autoregression(0.0, filtered=True)
-    found = Autoregression(float(np.sqrt(high[-1].variance)))
+    finest = float(np.sqrt(high[-1].variance))
+    found = Autoregression(finest, finest=finest)
     if high[0].variance > FILTERED_FALL**2 * high[-1].variance:
         return replace(found, filtered=True)
     # Noise of varying standard deviation has a larger ratio at every lag; an undersampled signal a still larger one.
@@ -236,7 +238,7 @@ def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None
             shares = shares - np.mean([_removed_shares(order, one.removed) for one in residual], axis=0)
         fitted = _fit(usable, order, shares)
         if fitted is not None and fitted.reach > found.reach:
-            found = fitted
+            found = replace(fitted, finest=finest)
         if found.reach >= ENOUGH:
             break
     return found

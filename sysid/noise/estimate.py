@@ -49,6 +49,9 @@ UNSEEN_UNDER_STEP = 0.1
 MOST_ROWS, STRETCHES = 16_000, 4
 """Largest number of rows of a record from which its noise is estimated, and number of sections that contain them."""
 
+WHITE_FROM = 0.9
+"""Noise of the finest differences over a stated one from which that is white: 0.91 at the autocorrelation 0.1."""
+
 WRONG_FLOOR, LEAST_SAMPLES = 0.7, 300
 """Error over noise below which, with at least so many samples, the noise is overestimated."""
 
@@ -124,6 +127,8 @@ def estimate_noise(
         # The records show whether a stated value includes the rounding.
         total = min(float(np.hypot(given, rounding)), max(given, value))
         noise = replace(noise, value=total, source="given", factor=1.0, note="given")
+        if fitted.finest > WHITE_FROM * np.hypot(total, rounding):
+            noise = replace(noise, spectrum=WHITE, correlation_time=0.0)
     own = _unrounded(noise.value**2 - rounding**2, rounding) if rounding else None
     return replace(noise, note=_with_grid(noise.note, noise, noise.value), without_quantisation=own)
 

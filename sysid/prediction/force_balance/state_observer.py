@@ -81,7 +81,9 @@ def _integrated(
     observer, axis, mass = balance.observer, balance.axis, values["rig.mass"]
     assert observer is not None and balance.applied is not None and balance.raw_position is not None
     stiffness, damping = mass * observer.bandwidth**2, np.sqrt(2.0) * mass * observer.bandwidth
-    force = balance.applied + stiffness * balance.raw_position + damping * observer.velocity
+    # A straight line from row to row is a dt^2/12 above an accelerated motion, on average.
+    position = balance.raw_position - balance.step / 12.0 * np.gradient(observer.velocity)
+    force = balance.applied + stiffness * position + damping * observer.velocity
     rates = np.append(np.diff(force) / np.diff(axis.time), 0.0)
     core = next((effect for effect in effects if effect.friction_state is not None), None)
     laws = [*(values_of(effect, values) for effect in effects), DAMPER.values_type(damping)]
@@ -92,9 +94,7 @@ def _integrated(
         mass=mass,
         position=float(balance.raw_position[0]),
         velocity=float(observer.velocity[0]),
-        bristle=None
-        if core is None or core.friction_state.springs is not None
-        else _first_state(core, balance, values),
+        bristle=_first_state(core, observer, values),
         load=axis.load,
         temperature=axis.temperature,
         tolerance=TOLERANCE,
@@ -103,9 +103,8 @@ def _integrated(
     return run.position, run.velocity, run.friction - damping * run.velocity
 
 
-def _first_state(core: Effect, balance: ForceBalanceRecord, values: Values) -> np.ndarray | None:
-    observer = balance.observer
-    if core.friction_state.springs is not None or observer is None:
+def _first_state(core: Effect | None, observer: StateObserver, values: Values) -> np.ndarray | None:
+    if core is None or core.friction_state.springs is not None:
         return None
     level = abs(values.get(f"{core.name}.force", observer.friction))
     force = min(max(observer.friction, -level), level)
