@@ -100,8 +100,8 @@ def _projector(projection: Projection) -> Any:
 def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
     """A copy of the shape in which splines of many poles, where bores cross, are replaced by simpler ones within 5 um.
 
-    The time of the exact algorithm grows steeply with the number of poles: with the 74 poles of nine such edges the
-    views of the base take 9.6 s instead of 1 s.
+    The time of the exact algorithm grows steeply with the number of poles and the degree: with the 74 poles of nine
+    such edges the views of the base take 9.6 s instead of 1 s.
     """
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 
@@ -127,12 +127,12 @@ def _complex_edges(shape: Any) -> Iterator[Any]:
 def _simplify(edge: Any) -> None:
     """Replace the spline of an edge by one of few poles, if it is near enough."""
     from OCP.BRep import BRep_Builder, BRep_Tool
-    from OCP.GeomAbs import GeomAbs_C1
+    from OCP.GeomAbs import GeomAbs_C0
     from OCP.GeomConvert import GeomConvert_ApproxCurve
     from OCP.TopLoc import TopLoc_Location
 
-    segments, degree, tolerance = 4, 7, 1e-3
-    fit = GeomConvert_ApproxCurve(BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, GeomAbs_C1, segments, degree)
+    segments, degree, tolerance = 32, 3, 0.5 * CHORD
+    fit = GeomConvert_ApproxCurve(BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, GeomAbs_C0, segments, degree)
     if fit.HasResult() and fit.MaxError() < CHORD:
         BRep_Builder().UpdateEdge(edge, fit.Curve(), TopLoc_Location(), fit.MaxError())
 
