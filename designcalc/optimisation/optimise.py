@@ -21,7 +21,7 @@ from designcalc.optimisation.conflicts import (
     sample,
 )
 from designcalc.optimisation.evaluation import Evaluation, Evaluator, OutOfBudgetError
-from designcalc.optimisation.search import Best, round_values, search, take_back
+from designcalc.optimisation.search import Best, repair, round_values, search, take_back
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json
 
@@ -168,6 +168,8 @@ class _Run:
         def count(name: str) -> None:
             self.progress(evaluator.count)
 
+        self.tell("remedies of the rules")
+        repair(evaluator, self.progress)
         self.tell("samples")
         sampled = sample(evaluator, min(_SAMPLES * len(evaluator.free), self.budget // 4), self.seed)
         self.tell("each failed check by itself")

@@ -11,12 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.optimisation.evaluation import Evaluation, Evaluator
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules.remedies import remedies
 
 Array = NDArray[np.float64]
 
 PENALTY = 3.0
 """Weight of the shortfall against the distance: any satisfying design is better than one that is not."""
 OFFSET = 100.0
+MOST_REMEDIES = 4
+"""Changes of each free parameter by the remedies of rules."""
 
 
 @dataclass
@@ -120,6 +125,36 @@ def search(
         take_back(evaluator, best, run, progress)
         round_values(evaluator, best, run)
     return best
+
+
+def repair(evaluator: Evaluator, progress: Callable[[int], None] = lambda done: None) -> None:
+    """Evaluate the design to which the remedies of the violated rules lead, one free parameter after another.
+
+    Where many rules tie lengths together, random designs satisfy them next to never. A value that was raised is not
+    lowered again, so that two rules do not undo each other's changes in turn.
+    """
+    free = {one.key: one for one in evaluator.free if not one.choices}
+    values = {one.key: one.start for one in evaluator.free}
+    for _ in range(MOST_REMEDIES * len(free)):
+        design = evaluator.design(values)
+
+        def changed(key: str, value: float) -> Any:
+            return evaluator.design({**values, key: value})
+
+        found = [remedy for one in violations(design) for remedy in remedies(design, one, changed, free)]
+        within = [
+            one
+            for one in found
+            if free[one.key].low <= one.number <= free[one.key].high
+            and (one.number - values[one.key]) * (values[one.key] - free[one.key].start) >= 0
+        ]
+        if not within:
+            break
+        best = min(within, key=lambda one: (len(one.new_violations), one.distance))
+        values[best.key] = best.number
+        progress(evaluator.count)
+    with suppress(InputError):
+        evaluator.of(values)
 
 
 def _start(evaluator: Evaluator, best: Best) -> Array:

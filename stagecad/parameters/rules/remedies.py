@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 _FARTHEST = 4.0
 """A value is not searched beyond this multiple of the present one, or below its inverse."""
-_HALVINGS = 10
+_STEPS, _HALVINGS = 10, 10
 
 Changed = Callable[[str, float], "Design"]
 """The design with one value changed, in the unit of its attribute, without regard to rules."""
@@ -27,6 +28,7 @@ class Remedy:
 
     key: str  # parameter
     value: str  # with its unit
+    number: float  # the same in the unit of its attribute
     new_violations: tuple[str, ...]  # rules that the design then violates and did not before
     distance: float  # logarithm of the ratio of the two values
 
@@ -48,16 +50,20 @@ def violation_documents(design: Design, found: Sequence[Violation], changed: Cha
     ]
 
 
-def remedies(design: Design, violation: Violation, changed: Changed) -> list[Remedy]:
-    """The nearest value that satisfies the rule, for each parameter that the message names.
+def remedies(
+    design: Design, violation: Violation, changed: Changed, among: Container[str] | None = None
+) -> list[Remedy]:
+    """The nearest value that satisfies the rule, for each parameter that the message names, or those `among` them.
 
-    Those without new violations come first, then the smallest relative change; values that `--set` gives last.
+    Those without new violations come first, then the smallest relative change; values that `--set` gives last. With
+    `among`, the rule may have another message instead: the first of several changes.
     """
-    found = [remedy for key in violation.keys if (remedy := _remedy(design, violation, key, changed)) is not None]
+    keys = [key for key in violation.keys if among is None or key in among]
+    found = [remedy for key in keys if (remedy := _remedy(design, violation, key, changed, among is None)) is not None]
     return sorted(found, key=lambda one: (design.is_overridden(one.key), len(one.new_violations), one.distance))
 
 
-def _remedy(design: Design, violation: Violation, key: str, changed: Changed) -> Remedy | None:
+def _remedy(design: Design, violation: Violation, key: str, changed: Changed, fewer: bool) -> Remedy | None:
     entry = design.entry(key)
     if isinstance(entry.value, bool | str) or entry.value <= 0 or entry.origin.startswith("computed:"):
         return None
@@ -69,34 +75,41 @@ def _remedy(design: Design, violation: Violation, key: str, changed: Changed) ->
             messages = broken(changed(key, value), violation.rule, rule)
         except InputError:
             return False
-        return len(messages) < before and all(one.keys != violation.keys for one in messages)
+        return len(messages) < before + (not fewer) and all(one.keys != violation.keys for one in messages)
 
     start = float(entry.value)
     whole = isinstance(entry.value, int)
-    found = [value for up in (True, False) if (value := _nearest(start, up, whole, satisfied)) is not None]
+    # A message names the ends of a range that is narrower than the steps of the search.
+    named = [float(text) for text in re.findall(rf"(\d+(?:\.\d+)?) {re.escape(entry.unit)}\b", violation.message)]
+    found = [value for up in (True, False) if (value := _nearest(start, up, whole, named, satisfied)) is not None]
     if not found:
         return None
     value = min(found, key=lambda one: abs(math.log(one / start)))
     known = {one.rule for one in violations(design)}
     new = tuple(dict.fromkeys(one.rule for one in by_part(violations(changed(key, value))) if one.rule not in known))
     text = f"{int(value) if whole else value:.10g} {entry.unit}".strip()
-    return Remedy(key, text, new, abs(math.log(value / start)))
+    return Remedy(key, text, value, new, abs(math.log(value / start)))
 
 
-def _nearest(start: float, up: bool, whole: bool, satisfied: Callable[[float], bool]) -> float | None:
-    """The satisfying value nearest to `start` in one direction, rounded away from it; None where there is none."""
+def _nearest(
+    start: float, up: bool, whole: bool, named: Sequence[float], satisfied: Callable[[float], bool]
+) -> float | None:
+    """The satisfying value nearest to `start` in one direction, rounded away from it; None where there is none.
+
+    Args:
+        named: values to try besides those in growing steps.
+    """
     if whole:
         steps = range(1, 9)
         values = [start + step if up else start - step for step in steps]
         return next((value for value in values if value > 0 and satisfied(value)), None)
-    inner, step = start, 0.02
-    while step < math.log(_FARTHEST):
-        outer = start * math.exp(step if up else -step)
-        if satisfied(outer):
-            break
-        inner, step = outer, 1.6 * step
-    else:
+    steps = [0.02 * 1.6**number for number in range(_STEPS)]
+    steps += [abs(math.log(one / start)) for one in named if one > 0 and (one > start) == up and one != start]
+    tried = [start, *(start * math.exp(step if up else -step) for step in sorted(steps) if step < math.log(_FARTHEST))]
+    place = next((place for place, one in enumerate(tried) if place and satisfied(one)), None)
+    if place is None:
         return None
+    inner, outer = tried[place - 1], tried[place]
     for _ in range(_HALVINGS):
         middle = math.sqrt(inner * outer)
         inner, outer = (inner, middle) if satisfied(middle) else (middle, outer)

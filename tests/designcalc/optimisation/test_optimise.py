@@ -9,6 +9,7 @@ from designcalc.checks.run import run_checks
 from designcalc.optimisation.conflicts import irreducible
 from designcalc.optimisation.evaluation import Evaluator
 from designcalc.optimisation.optimise import optimise, required_checks
+from designcalc.optimisation.search import repair
 from designcalc.optimisation.space import free_parameters, read_range, start_point, values_at
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
@@ -77,6 +78,27 @@ def test_start_that_violates_rules() -> None:
 
 
 @pytest.mark.slow
+def test_lengths_that_many_rules_tie_together_are_found_by_their_remedies() -> None:
+    """300 mm of travel need longer ways, stage, base, bars and clamp screws; random designs do not find them."""
+    lengths = {
+        "bearing_way.length": "280 mm:500 mm",
+        "stage.length": "230 mm:450 mm",
+        "base.length": "360 mm:600 mm",
+        "tooth_bar.length": "280 mm:500 mm",
+        "tooth_bar.screw_span": "265 mm:490 mm",
+        "base.bracket_spacing_along": "335 mm:590 mm",
+        "screws.clamp_long.length": "150 mm:300 mm",
+        "screws.clamp_short.length": "100 mm:250 mm",
+    }
+    evaluator = _evaluator([f"{key}={ends}" for key, ends in lengths.items()], "stage.travel=300 mm")
+    assert violations(evaluator.base)
+    repair(evaluator)
+    found = evaluator.archive[-1]
+    assert not found.violated and not found.refused
+    texts = [f"{key}={value} mm" for key, value in found.values.items()]
+    assert not violations(load_design(None, ["stage.travel=300 mm", *texts]))
+
+
 def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
     """A light stage against a stiff one: with the sag, which both allow, three requirements."""
     freed = ["stage.thickness=10 mm:30 mm"]
