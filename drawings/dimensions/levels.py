@@ -5,6 +5,7 @@ between two levels; a level is located if the equations determine it, that is, i
 null space. Where the middle plane of the axis is a plane of symmetry, a level and its mirror image are one unknown.
 """
 
+import math
 from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
@@ -136,16 +137,16 @@ class Levels:
         return len(self._levels) - 1, side
 
     def _outlines(self, dimensions: Sequence[Dimension], axis: Point) -> list[dict[int, float]]:
-        """The equations of round faces seen from the side: their outlines are a radius off the axis."""
+        """The equations of round faces at whose outline, a radius off the axis, a distance ends."""
         rows: list[dict[int, float]] = []
-        levels = list(self._levels)
+        ends = [point for d in dimensions if _is_along(d, axis) for point in d.points]
         for d in dimensions:
             if d.kind != "diameter" or d.direction is None or abs(dot(d.direction, axis)) > SQUARE:
                 continue
             centre = dot(d.points[0], axis)
             for side in (-1.0, 1.0):
                 outline = centre + side * d.value / 2
-                if any(abs(abs(outline) - abs(level)) < NEAR for level in levels):
+                if any(abs(dot(end, axis) - outline) < NEAR and _is_on(d, end) for end in ends):
                     row: dict[int, float] = {}
                     for level, sign in ((outline, 1.0), (centre, -1.0)):
                         number, mirrored = self._unknown(level, private=False)
@@ -218,6 +219,14 @@ def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hash
             found.append(d.name)
         parents[one] = other
     return found
+
+
+def _is_on(d: Dimension, point: Point) -> bool:
+    """Whether a point is on the round face of a diameter, however long this is."""
+    assert d.direction is not None
+    away = [p - a for p, a in zip(point, d.points[0], strict=True)]
+    reach = sum(a * b for a, b in zip(away, d.direction, strict=True))
+    return abs(math.hypot(*(a - reach * b for a, b in zip(away, d.direction, strict=True))) - d.value / 2) < NEAR
 
 
 def _is_along(d: Dimension, axis: Point) -> bool:

@@ -53,6 +53,28 @@ def test_a_dimension_given_twice_is_reported() -> None:
     assert of_block(*DIMENSIONS, replace(again, reference=True)).problems == ()
 
 
+def test_a_bore_whose_outline_is_at_another_level_by_chance_is_not_placed_by_it() -> None:
+    """The lowest line of the bore is as high as the floor of a blind hole, to which no dimension of the bore goes."""
+    block = cq.Workplane("XY").box(60, 40, 45, centered=False).faces(">Z").workplane(origin=(10, 10, 45)).hole(4, 14)
+    block = block.cut(cq.Workplane("YZ").center(20, 22).circle(9).extrude(60))
+    dimensions = (
+        linear("length", (0, 5, 5), (60, 5, 5), X, 60.0),
+        linear("width", (5, 0, 5), (5, 40, 5), Y, 40.0),
+        linear("height", (5, 5, 0), (5, 5, 45), Z, 45.0),
+        linear("hole along", (0, 5, 5), (10, 10, 40), X, 10.0),
+        linear("hole across", (5, 0, 5), (10, 10, 40), Y, 10.0),
+        Dimension("hole", "diameter", 4.0, "block.hole", ((10, 10, 40),), Z, "X.X", feature="hole"),
+        Dimension("depth", "depth", 14.0, "block.depth", ((10, 10, 45), (10, 10, 31)), Z, "X.X", feature="hole"),
+        Dimension("bore", "diameter", 18.0, "block.bore", ((30, 20, 22),), X, "X.X"),
+        linear("bore across", (5, 0, 5), (0, 20, 22), Y, 20.0),
+    )
+    verifier = DimensionVerifier(block.val())
+    (problem,) = definition(verifier, dimensions, (), Notes(packaged=False)).problems
+    assert "cylinder at 30, 20, 22" in problem
+    high = linear("bore height", (5, 5, 0), (0, 20, 22), Z, 22.0)
+    assert definition(verifier, (*dimensions, high), (), Notes(packaged=False)).problems == ()
+
+
 def test_symmetry_of_the_notes_places_both_ends() -> None:
     solid = cq.Solid.makeBox(40, 30, 10, cq.Vector(-20, -15, 0))
     dimensions = (
