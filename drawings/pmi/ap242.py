@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from drawings.dimensions.text import AXIAL
@@ -179,7 +180,9 @@ class _Annotated:
 
     def add(self, verifier: DimensionVerifier, pmi: PartPmi) -> None:
         for dimension in pmi.dimensions:
-            self._add_dimension(dimension, face_association(verifier, dimension.declaration))
+            # The depth of a slanting hole ends at no plane that it is normal to: it is on the sheet alone.
+            with suppress(LookupError):
+                self._add_dimension(dimension, face_association(verifier, dimension.declaration))
         datums = {datum.letter: faces_at(verifier, datum.points, datum.normal) for datum in pmi.datums}
         for tolerance in pmi.tolerances:
             self._add_tolerance(tolerance, faces_at(verifier, tolerance.points, tolerance.normal), datums)

@@ -584,6 +584,7 @@ def _extremes(surface: Surface) -> list[Point]:
 
 
 def _tapped(drill: float) -> str:
-    """Designation of the metric coarse thread with a tap drill, ISO 2306; empty for none."""
-    coarse = (one for one in threads().values() if "coarse" in one.source)
-    return next((one.designation for one in coarse if abs(one.tap_drill - drill) < 0.01), "")
+    """Designation of the metric coarse, else the unified coarse thread with a tap drill; empty for none."""
+    coarse = sorted(threads().values(), key=lambda one: "coarse" not in one.source)
+    usual = (one for one in coarse if "coarse" in one.source or one.name.startswith("unc"))
+    return next((one.designation for one in usual if abs(one.tap_drill - drill) < 0.01), "")

@@ -10,7 +10,7 @@ from drawings.views.projection import project
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Point2, dot
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.verification import DimensionVerifier, moved
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 LINE_NEAR = 0.02
 """Half side of the box about a point of a dimension in which a line of a view must be drawn, mm at 1:1."""
@@ -31,6 +31,8 @@ PREFERRED = {
 """Views that show lengths along an axis, the usual ones first."""
 PASSING = 60.0
 """Cost of a point through which lines only pass, mm."""
+OUTER = 3.0
+"""Weight of the area of a face at the outside of the part, which a clamp or table reaches, in the choice of datums."""
 SMALL_FACE = 20.0
 """Longest edge of a face whose datum symbol is at its middle, mm."""
 NEIGHBOURS = (-0.01, 0.0, 0.01)
@@ -139,7 +141,14 @@ def proposed_datums(
             yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)
             used = _across(axis)
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
-    for surface in sorted(planes, key=lambda s: -round(s.face.Area(), 3)):
+    low, high = verifier.box
+
+    def rank(surface: Surface) -> float:
+        number = max(range(3), key=lambda n: abs(surface.axis[n]))
+        outer = min(abs(surface.origin[number] - low[number]), abs(surface.origin[number] - high[number])) < NEAR
+        return -round((OUTER if outer else 1.0) * surface.face.Area(), 3)
+
+    for surface in sorted(planes, key=rank):
         normal = outward_normal(surface)
         if any(abs(dot(normal, other)) > 0.5 for other in used):
             continue
