@@ -11,7 +11,7 @@ section = [{letter = "B", projection = "right", at = ["20 mm", "0 mm", "0 mm"]}]
 detail = [{letter = "Z", projection = "top", at = ["75 mm", "100 mm", "12 mm"], radius = "8 mm", scale = "2:1"}]
 ```
 
-What no longer applies (a dimension that is not on the sheet any more, a view that is there already) is reported.
+What no longer applies (a dimension that is not on the sheet any more, a letter that another section has) is reported.
 """
 
 import json
@@ -174,9 +174,9 @@ def changed_plan(plan: SheetPlan, overrides: Overrides) -> tuple[SheetPlan, list
     problems = []
     views = list(plan.views)
     for view in overrides.views:
-        if any(view.name == other.name for other in views):
+        if any(view.name == other.name and (other.cut or other.detail) for other in views):
             problems.append(f"{FILE}: [{plan.name}] the sheet has a view '{view.name}' already")
-        else:
+        elif all(view.name != other.name for other in views):
             views.append(view)
     papers = (overrides.paper,) if overrides.paper else plan.papers
     return replace(plan, papers=papers, scale=overrides.scale or plan.scale, views=tuple(views)), problems  # type: ignore[arg-type]
