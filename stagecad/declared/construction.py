@@ -11,6 +11,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from stagecad.declared.own_part import file_digest, own_definition, own_design, used_files
+from stagecad.declared.standard_part import is_designation, standard_part
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.load import overridden
@@ -64,8 +65,15 @@ def _source(declaration: MachineDeclaration, part: DeclaredPart, design: Any) ->
             partial(own_design, part),
         )
     known = packaged().sources(design)
+    place = f"{declaration.file}: machine.parts.{part.key}"
+    if is_designation(part.part):
+        try:
+            definition = partial(standard_part, part.key, part.part)
+            definition()
+        except InputError as error:
+            raise InputError(f"{place}: {error}") from None
+        return PartSource(part.key, part.key, (standard_part.__module__,), definition, True, (part.part,))
     if part.part not in known:
-        place = f"{declaration.file}: machine.parts.{part.key}"
         raise InputError(f"{place}: no packaged part '{part.part}'{nearest(part.part, list(known))}")
     return replace(known[part.part], name=part.key, own_design=partial(_packaged_design, part))
 

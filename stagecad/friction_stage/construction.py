@@ -107,15 +107,6 @@ INTENDED: dict[frozenset[str], str] = {
 }
 """Intended relation of two kinds of part. `GAP`: close to each other without contact."""
 
-THREADED = {
-    "way_screw": ("screws.way.diameter", "screws.way.length", "threads.unc_3_8_tap_drill"),
-    "clamp_screw_long": ("screws.clamp_long.diameter", "screws.clamp_long.length", "threads.unc_3_8_tap_drill"),
-    "clamp_screw_short": ("screws.clamp_short.diameter", "screws.clamp_short.length", "threads.unc_3_8_tap_drill"),
-    "bar_screw": ("screws.bar.diameter", "screws.bar.length", "threads.m5_tap_drill"),
-    "stop_screw": ("screws.stop.diameter", "screws.stop.length", "threads.m6_tap_drill"),
-    "set_screw": ("set_screw.diameter", "set_screw.length", "threads.unc_1_tap_drill"),
-}
-
 
 def module_name(name: str) -> str:
     """Dotted name of the module that defines a part."""
@@ -169,7 +160,6 @@ CONSTRUCTION = Construction(
     documents=documents,
     positions=tuple(product(ENDS, ENDS)),
     relations=_relations,
-    threads=THREADED,
     moving=MOVING,
     carried=CARRIED,
     below=FROM_BELOW,

@@ -66,13 +66,15 @@ class SocketCapScrew:
     def description(self, design: Design) -> str:
         return catalogue.description(design, f"screws.{self.key}")
 
+    def thread(self, design: Design) -> tuple[float, float]:
+        """Major diameter and length of the thread, mm."""
+        return self._table(design).diameter, self._table(design).length
+
     def datums(self, design: Design) -> dict[str, Datum]:
-        """``seat``: under the head, normal towards the shank; ``end``: of the shank."""
-        end = (0.0, 0.0, -self._table(design).length)
-        return {
-            "seat": Datum("seat", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
-            "end": Datum("end", end, (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
-        }
+        """``seat``, ``head``: under the head, normal towards the shank; ``end``: of the shank."""
+        levels = {"seat": 0.0, "head": 0.0, "end": -self._table(design).length}
+        down, x = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
+        return {name: Datum(name, (0.0, 0.0, level), down, x) for name, level in levels.items()}
 
     def dimensions(self, design: Design) -> tuple[Dimension, ...]:
         """None: it is purchased."""

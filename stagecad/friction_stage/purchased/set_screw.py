@@ -44,6 +44,11 @@ def description(design: Design) -> str:
     return catalogue.description(design, "set_screw")
 
 
+def thread(design: Design) -> tuple[float, float]:
+    """Major diameter and length of the thread, mm."""
+    return design.set_screw.diameter, design.set_screw.length
+
+
 def datums(design: Design) -> dict[str, Datum]:
     return {
         "end": Datum("end", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),

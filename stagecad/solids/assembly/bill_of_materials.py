@@ -68,7 +68,7 @@ def bill_of_materials(
                 item=len(rows) + 1,
                 part=name,
                 description=part.description,
-                part_number=part.part_number or getattr(design.drawing, f"file_{name}", ""),
+                part_number=part.part_number or getattr(design.drawing, f"file_{source.kind}", ""),
                 quantity=counts[name],
                 material=design.materials[part.material].description,
                 mass=masses[name].mass,

@@ -34,6 +34,7 @@ from stagecad.solids.modelling.registry import (
     Instance,
     Position,
     construction,
+    part_source,
 )
 
 if TYPE_CHECKING:
@@ -240,8 +241,8 @@ def _kind(one: str, two: str, volume: float, distance: float | None, design: Any
     """Relation of a pair; None if it is not close."""
     made = construction(design)
     intended = made.relations(design).get(frozenset((one, two)))
-    if intended == THREAD:
-        return intended if volume <= _ring(one if one in made.threads else two, design) + TOUCH else CLASH
+    if intended == THREAD or (intended in (OPEN, CONTACT) and volume > TOUCH and design.machine.declaration):
+        return THREAD if volume <= _thread_ring(one, two, design) + TOUCH else CLASH
     if volume > TOUCH and intended not in (DRIVE, OVERLAP):
         return CLASH
     if intended == OPEN:
@@ -251,17 +252,18 @@ def _kind(one: str, two: str, volume: float, distance: float | None, design: Any
     return intended if distance is None or distance <= NEAR else None
 
 
-def _ring(screw: str, design: Any) -> float:
-    """Volume between a thread's major diameter and its tap drill over the whole screw, mm^3."""
-    diameter, length, drill = (_value(design, key) for key in construction(design).threads[screw])
-    return math.pi / 4.0 * (diameter**2 - drill**2) * length
-
-
-def _value(design: Any, key: str) -> float:
-    value = design
-    for name in key.split("."):
-        value = getattr(value, name)
-    return value
+def _thread_ring(one: str, two: str, design: Any) -> float:
+    """Greatest volume between a screw's major diameter and the tap drill of another part's holes for it, mm^3."""
+    for screw, other in ((one, two), (two, one)):
+        sources = [part_source(name, design) for name in (screw, other)]
+        parts: list[Any] = [source.definition() for source in sources]
+        if hasattr(parts[0], "thread"):
+            diameter, length = parts[0].thread(sources[0].design_of(design))
+            holes = [d for d in parts[1].dimensions(sources[1].design_of(design)) if d.kind == "tap_drill"]
+            drills = [d.value for d in holes if abs(d.major - diameter) < 0.01]
+            if drills:
+                return math.pi / 4.0 * (diameter**2 - min(drills) ** 2) * length
+    return 0.0
 
 
 def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:

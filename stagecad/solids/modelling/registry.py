@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError, nearest
@@ -101,8 +101,6 @@ class Construction:
     documents: Callable[[Any], dict[str, Any]]  # what the command `parts` says of a built machine besides its parts
     depends: Callable[[Any], tuple[str, ...]] = _nothing  # what the assembly depends on besides parts and parameters
     positions: tuple[Position, ...] = ((0.0, 0.0),)  # at which interference is looked for, that at rest among them
-    # keys of diameter, length and tap drill of each threaded part
-    threads: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     moving: tuple[str, ...] = ()  # parts that move
     carried: tuple[str, ...] = ()  # parts that move with them
     below: tuple[str, ...] = ()  # parts that are pictured from below as well
