@@ -10,18 +10,19 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15014,
-    "designcalc": 10545,
+    "stagecad": 15211,
+    "designcalc": 10582,
     "sim": 12408,
     "sysid": 20247,
-    "drawings": 12008,
+    "drawings": 12030,
     "workbench": 15271,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
     "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits",
+    "designcalc: optimize finds designs whose lengths many rules tie together",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles of stick-slip",
-    "stagecad: every command works on a machine of the user's own; hostile files are refused in one line",
+    "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
     "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in one ledger",
     "workbench: look, export, add --all, results with table, figure and document in one class",
 )
