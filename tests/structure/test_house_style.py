@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12408,
     "sysid": 20247,
     "drawings": 12030,
-    "workbench": 15271,
+    "workbench": 15268,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

@@ -72,6 +72,18 @@ def test_shares_of_nothing_are_not_stated() -> None:
     assert next_step_statement(nothing) == ""
 
 
+@pytest.mark.parametrize(
+    ("fit", "held_out", "words"),
+    [(1.0, 1.1, ""), (1.7, 1.8, " The error is 1.80 ×"), (1.03, 1.67, "and 1.03 × on those of the fit: they differ")],
+)
+def test_an_adequate_model_states_an_error_above_the_noise(fit: float, held_out: float, words: str) -> None:
+    found: Any = _diagnosis("adequate", None, None)
+    found.before_fit, found.before_validate = ({"force": SimpleNamespace(over_noise=x)} for x in (fit, held_out))
+    statement = diagnosis_statement(found)
+    assert statement.startswith("Nothing is missing: a reason.") and words in statement
+    assert ("The error is" in statement) == bool(words)
+
+
 def test_the_named_effect_is_added_first_where_more_is_missing() -> None:
     text = next_step_statement(_diagnosis("missing-effect", FreeCurve("position", 0.99), ("cable_spring", 0.6), 0.4))
     assert "'stagecad add rig cable_spring', then 'stagecad diagnose rig'" in text

@@ -125,14 +125,14 @@ def decision_line(found: Diagnosis) -> str:
     statement = diagnosis_statement(found)
     if found.effect:
         return f"missing: {statement.replace(' is missing', '', 1).replace(' are missing', '', 1)}"
-    return f"adequate: {found.reason}." if found.verdict == "adequate" else f"{found.verdict}: {statement}"
+    return f"{found.verdict}: {statement}" if found.verdict != "adequate" else f"adequate: {_adequate_text(found)}"
 
 
 def diagnosis_statement(found: Diagnosis) -> str:
     """The decision of a diagnosis with the errors behind it."""
     title = verdict_title(found)
     if found.verdict == "adequate":
-        return f"{title}: {found.reason}."
+        return f"{title}: {_adequate_text(found)}"
     depends = dependence_text(found.maps)
     if found.verdict == "unexplained" or found.best is None:
         rivals = rivals_text(found)
@@ -159,6 +159,20 @@ def diagnosis_statement(found: Diagnosis) -> str:
     if depends:
         text += f" Without {them} the residual depends on {depends}."
     return text
+
+
+def _adequate_text(found: Diagnosis) -> str:
+    """Why a model is adequate; its error where it is above the noise, and what it means where the fit has less."""
+    held, fit = held_out_over_noise(found.before_fit, found.before_validate), worst_over_noise(found.before_fit, {})
+    if held <= NEAR_NOISE:
+        return f"{found.reason}."
+    text = f"{found.reason}. The error is {over_noise_text(held)} the noise on the held-out records"
+    if held <= CLEARLY_WORSE * fit:
+        return f"{text}."
+    return (
+        f"{text} and {over_noise_text(fit)} on those of the fit: they differ in something that is not in the model, "
+        "such as the temperature or the wear at their first row."
+    )
 
 
 def established_text(found: Diagnosis) -> str:

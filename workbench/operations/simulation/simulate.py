@@ -121,13 +121,8 @@ def friction_of(design: Values) -> Friction:
 
 
 def moving_mass(design: Values, given: str | None) -> float:
-    """Mass of the body in the friction experiments, kg.
-
-    Args:
-        design: the design.
-        given: None for `friction.mass` (the thesis's 1 kg), `design` for the design's moving body with its payload,
-            or a quantity.
-    """
+    """Mass of the body in the friction experiments, kg: `friction.mass`, that of the design's moving body with its
+    payload where `design` is given, or a quantity."""
     if given is None:
         return design.friction.mass
     if given != "design":

@@ -232,17 +232,6 @@ def run_monte_carlo(
     """Simulate machines sampled about the design, in parallel on the local cores or on a cluster.
 
     The values are sampled here, from the seed, before anything is sent: the result does not depend on the workers.
-
-    Args:
-        design: the nominal machine.
-        selection: of experiments.
-        count: number of machines.
-        seed: of the random numbers.
-        scheduler: address of a cluster.
-        progress: called with the samples done.
-
-    Raises:
-        InputError: no uncertain parameter, the design itself is refused, or every sample is.
     """
     from stagecad.solids.assembly.built_machine import packaged_masses
 
