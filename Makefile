@@ -37,7 +37,7 @@ test-lowest:
 	$(LOWEST)/uv pip compile --quiet --resolution lowest-direct --extra dev pyproject.toml -o .venv-lowest/lowest.txt
 	$(LOWEST)/python -m pip install --quiet -r .venv-lowest/lowest.txt
 	$(LOWEST)/python -m pip install --quiet --no-deps -e .
-	MPLBACKEND=Agg $(LOWEST)/python -W ignore -m pytest $(TESTS)
+	MPLBACKEND=Agg $(LOWEST)/python -m pytest -W ignore $(TESTS)
 
 # The software bill of materials of what is installed, with the size on the disk.
 sbom: $(READY)

@@ -55,8 +55,11 @@ def packaged_text() -> str:
 
 def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
     """Read a parameter file, or the packaged design where `path` is left out."""
-    if path is None:
-        return _packaged()
+    return _packaged() if path is None else parse_parameter_text(parameter_text(path), str(path), Path(path).parent)
+
+
+def parameter_text(path: str | Path) -> str:
+    """Text of a parameter file."""
     name = str(path)
     try:
         data = read_input(path, _LARGEST)
@@ -67,7 +70,7 @@ def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
     except OSError as error:
         raise InputError(f"{name}: cannot be read ({error.strerror})") from None
     try:
-        return parse_parameter_text(data.decode("utf-8-sig"), name, Path(path).parent)
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         raise InputError(f"{name}: line {line}: not UTF-8 text; save the file as UTF-8") from None

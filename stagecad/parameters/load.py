@@ -12,13 +12,13 @@ from stagecad.parameters.errors import InputError, ViolationsError
 from stagecad.parameters.file import (
     ParameterFile,
     class_by_decimals,
+    parameter_text,
     parse_parameter_text,
     read_entry,
     read_parameter_file,
     require_origin,
 )
 from stagecad.parameters.formula import is_formula
-from stagecad.parameters.input_file import read_input
 from stagecad.parameters.machine import MATERIALS, Computed, Machine, packaged_machine
 from stagecad.parameters.machine_declaration import declared_machine, require_mates, stated_parameters
 from stagecad.parameters.overrides import override
@@ -256,7 +256,7 @@ def write_values(path: str | Path, changes: Mapping[str, tuple[str | float | boo
 def check_values(path: str | Path, changes: Mapping[str, tuple[str | float | bool, str]]) -> str:
     """The text that `write_values` would write, checked as a whole; arguments and errors as there."""
     read_parameter_file(path)
-    return changed_text(read_input(path).decode("utf-8-sig"), str(path), changes)
+    return changed_text(parameter_text(path), str(path), changes)
 
 
 def changed_text(

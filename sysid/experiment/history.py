@@ -20,6 +20,7 @@ from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.input_file import read_input, read_named
 from sysid.experiment.experiment import Experiment, Place, Revision
 from sysid.experiment.file_lock import file_lock
 from sysid.experiment.model_table import grown_model, json_data, model_hash, model_of, with_model
@@ -76,7 +77,7 @@ def append_revision(
     with history_lock(experiment, timeout), _readable_errors():
         _recover(experiment)
         text = _current_text(experiment)
-        if hashlib.sha256(experiment.path.read_bytes()).hexdigest() != experiment.sha256:
+        if hashlib.sha256(read_named(experiment.path)).hexdigest() != experiment.sha256:
             raise InputError(f"{experiment.path}: changed while the fit ran; nothing was added, run again")
         rungs = _read_rungs(experiment.folder / "ladder")
         model = model_of(text)
@@ -125,10 +126,7 @@ def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Revision, P
 
 
 def _current_text(experiment: Placed) -> str:
-    try:
-        return experiment.path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(f"{experiment.path}: cannot be read: {error.strerror}") from None
+    return read_named(experiment.path).decode("utf-8-sig")
 
 
 def _sha(text: str) -> str:
@@ -155,10 +153,9 @@ def _read_rungs(folder: Path) -> list[Revision]:
 
 
 def _read_rung(path: Path) -> Revision:
+    data = read_named(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        document = json.loads(data)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON: {error}") from None
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
@@ -199,7 +196,7 @@ def _own_rig(folder: Path, text: str) -> dict[str, Any]:
     kind = tomllib.loads(text).get("rig", {}).get("kind")
     if not isinstance(kind, str) or not kind.endswith(".toml"):
         return {}
-    return {"rig": {kind: hashlib.sha256((folder / kind).read_bytes()).hexdigest()}}
+    return {"rig": {kind: hashlib.sha256(read_named(folder / kind)).hexdigest()}}
 
 
 def _pending_path(folder: Path) -> Path:
@@ -213,7 +210,7 @@ def _note_pending(experiment: Placed, operation: str, number: int) -> None:
 
 def _pending(folder: Path) -> dict[str, Any] | None:
     try:
-        note = json.loads(_pending_path(folder).read_text(encoding="utf-8"))
+        note = json.loads(read_input(_pending_path(folder)))
         return {"rung": int(note["rung"]), "operation": str(note["operation"])}
     except (OSError, ValueError, KeyError, TypeError):
         return None

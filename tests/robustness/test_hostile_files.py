@@ -46,7 +46,7 @@ def test_only_regular_files_are_read(tmp_path: Path) -> None:
 
 
 @pipes
-@pytest.mark.parametrize("case", ["experiment", "effect", "parameters", "diff", "part", "table"])
+@pytest.mark.parametrize("case", ["experiment", "effect", "parameters", "diff", "part", "table", "rung"])
 def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, capsys, case: str) -> None:
     """A pipe that nobody writes to, wherever a command reads a file of the user's."""
     monkeypatch.chdir(tmp_path)
@@ -59,6 +59,7 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, capsys, case: 
         "diff": ["diff", "stage.toml", "pipe"],
         "part": ["drawings", "--part", "pipe.py", "--trust"],
         "table": ["params"],
+        "rung": ["ladder", "rig"],
     }[case]
     table = '[hardware]\nscrews = "pipe"\n' if case == "table" else ""
     Path("stage.toml").write_text(f'extends = "thesis"\n{table}')
@@ -67,8 +68,12 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, capsys, case: 
         os.mkfifo("rig/experiment.toml")
     else:
         os.mkfifo("rig/own.py")
+        custom = "" if case == "rung" else 'custom = ["own.py"]'
+        Path("rig/ladder").mkdir()
+        os.mkfifo("rig/ladder/000.json")
+        os.mkfifo("rig/ladder/pending.json")
         Path("rig/experiment.toml").write_text(
-            f'{RIG}[model]\neffects = []\ncustom = ["own.py"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+            f'{RIG}[model]\neffects = []\n{custom}\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
         )
         Path("rig/fit.csv").write_text("time [s],velocity [m/s],friction_force [N]\n0,0,0\n1,1,1\n")
     assert run(words) == 2

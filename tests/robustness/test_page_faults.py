@@ -97,6 +97,19 @@ def test_a_linked_parameter_file_is_not_offered(client: TestClient, folder: Path
     os.mkfifo(folder / "pipe.toml")
     assert client.get("/api/machine").json()["files"] == []
     refused(client.post("/api/machine/open", json={"name": "other.toml"}), "no parameter file")
+    refused(client.get("/api/machine/differences?other=other.toml"), "outside the project")
+
+
+@pytest.mark.parametrize(
+    "name, words",
+    [("pipe.toml", "is not a regular file"), ("latin.toml", "not UTF-8"), ("none.toml", "no such"), (".", "a folder")],
+)
+def test_what_is_no_parameter_file_is_refused(client: TestClient, folder: Path, name: str, words: str) -> None:
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(folder / "pipe.toml")
+    (folder / "latin.toml").write_bytes(b'extends = "thesis"  # \xe4\n')
+    refused(client.get(f"/api/machine/differences?other={name}"), words)
+    refused(client.post("/api/machine/open", json={"name": name}), words if name == "latin.toml" else "no parameter")
 
 
 @links
@@ -133,8 +146,14 @@ def test_a_change_of_an_older_state_is_refused_and_nothing_is_lost(client: TestC
     assert "stage.thickness = 13 mm" in second.json()["error"]
     state = client.get("/api/machine").json()
     assert second.json()["state"] == state and state["changes"] == first["changes"]
+    for route, more in (("open", {"name": None}), ("undo", {}), ("redo", {}), ("save", {"name": "mine"})):
+        assert client.post(f"/api/machine/{route}", json={**more, "seen": seen}).status_code == 409
+    assert client.get("/api/machine").json() == state
     both = {**state["changes"], "stage.length": "231 mm"}
-    assert client.post("/api/machine/commit", json={"changes": both, "seen": state["digest"]}).json()["changes"] == both
+    last = client.post("/api/machine/commit", json={"changes": both, "seen": state["digest"]}).json()
+    assert last["changes"] == both
+    opened = client.post("/api/machine/open", json={"name": None, "seen": last["digest"]})
+    assert (opened.status_code, opened.json()["changes"]) == (200, {})
 
 
 @pytest.mark.parametrize(
@@ -146,12 +165,18 @@ def test_a_change_of_an_older_state_is_refused_and_nothing_is_lost(client: TestC
         {"history": [5], "place": 0},
         {"history": [{"stage.thickness": 5}], "place": "0"},
         [],
+        None,
     ],
 )
 def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient, folder: Path, state: Any) -> None:
     client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}})
     file = folder / "build" / "workbench" / "machine.json"
-    file.write_text(json.dumps({**json.loads(file.read_text()), **state} if state else state))
+    kept = json.loads(file.read_text())
+    if state is None:
+        file.unlink()
+        os.mkfifo(file)
+    else:
+        file.write_text(json.dumps({**kept, **state} if state else state))
     with TestClient(create_app(Project(folder, Path("build")))) as again:
         found = again.get("/api/machine")
         assert (found.status_code, found.json()["changes"]) == (200, {})

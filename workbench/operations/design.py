@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.own_checks import own_check_files, register
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import packaged_text, parse_parameter_text, read_parameter_file
-from stagecad.parameters.input_file import read_input
+from stagecad.parameters.file import packaged_text, parameter_text, parse_parameter_text, read_parameter_file
 from stagecad.parameters.load import changed_text, design_of, further_override, variations_of
 from stagecad.parameters.load import load_design as read_design
 from workbench.operations.parameters import entry_json
@@ -93,7 +92,7 @@ class Design(Result):
         """Text of the parameter file, without the overrides."""
         if self._text is not None:
             return self._text
-        return packaged_text() if self.path is None else read_input(self.path).decode("utf-8-sig")
+        return packaged_text() if self.path is None else parameter_text(self.path)
 
     @property
     def file(self) -> ParameterFile:

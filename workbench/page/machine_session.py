@@ -2,13 +2,16 @@
 
 import json
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import packaged_text
+from stagecad.parameters.file import packaged_text, parameter_text
+from stagecad.parameters.input_file import read_input
 from stagecad.parameters.rules.registry import violations
 from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
@@ -65,9 +68,9 @@ class MachineSession:
                 "redo": len(self._history) - 1 - self._place,
             }
 
-    def open(self, file: str | None) -> None:
+    def open(self, file: str | None, seen: str | None = None) -> None:
         """Open a parameter file of the project (None: the packaged design); the history begins anew."""
-        with self._lock:
+        with self._unchanged(seen):
             if file not in (None, self._first, *self.project.parameter_files()):
                 raise InputError(f"{file}: no parameter file of this folder")
             text = self._read(file)
@@ -75,8 +78,9 @@ class MachineSession:
             self.file, self._text, self._history, self._place = file, text, [{}], 0
             self._keep()
 
-    def commit(self, changes: Changes, seen: str | None = None) -> None:
-        """Make `changes` the present ones, as a step that can be undone."""
+    @contextmanager
+    def _unchanged(self, seen: str | None) -> Iterator[None]:
+        """Hold the design that has the digest `seen`; with None, whatever the design is now."""
         with self._lock:
             if seen is not None and seen != self.design().values.digest:
                 shown = [f"{key} = {text}" for key, text in list(self.changes.items())[:MOST_SHOWN]]
@@ -84,6 +88,11 @@ class MachineSession:
                     f"the design was changed elsewhere: {self.file or 'the packaged design'} now with "
                     f"{', '.join(shown) or 'no change'}; your change was not made, repeat it"
                 )
+            yield
+
+    def commit(self, changes: Changes, seen: str | None = None) -> None:
+        """Make `changes` the present ones, as a step that can be undone."""
+        with self._unchanged(seen):
             self.design(changes)
             saved = {entry.key: entry.text for entry in self.saved.values.entries}
             changes = {key: text for key, text in changes.items() if text != saved.get(key)}
@@ -92,9 +101,9 @@ class MachineSession:
                 self._place = len(self._history) - 1
                 self._keep()
 
-    def step(self, by: int) -> None:
+    def step(self, by: int, seen: str | None = None) -> None:
         """Undo (-1) or redo (+1) one step; nothing happens at the ends of the history."""
-        with self._lock:
+        with self._unchanged(seen):
             place = min(max(self._place + by, 0), len(self._history) - 1)
             self.design(self._history[place])
             self._place = place
@@ -141,9 +150,9 @@ class MachineSession:
             "changed": self._changed(design, changes),
         }
 
-    def save(self, name: str) -> str:
+    def save(self, name: str, seen: str | None = None) -> str:
         """Write the design to a new parameter file of the project, comments kept, and continue with it."""
-        with self._lock:
+        with self._unchanged(seen):
             target = self.project.new_file(name, ".toml")
             text = self.design().to_toml(name=target.name, origin=CHANGED)
             atomic_write_text(target, text)
@@ -178,7 +187,7 @@ class MachineSession:
         if file is None:
             return packaged_text()
         path = self.project.params if self.project.params and self.project.params.name == file else None
-        return (path or self.project.inside(file)).read_text("utf-8-sig")
+        return parameter_text(path or self.project.inside(file))
 
     def _folder(self, file: str | None) -> Path:
         """Folder of a parameter file of the page, in which its tables of hardware are."""
@@ -193,7 +202,7 @@ class MachineSession:
         """Take up the state of an earlier server where its steps are still valid; else begin anew."""
         first = self.file, self._text
         try:
-            kept = json.loads(self._state.read_text("utf-8"))
+            kept = json.loads(read_input(self._state))
             # Changes belong to the text of a file: after an edit elsewhere they may mean something else.
             if kept["text"] == self._read(kept["file"]) and (self.file is None or kept["file"] == self.file):
                 history = [{str(key): str(text) for key, text in step.items()} for step in kept["history"]]

@@ -15,6 +15,7 @@ from typing import Any
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.input_file import read_input
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
@@ -286,7 +287,7 @@ def _read(folder: Path) -> list[Section]:
     sections = []
     for path in sorted((folder / "sections").glob("*.json")):
         try:
-            section = json.loads(path.read_text(encoding="utf-8"))
+            section = json.loads(read_input(path))
         except (OSError, ValueError):
             # The next run of its command writes it again.
             continue

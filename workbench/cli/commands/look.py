@@ -13,6 +13,7 @@ from workbench.cli.options import Run, common_options, experiment_options
 @experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show every channel of EXPERIMENT (a folder or its experiment.toml) as it is logged, before any fit."""
+    from workbench.figures.plot import save
     from workbench.operations.measurement.experiment import results_key
     from workbench.operations.measurement.look import look
 
@@ -29,8 +30,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     document = seen.to_json()
     if figures:
         target = run.out / results_key(run.out, seen.experiment.folder) / "look.png"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        seen.plot().savefig(target, dpi=120)
+        save(seen.plot(), target)
         document["figure"] = str(target)
         run.echo(f"figure: {target}")
     run.emit(document)

@@ -8,6 +8,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.input_file import read_input
 
 STATE = ".demo.json"
 """File in a folder of the demonstration: the hash of each file of the experiment as the demonstration left it."""
@@ -47,7 +48,7 @@ def remember(folder: Path) -> None:
 
 def _as_left(folder: Path) -> bool:
     try:
-        return not folder.is_symlink() and json.loads((folder / STATE).read_text("utf-8")) == dict(_hashes(folder))
+        return not folder.is_symlink() and json.loads(read_input(folder / STATE)) == dict(_hashes(folder))
     except (OSError, ValueError):
         return False
 

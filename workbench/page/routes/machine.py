@@ -37,14 +37,19 @@ class ChangesBody(Body):
     since: int = Field(default=0, ge=0)
 
 
-class CommitBody(Body):
-    """Values that differ from the saved file, and the digest of the design that the page showed when they were made."""
+class SeenBody(Body):
+    """Digest of the design that the page shows: a design that was changed elsewhere since is left as it is (409)."""
 
-    changes: dict[Text, Text] = Field(max_length=600)
     seen: Text | None = None
 
 
-class NameBody(Body):
+class CommitBody(SeenBody):
+    """Values that differ from the saved file."""
+
+    changes: dict[Text, Text] = Field(max_length=600)
+
+
+class NameBody(SeenBody):
     """Name of a file; None: the packaged design."""
 
     name: Text | None
@@ -55,6 +60,8 @@ class SolidsBody(Body):
 
     saved: bool = False
 
+
+NOTHING_SEEN = SeenBody()
 
 router = APIRouter(prefix="/api/machine")
 
@@ -87,36 +94,36 @@ async def preview(request: Request, body: ChangesBody) -> dict[str, Any]:
 
 @router.post("/commit")
 def commit(request: Request, body: CommitBody) -> dict[str, Any]:
-    """Make changes the present ones, as a step that can be undone; 409 where the design has changed since."""
+    """Make changes the present ones, as a step that can be undone."""
     session_of(request).commit(_changes(body), body.seen)
     return session_of(request).as_json()
 
 
 @router.post("/undo")
-def undo(request: Request) -> dict[str, Any]:
+def undo(request: Request, body: SeenBody = NOTHING_SEEN) -> dict[str, Any]:
     """Go back one step."""
-    session_of(request).step(-1)
+    session_of(request).step(-1, body.seen)
     return session_of(request).as_json()
 
 
 @router.post("/redo")
-def redo(request: Request) -> dict[str, Any]:
+def redo(request: Request, body: SeenBody = NOTHING_SEEN) -> dict[str, Any]:
     """Repeat the step that was undone last."""
-    session_of(request).step(+1)
+    session_of(request).step(+1, body.seen)
     return session_of(request).as_json()
 
 
 @router.post("/open")
 def open_file(request: Request, body: NameBody) -> dict[str, Any]:
     """Open a parameter file of the project, or the packaged design."""
-    session_of(request).open(body.name)
+    session_of(request).open(body.name, body.seen)
     return session_of(request).as_json()
 
 
 @router.post("/save")
 def save(request: Request, body: NameBody) -> dict[str, Any]:
     """Write a new parameter file."""
-    session_of(request).save(body.name or "")
+    session_of(request).save(body.name or "", body.seen)
     return session_of(request).as_json()
 
 

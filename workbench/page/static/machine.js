@@ -113,12 +113,17 @@ class Machine {
     return this.inTurn(() => this.commitNow(key, text, dragged));
   }
 
-  /** Changes are refused where another window changed the design since; the page then shows what is there now. */
-  async post(changes) {
+  /** Refused where another window changed the design since; the page then shows what is there now. */
+  async post(which, body = {}) {
     try {
-      return await post('/api/machine/commit', { changes, seen: this.state.digest });
+      return await post(`/api/machine/${which}`, { ...body, seen: this.state.digest });
     } catch (error) {
-      if (error.answer?.state) { this.take(error.answer.state); this.changed(); }
+      const there = error.answer?.state;
+      if (there) {
+        const { file } = this.state;
+        this.take(there);
+        if (there.file === file) this.changed(); else await this.readParameters();
+      }
       throw error;
     }
   }
@@ -129,7 +134,7 @@ class Machine {
     const changes = { ...this.changes };
     if (text === null) delete changes[key]; else changes[key] = text;
     let state = null;
-    try { state = await this.post(changes); } catch (error) { say(error.message, 'bad'); }
+    try { state = await this.post('commit', { changes }); } catch (error) { say(error.message, 'bad'); }
     // A slider that is dragged again by now keeps its value.
     if (this.dragged === dragged) this.dragged = null;
     if (state) { this.take(state); say(''); }
@@ -141,7 +146,8 @@ class Machine {
 
   async stepNow(which) {
     this.checks.rebase();
-    const state = await post(`/api/machine/${which}`);
+    let state;
+    try { state = await this.post(which); } catch (error) { say(error.message, 'bad'); return; }
     // A slider that came back to where it was dragged from makes no commit.
     this.dragged = null;
     this.take(state);
@@ -277,7 +283,7 @@ class Machine {
     return this.inTurn(async () => {
       this.checks.rebase();
       try {
-        const state = await this.post({ ...this.changes, ...changes });
+        const state = await this.post('commit', { changes: { ...this.changes, ...changes } });
         this.dragged = null;
         this.take(state);
         say(`changed: ${Object.keys(changes).join(', ')}; Undo takes them back`, 'good');
@@ -317,7 +323,7 @@ class Machine {
     const name = this.file.value || null;
     return this.inTurn(async () => {
       try {
-        this.take(await post('/api/machine/open', { name }));
+        this.take(await this.post('open', { name }));
         await this.readParameters();
         if (this.optimize) await this.optimize.reset();
       } catch (error) {
@@ -344,7 +350,7 @@ class Machine {
         event.preventDefault();
         try {
           await this.inTurn(async () => {
-            this.take(await post('/api/machine/save', { name: name.value }));
+            this.take(await this.post('save', { name: name.value }));
             await this.readParameters();
           });
           say(`saved as ${this.state.file}`, 'good');
