@@ -1,6 +1,5 @@
 """Columns of a record: names, units, and assignment to channels."""
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from sysid.experiment.columns.settings import RATED, ChannelSettings, ColumnSett
 from sysid.experiment.columns.units import column_unit, unit_endings
 from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
+from sysid.experiment.toml_table import check_size
 
 LONGEST_LABEL = 200
 """Longest header cell that may hold a unit; the search takes a time that grows with the square of the length."""
@@ -179,7 +179,8 @@ def _stated_source(declared: Channel, setting: ColumnSetting, rotary: dict[str, 
             continue
         if declared.shows_axis and declared.unit != torque:
             rotary[declared.name] = turns
-        if not math.isfinite(value) or (stated.per_row and value == 0.0):
+        check_size(value, stated.text, setting.where)
+        if stated.per_row and value == 0.0:
             raise InputError(f"{setting.where}: '{stated.text}' must be finite, and a step from row to row not zero")
         if stated.per_row:
             notes.append(f"'{declared.name}' moves by {format_quantity(value, si_unit)} from row to row")

@@ -15,6 +15,7 @@ from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.sampling import RepeatedTime, sampled_times, stamp_rounding, without_repeats
+from sysid.experiment.toml_table import LARGEST
 
 MINIMUM_ROWS = 10
 """Least number of rows of a record."""
@@ -203,10 +204,11 @@ def _read_columns(
             if column.origin and channel != "time":
                 part = part + column.origin
             # No rounding for a factor of one: the values are those logged.
-            part = part if term.factor == 1.0 else part * term.factor
-            part = part + term.offset if term.offset else part
-            part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
-            values[channel] = values[channel] + part if channel in values else part
+            with np.errstate(over="ignore", under="ignore"):
+                part = part if term.factor == 1.0 else part * term.factor
+                part = part + term.offset if term.offset else part
+                part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
+                values[channel] = values[channel] + part if channel in values else part
             if channel == "time" and column.origin:
                 origin = column.origin * term.factor
                 notes.append(column.said)
@@ -215,6 +217,8 @@ def _read_columns(
                 # Long columns are not kept twice.
                 columns.pop(term.column.index, None)
     rows = next(iter(values.values())).size
+    for channel, array in values.items():
+        _check_size(array, f"{name}: column '{spec.sources[channel].label}'")
     for channel, source in spec.sources.items():
         if source.step is not None:
             values[channel] = source.step * np.arange(1.0, rows + 1.0)
@@ -229,6 +233,15 @@ def _read_columns(
         time = time - origin
         notes.append(f"time is counted from its first row, {origin:.6f} s")
     return time, values, origin
+
+
+def _check_size(values: np.ndarray, what: str) -> None:
+    """Refuse values (n,), SI, with whose squares nothing can be computed."""
+    largest = max(np.fmax.reduce(values, initial=0.0), -np.fmin.reduce(values, initial=0.0))
+    if largest and not 1.0 / LARGEST <= largest <= LARGEST:
+        raise InputError(
+            f"{what}: its largest value is {largest:.3g} in SI units; {1.0 / LARGEST:g} to {LARGEST:g} are possible"
+        )
 
 
 def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile, name: str) -> np.ndarray:
@@ -252,7 +265,12 @@ def _check_time(
         raise InputError(
             f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': is empty; every row needs its time"
         )
-    falls = np.flatnonzero(np.diff(time) < 0.0)
+    steps = np.diff(time)
+    close = np.flatnonzero((steps > 0.0) & (steps < 1.0 / LARGEST))
+    if close.size:
+        row = opened.row_name(int(close[0]) + 1)
+        raise InputError(f"{name}: {row}, column '{label}': is less than {1.0 / LARGEST:g} s after the row before")
+    falls = np.flatnonzero(steps < 0.0)
     if falls.size:
         row = int(falls[0]) + 1
         raise InputError(
@@ -315,6 +333,7 @@ def _check_values(
     stated |= spec.balance.kind.zero_channels if spec.balance is not None else set()
     for channel, array in values.items():
         label = spec.sources[channel].label if channel in spec.sources else channel
+        _check_size(array, f"{name}: {label}")
         gaps = int(np.count_nonzero(np.isnan(array)))
         if gaps == array.size:
             # An optional channel may be empty; a required one only if its alternative is recorded.

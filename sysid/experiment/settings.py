@@ -15,7 +15,7 @@ from sysid.experiment.channels import same_dimension
 from sysid.experiment.known import DesignValues, design_value
 from sysid.experiment.model_table import flat_settings
 from sysid.experiment.rigs import CHANNELS, RigKind
-from sysid.experiment.toml_table import TomlTable, kind_of, shown
+from sysid.experiment.toml_table import TomlTable, check_size, kind_of, shown
 
 ROUNDING = 1e-6
 """Relative excess over a bound that is accepted as rounding."""
@@ -115,8 +115,8 @@ def _setting(
         start, std = _value(table, "start", parameter, effect, rig, rotary)
     if std is not None and not std > 0.0:
         raise InputError(f"{table.where('start')}: {shown(table.data['start'])}: the uncertainty must be above zero")
-    if start is not None and not math.isfinite(start):
-        raise InputError(f"{table.where('start')}: {shown(table.data['start'])} is not finite")
+    if start is not None:
+        check_size(start, table.data["start"], table.where("start"))
     if fixed and start is None:
         raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
     if low is not None and high is not None and low >= high:

@@ -1,5 +1,7 @@
 """Mutated parameter files, overrides, experiments and records: read, or refused in one printable line, in time."""
 
+import gzip
+import json
 import os
 import select
 import signal
@@ -14,9 +16,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import h5py
 import numpy as np
 import pyarrow
 import pytest
+from nptdms import ChannelObject, TdmsWriter
 from pyarrow import parquet
 from scipy.io import savemat
 
@@ -60,6 +64,18 @@ units = {spring_force = "N", time = "s", position = "m", pull_position = "m"}
 [noise]
 position = "2e-07 m"
 """
+FORMAT = """[format]
+delimiter = "comma"
+decimal = "."
+thousands = "none"
+header = 1
+first_row = 2
+encoding = "utf-8"
+missing = ["n/a"]
+time_format = "%H:%M:%S.%f"
+repeated_time = "mean"
+sample_rate = "100 Hz"
+"""
 TIME = np.arange(60) * 0.01
 COLUMNS = {"time": TIME, "pull_position": 0.1 * TIME, "position": 0.1 * TIME**2, "force": np.sin(TIME)}
 
@@ -100,20 +116,22 @@ def parameter_files(folder: Path, number: int, seed: int) -> Counter[str]:
 
 
 def experiments(folder: Path, number: int, seed: int, binary: float) -> Counter[str]:
-    """Counts of mutated experiments and records; `binary` is the share of Parquet and MAT files."""
-    random, found = np.random.default_rng(seed), Counter[str]()
-    files = {"csv": _csv().encode(), "parquet": _parquet(folder), "mat": _mat(folder)}
+    """Counts of mutated experiments and records; `binary` is the share of formats that another process reads."""
+    random, found, whole = np.random.default_rng(seed), Counter[str](), _binary_records(folder)
     for _ in range(number):
-        suffix = str(random.choice(["parquet", "mat"])) if random.random() < binary else "csv"
-        text = EXPERIMENT.replace("SUFFIX", suffix)
-        (folder / f"fit.{suffix}").write_bytes(files[suffix])
-        (folder / "experiment.toml").write_text(text)
-        if suffix == "csv" and random.random() < 0.5:
-            (folder / "experiment.toml").write_bytes(mutated(text, random))
-        elif suffix == "csv":
-            (folder / "fit.csv").write_bytes(mutated(_csv(), random))
+        suffix = str(random.choice([*whole, "json"] if random.random() < binary else ["csv", "csv.gz"]))
+        stated = EXPERIMENT.replace("SUFFIX", suffix) + FORMAT * bool(random.integers(2))
+        record, changed = whole.get(suffix) or _TEXTS[suffix].encode(), random.random()
+        if changed < (0.5 if suffix in _TEXTS else 0.05):
+            experiment = mutated(stated, random)
         else:
-            (folder / f"fit.{suffix}").write_bytes(mutated_bytes(files[suffix], random))
+            experiment = stated.encode()
+            record = mutated(_TEXTS[suffix], random) if suffix in _TEXTS else mutated_bytes(record, random)
+        if suffix == "csv.gz":
+            record = gzip.compress(record, 1)
+            record = mutated_bytes(record, random) if changed > 0.9 else record
+        (folder / "experiment.toml").write_bytes(experiment)
+        (folder / f"fit.{suffix}").write_bytes(record)
         found[outcome(lambda: _sound(folder))] += 1
     return found
 
@@ -129,14 +147,21 @@ def _csv() -> str:
     return "time [s],pull_position [m],position [m],force [N]\n" + rows + "\n"
 
 
-def _parquet(folder: Path) -> bytes:
-    parquet.write_table(pyarrow.table(COLUMNS), folder / "valid.parquet")
-    return (folder / "valid.parquet").read_bytes()
+_TEXTS = {"csv": _csv(), "csv.gz": _csv(), "json": json.dumps({key: one.tolist() for key, one in COLUMNS.items()})}
 
 
-def _mat(folder: Path) -> bytes:
-    savemat(folder / "valid.mat", COLUMNS)
-    return (folder / "valid.mat").read_bytes()
+def _binary_records(folder: Path) -> dict[str, bytes]:
+    """The record in each binary format, by suffix."""
+    path = {suffix: folder / f"valid.{suffix}" for suffix in ("parquet", "mat", "npz", "h5", "tdms")}
+    parquet.write_table(pyarrow.table(COLUMNS), path["parquet"])
+    savemat(path["mat"], COLUMNS)
+    np.savez(path["npz"], **COLUMNS)
+    with h5py.File(path["h5"], "w") as file:
+        for name, values in COLUMNS.items():
+            file[name] = values
+    with TdmsWriter(path["tdms"]) as writer:
+        writer.write_segment([ChannelObject("rig", name, values) for name, values in COLUMNS.items()])
+    return {suffix: one.read_bytes() for suffix, one in path.items()}
 
 
 def test_parameter_files(tmp_path: Path) -> None:
@@ -190,15 +215,17 @@ def test_many_experiments_and_records(tmp_path, capsys, monkeypatch, seed: int) 
         print(f"\nexperiments and records, seed {seed}: {sum(found.values())}: {dict(found)}")  # noqa: T201
 
 
-def _forked_reader(command: list[str], **_: Any) -> subprocess.CompletedProcess[bytes]:
+def _forked_reader(command: list[str], stdin: int, **_: Any) -> subprocess.CompletedProcess[bytes]:
     """The process of a binary reader as a fork of this one, which does not load the libraries again."""
     ours, its = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if not child:
+        os.dup2(stdin, 0)
         os.dup2(its, 1)
-        sys.stdout, sys.argv = os.fdopen(1, "w"), ["reader", command[-1]]
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        sys.stdin, sys.stdout, sys.argv = os.fdopen(0), os.fdopen(1, "w"), ["reader", command[-1]]
         try:
             isolated.answer()
             sys.stdout.flush()

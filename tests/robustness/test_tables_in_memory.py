@@ -7,7 +7,7 @@ import pandas as pd
 import pyarrow
 import pytest
 
-from stagecad import Experiment, InputError
+from stagecad import Experiment, InputError, compare
 from workbench.operations.measurement.experiment import columns_of
 
 TIME = np.arange(400) * 0.01
@@ -104,3 +104,25 @@ def test_a_wrong_type_is_named_in_one_line(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError) as caught:
         _ = Experiment.from_dataframes(**given).problem
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("factor", [1e-300, 1e-200, 1e-100, 1e100, 1e155, 1e200, 1e306])
+@pytest.mark.parametrize("label", ["time [s]", "position [m]", "velocity [m/s]", "friction_force [N]"])
+def test_values_of_no_possible_size_are_refused(label: str, factor: float) -> None:
+    with pytest.raises(InputError, match=r"in SI units; 1e-50 to 1e\+50 are possible") as caught:
+        record(frame().assign(**{label: frame()[label] * factor}))
+    assert label in str(caught.value)
+
+
+@pytest.mark.parametrize("factor", [1e-15, 1e15])
+@pytest.mark.parametrize("label", ["time [s]", "position [m]", "velocity [m/s]", "friction_force [N]"])
+def test_values_in_a_wrong_unit_are_compared(label: str, factor: float) -> None:
+    given = frame().assign(**{label: frame()[label] * factor})
+    assert compare(Experiment.from_dataframes({"a": given}, rig="velocity-drive", model=["coulomb"])).to_json()
+
+
+def test_times_with_a_step_of_no_possible_size_are_refused() -> None:
+    given = TIME.copy()
+    given[0], given[1] = 0.0, 1e-200
+    with pytest.raises(InputError, match=r"row 2, column 'time .*less than 1e-50 s after the row before"):
+        record(frame(time=given))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import Dimension, parse_any, to_si, unit_dimension
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.toml_table import TomlTable, kind_of, shown
+from sysid.experiment.toml_table import TomlTable, check_size, kind_of, shown
 
 FITTED = "fit"
 """A scale that the fit finds, with its unit behind: `"fit N*m/A"`; in the fit it begins at one of that unit."""
@@ -214,7 +214,8 @@ def read_scale(table: TomlTable, key: str = "scale") -> Scale:
         value, std, dimension = parse_any(written)
     except InputError as error:
         raise InputError(f"{table.where(key)}: {error}") from None
-    if not math.isfinite(value) or value == 0.0:
+    check_size(value, written, table.where(key))
+    if value == 0.0:
         raise InputError(f"{table.where(key)}: {shown(written)} must be a finite number other than zero")
     if std is not None and not std > 0.0:
         raise InputError(f"{table.where(key)}: {shown(written)}: the uncertainty must be above zero")

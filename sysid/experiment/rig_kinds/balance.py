@@ -56,7 +56,8 @@ class Balance:
         for channel, formula in self.kind.balance.items():
             known = {**recorded, **found}
             try:
-                value = formula.evaluate(lambda key: self._value(key, time, known), ARRAY_FUNCTIONS)  # noqa: B023
+                with np.errstate(all="ignore"):
+                    value = formula.evaluate(lambda key: self._value(key, time, known), ARRAY_FUNCTIONS)  # noqa: B023
             except (InputError, ValueError, ArithmeticError) as error:
                 raise InputError(f"{self._place(channel, formula)}: {error}") from None
             self._check(channel, formula, value.dimension)
