@@ -25,7 +25,7 @@ from sysid.experiment.experiment import DesignValues, Experiment
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
-from sysid.experiment.record import Record, load_record, load_whole_records
+from sysid.experiment.record import Record, load_runs, load_whole_records
 from sysid.experiment.record_spec import RecordSpec
 from sysid.experiment.rigs import CHANNELS
 from sysid.noise.estimate import LEAST, Noise, noise_by_channel, with_quantisation
@@ -197,11 +197,8 @@ def read_motion(experiment: Experiment, motion: str | Path | MemoryTable) -> Rec
         if turns != experiment.rig.rotary:
             kinds = ("rotary", "linear") if turns else ("linear", "rotary")
             raise InputError(f"{name}: column '{channel}' has a {kinds[0]} unit; the experiment's axis is {kinds[1]}")
-    return load_record(
-        RecordSpec(Path(str(file)).stem, str(file), file, "fit", sources, notes=tuple(notes)),
-        rig,
-        experiment.rig.rotary,
-    )
+    spec = RecordSpec(Path(str(file)).stem, str(file), file, "fit", sources, notes=tuple(notes))
+    return load_runs(spec, rig, experiment.rig.rotary)[0]
 
 
 def noise_signal(noise: Noise, time: np.ndarray, random: np.random.Generator) -> np.ndarray:

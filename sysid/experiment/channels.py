@@ -179,7 +179,7 @@ def _stated_source(declared: Channel, setting: ColumnSetting, rotary: dict[str, 
             continue
         if declared.shows_axis and declared.unit != torque:
             rotary[declared.name] = turns
-        check_size(value, stated.text, setting.where)
+        check_size(value, f"'{stated.text}'", setting.where)
         if stated.per_row and value == 0.0:
             raise InputError(f"{setting.where}: '{stated.text}' must be finite, and a step from row to row not zero")
         if stated.per_row:

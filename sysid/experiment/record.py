@@ -15,7 +15,7 @@ from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.sampling import RepeatedTime, sampled_times, stamp_rounding, without_repeats
-from sysid.experiment.toml_table import LARGEST
+from sysid.experiment.toml_table import LARGEST, check_size
 
 MINIMUM_ROWS = 10
 """Least number of rows of a record."""
@@ -78,11 +78,6 @@ def load_whole_records(experiment: Experiment) -> list[Record]:
         for spec in experiment.records
         for record in load_runs(spec, rig.declaration, rig.rotary, experiment.noise)
     ]
-
-
-def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> Record:
-    """Read the first run of a file; see `load_runs`."""
-    return load_runs(spec, rig, rotary, noise)[0]
 
 
 def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> list[Record]:
@@ -238,10 +233,7 @@ def _read_columns(
 def _check_size(values: np.ndarray, what: str) -> None:
     """Refuse values (n,), SI, with whose squares nothing can be computed."""
     largest = max(np.fmax.reduce(values, initial=0.0), -np.fmin.reduce(values, initial=0.0))
-    if largest and not 1.0 / LARGEST <= largest <= LARGEST:
-        raise InputError(
-            f"{what}: its largest value is {largest:.3g} in SI units; {1.0 / LARGEST:g} to {LARGEST:g} are possible"
-        )
+    check_size(float(largest), "its largest value", what)
 
 
 def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile, name: str) -> np.ndarray:

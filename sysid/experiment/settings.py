@@ -116,7 +116,7 @@ def _setting(
     if std is not None and not std > 0.0:
         raise InputError(f"{table.where('start')}: {shown(table.data['start'])}: the uncertainty must be above zero")
     if start is not None:
-        check_size(start, table.data["start"], table.where("start"))
+        check_size(start, shown(table.data["start"]), table.where("start"))
     if fixed and start is None:
         raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
     if low is not None and high is not None and low >= high:

@@ -17,14 +17,8 @@ LARGEST = 1e50
 """Largest magnitude of a value, SI, and the inverse of the smallest that is not zero: the square of a second rate, a
 value over the square of a time step, is a number too."""
 
-_KINDS = {
-    bool: "true or false",
-    int: "a whole number",
-    float: "a number",
-    str: "a text",
-    list: "a list",
-    dict: "a table",
-}
+_KINDS: dict[type, str] = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
+_KINDS |= {list: "a list", dict: "a table"}
 
 
 def kind_of(value: Any) -> str:
@@ -165,18 +159,18 @@ def quantity_text(table: TomlTable, key: str, unit: str) -> str:
     return value
 
 
-def check_size(value: float, written: Any, where: str) -> None:
+def check_size(value: float, written: str, where: str) -> None:
     """Refuse a value, SI, that is not finite, or with whose square nothing can be computed."""
     if not math.isfinite(value):
-        raise InputError(f"{where}: {shown(written)} is not finite")
+        raise InputError(f"{where}: {written} is not finite")
     if value and not 1.0 / LARGEST <= abs(value) <= LARGEST:
         raise InputError(
-            f"{where}: {shown(written)} is {value:.3g} in SI units; {1.0 / LARGEST:g} to {LARGEST:g} are possible"
+            f"{where}: {written} is {value:.3g} in SI units; {1.0 / LARGEST:g} to {LARGEST:g} are possible"
         )
 
 
 def check_value(value: float, positive: bool, table: TomlTable, key: str) -> None:
     """Refuse a value of no possible size, or not positive although required."""
-    check_size(value, table.data[key], table.where(key))
+    check_size(value, shown(table.data[key]), table.where(key))
     if positive and value <= 0.0:
         raise InputError(f"{table.where(key)}: '{table.data[key]}' must be above zero")

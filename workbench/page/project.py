@@ -124,15 +124,9 @@ class Project:
         # Without following links: a project folder may hold anything.
         for root, folders, files in os.walk(self.folder):
             depth = len(Path(root).relative_to(self.folder).parts)
-            results = self.results.resolve()
-            folders[:] = sorted(
-                one
-                for one in folders
-                if depth < DEPTH
-                and not one.startswith((".", "_"))
-                and one not in SKIPPED
-                and (Path(root) / one).resolve() != results / "workbench"
-            )
+            shown = [one for one in folders if one not in SKIPPED and not one.startswith((".", "_"))]
+            state = self.state.resolve()
+            folders[:] = sorted(one for one in shown if depth < DEPTH and (Path(root) / one).resolve() != state)
             if name in files and depth > 0:
                 found.append(Path(root) / name)
         return found

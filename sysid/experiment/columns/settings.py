@@ -214,7 +214,7 @@ def read_scale(table: TomlTable, key: str = "scale") -> Scale:
         value, std, dimension = parse_any(written)
     except InputError as error:
         raise InputError(f"{table.where(key)}: {error}") from None
-    check_size(value, written, table.where(key))
+    check_size(value, shown(written), table.where(key))
     if value == 0.0:
         raise InputError(f"{table.where(key)}: {shown(written)} must be a finite number other than zero")
     if std is not None and not std > 0.0:

@@ -66,17 +66,10 @@ def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
     if is_folder(path):
         raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is required")
     try:
-        found = path.stat()
-        if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{shown_path(name)}: is not a regular file; a CSV, Parquet or MAT file is required")
-        if found.st_size > MOST_BYTES:
-            raise InputError(
-                f"{shown_path(name)}: is larger than {MOST_BYTES / 1024**3:g} GB; split it, or keep every n-th row"
-            )
-        with path.open("rb") as file:
-            start = file.read(4096)
-    except InputError:
-        raise
+        found, start = path.stat(), b""
+        if stat.S_ISREG(found.st_mode):
+            with path.open("rb") as file:
+                start = file.read(4096)
     except (FileNotFoundError, NotADirectoryError):
         folder = path.parent
         beside = [file.name for file in folder.iterdir() if file.suffix in suffixes] if folder.is_dir() else []
@@ -84,6 +77,11 @@ def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{shown_path(name)}: cannot be read: {reason}") from None
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{shown_path(name)}: is not a regular file; a CSV, Parquet or MAT file is required")
+    if found.st_size > MOST_BYTES:
+        most = f"{MOST_BYTES / 1024**3:g} GB"
+        raise InputError(f"{shown_path(name)}: is larger than {most}; split it, or keep every n-th row")
     if not start.strip():
         raise InputError(f"{name}: the file is empty; one header row and at least two rows of numbers are required")
 

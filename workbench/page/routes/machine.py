@@ -61,8 +61,6 @@ class SolidsBody(Body):
     saved: bool = False
 
 
-NOTHING_SEEN = SeenBody()
-
 router = APIRouter(prefix="/api/machine")
 
 
@@ -100,16 +98,16 @@ def commit(request: Request, body: CommitBody) -> dict[str, Any]:
 
 
 @router.post("/undo")
-def undo(request: Request, body: SeenBody = NOTHING_SEEN) -> dict[str, Any]:
+def undo(request: Request, body: SeenBody | None = None) -> dict[str, Any]:
     """Go back one step."""
-    session_of(request).step(-1, body.seen)
+    session_of(request).step(-1, body and body.seen)
     return session_of(request).as_json()
 
 
 @router.post("/redo")
-def redo(request: Request, body: SeenBody = NOTHING_SEEN) -> dict[str, Any]:
+def redo(request: Request, body: SeenBody | None = None) -> dict[str, Any]:
     """Repeat the step that was undone last."""
-    session_of(request).step(+1, body.seen)
+    session_of(request).step(+1, body and body.seen)
     return session_of(request).as_json()
 
 
