@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from stagecad.blas_threads import use_one_thread
 
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
 
 # Before a test imports NumPy.
 use_one_thread(os.environ)
+
+# A busy machine is no fault of a test.
+settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy")
 
 TOGETHER = {
     "browser": ("workbench/page/test_in_browser.py", "workbench/page/test_late_answers.py",

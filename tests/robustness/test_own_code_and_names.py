@@ -142,7 +142,7 @@ def test_a_saved_experiment_is_in_its_folder(tmp_path: Path) -> None:
     assert {path.parent for path in tmp_path.rglob("*") if path.is_file()} == {tmp_path / "rig"}
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 @given(st.text(max_size=40) | st.sampled_from(HOSTILE))
 def test_no_name_leads_to_another_folder(name: str) -> None:
     """What the two functions accept stays one name in its folder."""

@@ -119,7 +119,7 @@ def served(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[st
     monkeypatch.chdir(project)
     monkeypatch.setattr(JobRunner, "_begin", lambda self, job: None)
     app = create_app(Project(project, Path("build")))
-    server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="error", access_log=False))
+    server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="error", access_log=False, timeout_keep_alive=600))
     thread = threading.Thread(target=server.run)
     thread.start()
     while not server.started:

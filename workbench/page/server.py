@@ -4,7 +4,7 @@ import asyncio
 import json
 import os
 import threading
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from importlib.resources import files
 from pathlib import Path
@@ -17,7 +17,7 @@ from starlette.exceptions import HTTPException
 from starlette.staticfiles import StaticFiles
 
 from stagecad import __version__
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, one_line
 from workbench.operations.result import finite
 from workbench.page.curves import extremes, read_blocks, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
@@ -159,34 +159,36 @@ def _add_common_routes(app: FastAPI) -> None:
 
 
 def _add_errors(app: FastAPI) -> None:
+    def answer(text: str, status: int, headers: Mapping[str, str] | None = None, **more: Any) -> JSONResponse:
+        error = one_line(text.replace(f"{app.state.project.folder}{os.sep}", ""))
+        return JSONResponse({"error": error, **more}, status, headers)
+
     @app.exception_handler(InputError)
     async def refused(request: Request, error: InputError) -> JSONResponse:
-        text = " ".join(str(error).split())
-        return JSONResponse({"error": text.replace(f"{app.state.project.folder}{os.sep}", "")}, status_code=422)
+        return answer(str(error), 422)
 
     @app.exception_handler(ChangedElsewhereError)
     async def changed(request: Request, error: ChangedElsewhereError) -> JSONResponse:
-        return JSONResponse({"error": str(error), "state": app.state.machine.as_json()}, status_code=409)
+        return answer(str(error), 409, state=app.state.machine.as_json())
 
     @app.exception_handler(RequestValidationError)
     async def invalid(request: Request, error: RequestValidationError) -> JSONResponse:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"] if part != "body") or "body of the request"
-        return JSONResponse({"error": f"{place}: {first['msg']}"}, status_code=422)
+        return answer(f"{place}: {first['msg']}", 422)
 
     @app.exception_handler(HTTPException)
     async def none(request: Request, error: HTTPException) -> JSONResponse:
-        return JSONResponse({"error": str(error.detail)}, status_code=error.status_code, headers=error.headers)
+        return answer(str(error.detail), error.status_code, error.headers)
 
     @app.exception_handler(OSError)
     async def no_file(request: Request, error: OSError) -> JSONResponse:
-        name = str(error.filename or "file").replace(f"{app.state.project.folder}{os.sep}", "")
-        return JSONResponse({"error": f"{name}: {error.strerror or error}"}, status_code=500)
+        return answer(f"{error.filename or 'file'}: {error.strerror or error}", 500)
 
     @app.exception_handler(Exception)
     async def unexpected(request: Request, error: Exception) -> JSONResponse:
         # The server writes the traceback to its standard error.
-        return JSONResponse({"error": f"unexpected {type(error).__name__}; please report it"}, status_code=500)
+        return answer(f"unexpected {type(error).__name__}; please report it", 500)
 
 
 def _warm_up(app: FastAPI) -> None:

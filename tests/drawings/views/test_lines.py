@@ -156,7 +156,7 @@ def test_coincident_polylines_are_drawn_once() -> None:
     assert rest.points == beyond.points[9:]
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 10**6))
 def test_the_result_is_independent_of_order_and_covers_the_input(seed: int) -> None:
     generator = random.Random(seed)

@@ -32,7 +32,7 @@ def heat(name: str, v: float, g: float, z: float, k: int = 0) -> float:
 
 
 @pytest.mark.parametrize("name", PASSIVE)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(v=st.floats(-1.0, 1.0), g=st.floats(0.01, 5.0) | st.just(0.0), stretch=st.floats(-5.0, 5.0))
 def test_a_passive_core_gives_no_heat_back_at_any_level(name, v, g, stretch):
     """At every instant, whatever the stretch: so over any motion under any history of load and temperature."""
@@ -42,7 +42,7 @@ def test_a_passive_core_gives_no_heat_back_at_any_level(name, v, g, stretch):
         assert heat(name, v, g, z, k) >= -1e-9 * (1.0 + abs(v))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(part=st.floats(-1.0, 1.0), g=st.floats(0.01, 5.0), stretch=st.floats(-5.0, 5.0))
 def test_damped_bristles_are_passive_up_to_four_g_over_a1(part, g, stretch):
     for name in ("lugre", "elasto_plastic"):
@@ -50,7 +50,7 @@ def test_damped_bristles_are_passive_up_to_four_g_over_a1(part, g, stretch):
         assert heat(name, part * 4.0 * g / p.damping, g, stretch * g / p.stiffness) >= -1e-9 * g
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(v=st.floats(-50.0, 50.0), g=st.floats(0.01, 5.0), stretch=st.floats(-1.0, 1.0))
 def test_elasto_plastic_bristles_are_passive_at_any_speed_unless_the_level_falls(v, g, stretch):
     p = find("elasto_plastic").values()

@@ -57,7 +57,7 @@ def test_every_core_of_the_library_is_among_those_held_here():
 
 
 @pytest.mark.parametrize("name", CORES)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(v=speeds, g=levels, stress=stresses)
 def test_slopes_of_a_core_are_those_of_its_law(name, v, g, stress):
     core, p = find(name).friction_state, values(name)
@@ -144,7 +144,7 @@ def test_no_force_without_cause(name):
 
 
 @pytest.mark.parametrize("name", CORES)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(v=speeds, g=levels, stress=stresses)
 def test_a_core_is_odd_in_the_motion(name, v, g, stress):
     core, p = find(name).friction_state, values(name)
@@ -171,14 +171,14 @@ def heat_of_lugre(v: float, g: float, stress: float) -> float:
     return (force * v - stress * g * rate) / (g * v)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(over=st.floats(1.001, 100.0), g=levels)
 def test_lugre_gives_heat_back_above_four_g_over_a1(over, g):
     assert min(heat_of_lugre(over * 4.0 * g / math.sqrt(1e5), g, stress) for stress in np.linspace(1.0, 3.0, 201)) < 0.0
 
 
 @pytest.mark.parametrize("name", ["coulomb", "lugre_causal", "lugre_undamped", "dahl", "lugre_causal_as_run"])
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(v=speeds, g=levels, stress=stresses)
 def test_the_force_of_a_core_without_free_damping_never_exceeds_the_level(name, v, g, stress):
     core, p = find(name).friction_state, values(name)
@@ -261,7 +261,7 @@ def test_the_operator_along_a_record_agrees_with_the_integrated_core(name):
 
 
 @pytest.mark.parametrize("name", CORES)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(amplitudes=st.lists(st.floats(0.2, 2.0), min_size=3, max_size=5), seed=st.integers(0, 100))
 def test_the_energy_of_a_simulation_balances(name, amplitudes, seed):
     random = np.random.default_rng(seed)

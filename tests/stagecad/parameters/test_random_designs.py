@@ -36,7 +36,7 @@ def attempt(texts: list[str]) -> Design | str:
         return str(error)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(slight)
 def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dict[str, float]) -> None:
     design = attempt(overrides(factors))
@@ -64,7 +64,7 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
     assert 0 < design.derived.way_screw_engagement <= design.base.way_thread_depth
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(wild)
 def test_wild_changes_are_read_or_refused_in_a_line(factors: dict[str, float]) -> None:
     design = attempt(overrides(factors))
@@ -77,7 +77,7 @@ def test_wild_changes_are_read_or_refused_in_a_line(factors: dict[str, float]) -
             assert declaration.low <= design.value(key) <= declaration.high
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.text(max_size=40))
 def test_any_text_as_an_override_is_read_or_refused_in_a_line(text: str) -> None:
     for override in (text, f"stage.length={text}", f"{text}=3 mm", f"teeth.fitted={text}", f"drawing.title={text}"):

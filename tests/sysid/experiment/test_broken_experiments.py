@@ -116,7 +116,7 @@ def _survives(folder: Path, toml: bytes, csv: bytes) -> None:
     assert "\n" not in line
 
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+QUICK = settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @QUICK

@@ -131,7 +131,7 @@ def _mirrored_model(model: Model) -> Model:
 
 
 @pytest.mark.parametrize("rig", RIGS)
-@settings(max_examples=3, deadline=None, derandomize=True)
+@settings(max_examples=3, derandomize=True)
 @given(seed=st.integers(0, 1000))
 def test_a_mirrored_axis_has_the_same_errors(rig: str, seed: int) -> None:
     experiment, records, problem = _problem(rig, seed)

@@ -204,7 +204,7 @@ HABITS = st.builds(
 ).filter(lambda habit: habit.possible)
 
 SHARE = float(os.environ.get("STAGECAD_ROBUSTNESS", "1"))
-FEW = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+FEW = settings(suppress_health_check=list(HealthCheck), derandomize=True)
 
 
 @settings(FEW, max_examples=300)
