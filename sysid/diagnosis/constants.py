@@ -34,9 +34,9 @@ FORM_ERROR = 0.08
 """Relative error of the form of a law: twice the median error of published laws of one effect, fitted to each other
 (benchmarks/form_errors.py). An effect must gain more than this error of the other effects can leave."""
 
-NEAR_NOISE_LOSS = 1.1
-"""Loss without an effect up to which it is not established, and the search ends: without it the model is at the noise,
-as far as that is known."""
+NEAR_NOISE_LOSS = 1.25
+"""Loss without an effect up to which it is not established, and the search ends: the error beside the noise is at most
+half of it (1 + 0.5^2), as small as that of the level of an estimated noise."""
 
 WELL_EXPLAINED = 0.75
 """Part of the excess that a set removes up to which the significance of its effects has to be twice as large: more than

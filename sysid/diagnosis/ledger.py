@@ -319,8 +319,8 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
         weakest = next((entry for entry in reversed(judged) if entry.state != "established"), None)
         if weakest is None:
             return whole, [*judged, *entries]
-        # It may replace one of the others: the rest is judged without it.
-        entries = [weakest, *entries]
+        # It may replace one of the others: the rest is judged without it. What gained by them alone is no finding.
+        entries = [weakest, *entries] if weakest.evidence and weakest.evidence.held.z >= EACH_Z else entries
         whole = replace(whole, model=whole.search.without(whole.model, weakest.effect.name) or whole.search.stated)
     return whole, entries
 
@@ -341,23 +341,28 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
 
 
 def _is_step(model: Candidate, larger: Candidate) -> bool:
-    """Whether a larger model gains enough to be a step of the selection."""
+    """Whether a larger model gains enough to be a step of the selection.
+
+    Beside several effects that are still missing, whose errors count as noise, none may be significant: a step whose
+    gain is that of the largest one of `MOST_EFFECTS` is made too. Its significance is judged in the complete set.
+    """
     gain = model.held_out.gain_of(larger.held_out)
-    enough = gain.loss >= STEP_GAIN * model.held_out.loss and gain.z >= STEP_Z
-    return larger.implausible is None and enough and larger.fit_gain > model.fit_gain
+    shares = gain.loss / model.held_out.loss, 1.0 - larger.fit_loss / model.fit_loss
+    clear = min(shares) >= 1.0 / MOST_EFFECTS or (shares[0] >= STEP_GAIN and shares[1] > 0.0 and gain.z >= STEP_Z)
+    return larger.implausible is None and clear
 
 
 def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
     """The simplest of the candidates whose gain over a model hardly differs from the largest."""
-    gained = model.held_out.loss - options[0].held_out.loss
-    tied = [c for c in options if is_tied(c, options[0], gained)]
+    best = min(options, key=lambda c: c.loss)
+    tied = [c for c in options if is_tied(c, best, model.loss - best.loss)]
     # In one direction of motion a friction that depends on the position is the same as a force.
-    return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.held_out.loss))
+    return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.loss))
 
 
 def is_tied(other: Candidate, best: Candidate, gained: float) -> bool:
     """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
-    behind = other.held_out.loss - best.held_out.loss
+    behind = other.loss - best.loss
     return behind <= 0.1 * TIE * gained or (behind <= TIE * gained and other.held_out.gain_of(best.held_out).z < STEP_Z)
 
 

@@ -93,7 +93,7 @@ def is_constant(effect: Effect) -> bool:
 
 def is_built_in(effect: Effect) -> bool:
     """Whether the laws of an effect are those of the library's effect of that name."""
-    base = effect.name.removeprefix("contact.").partition("@")[0].partition(":")[0]
+    base = effect.name.removeprefix("contact.").partition("@")[0].partition("#")[0].partition(":")[0]
     built_in = library().get(base)
     return built_in is not None and _laws(effect) in [_laws(e) for e in (built_in, *built_in.variants)]
 
