@@ -100,11 +100,9 @@ def diagnose(
     base = fit_stated_model(problem)
     added = _added(problem)
     quantised = quantised_channel(Reference.of(problem, base))
-    if quantised is None:
-        search = ModelSearch(problem, base, all_effects, progress)
-    else:
-        # Quantisation is part of the noise, so further effects are judged with it.
-        search = ModelSearch(quantised.candidate.problem, quantised.base, all_effects, progress)
+    # Quantisation is part of the noise, so further effects are judged with it.
+    stated = (problem, base) if quantised is None else (quantised.candidate.problem, quantised.base)
+    search = ModelSearch(*stated, all_effects, progress)
     recurring = recurring_coordinates(problem)
     noise = noise_level(search, added)
     ledger = with_mode_above_band(search, make_ledger(search, noise.loss, added, recurring))

@@ -73,14 +73,8 @@ class Candidate:
         return root_mean_huber(self.fitted.fit.residual) ** 2
 
     @property
-    def fit_share(self) -> float:
-        """Part of the loss of the base model on the records of the fit that it removes."""
-        return self.fit_gain / max(self.fit_gain + self.fit_loss, 1e-300)
-
-    @property
     def loss(self) -> float:
-        """Mean of the losses on both sets of records: a few values fitted to many samples lower that of the fit little,
-        and each set of records shows some effects better."""
+        """Mean of the losses on both sets of records, each of which shows some effects better."""
         return 0.5 * (self.held_out.loss + self.fit_loss)
 
     @cached_property

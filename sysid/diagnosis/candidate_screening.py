@@ -77,7 +77,6 @@ def screen_all(
     effects = candidate_effects(problem, present, all_effects) if options is None else list(options)
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _preload(problem, effects)
-
     steps = itertools.count()
 
     def report(done: Effect | ScoredCandidate) -> None:

@@ -140,8 +140,8 @@ def decide(
 def _is_notable(curve: Candidate, loss: float) -> bool:
     """Whether a free curve explains a notable part of the loss on the records of the fit and on the held-out ones: what
     acts on one of them only is a property of the record, such as its noise or its sampling."""
-    held = curve.gain.loss >= NOTABLE_SHARE * loss and curve.gain.z >= CERTAIN_Z
-    return held and curve.fit_share >= NOTABLE_SHARE
+    shares = curve.gain.loss / loss, curve.fit_gain / (curve.fit_gain + curve.fit_loss)
+    return min(shares) >= NOTABLE_SHARE and curve.gain.z >= CERTAIN_Z
 
 
 def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:

@@ -286,36 +286,31 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     """
     whole = _Set(search, noise, tuple(added), search.stated, recurring)
     whole, entries = _judged_set(whole, _selected(whole, search.ranked))
-    if not _any_established(entries) and search.reference.held_out.loss > NEAR_NOISE_LOSS:
+    if not whole.model.added and search.reference.held_out.loss > NEAR_NOISE_LOSS:
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.
         other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
-        if _any_established(of_pair):
+        if other.model.added:
             whole, entries = other, of_pair
-    model = search.converged(whole.model) if _any_established(entries) else search.stated
-    final = replace(whole, model=model)
+    model = search.converged(whole.model) if whole.model.added else search.stated
     order = {"established": 0, "possible": 1, "refused": 2}
     entries.sort(key=lambda entry: (order[entry.state], -entry.gain))
     curves = [c for c in search.with_curves(model, recurring) if c.held_out.loss < model.held_out.loss]
     return Ledger(
         entries=tuple(entries),
         model=model,
-        explained=min(1.0, max(final.explained, 0.0)) if model.added else 0.0,
+        explained=min(1.0, max(replace(whole, model=model).explained, 0.0)) if model.added else 0.0,
         coordinate=curves[0].added[-1].coordinates[0] if curves else "",
     )
 
 
-def _any_established(entries: Sequence[Entry]) -> bool:
-    return any(entry.state == "established" for entry in entries)
-
-
 def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
-    """A set of effects with an entry for each; where none is established in it, a smaller one in which some is."""
+    """The largest part of a set of effects in which all are established, with an entry for each of the set."""
     whole, entries = replace(whole, model=model), []
     while whole.model.added:
         judged = [entry for effect in whole.model.added if (entry := _judged(whole, effect)) is not None]
         judged.sort(key=lambda entry: -entry.gain)
         if not judged:
-            break
+            return replace(whole, model=whole.search.stated), entries
         weakest = next((entry for entry in reversed(judged) if entry.state != "established"), None)
         if weakest is None:
             return whole, [*judged, *entries]
@@ -341,11 +336,8 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
 
 
 def _is_step(model: Candidate, larger: Candidate) -> bool:
-    """Whether a larger model gains enough to be a step of the selection.
-
-    Beside several effects that are still missing, whose errors count as noise, none may be significant: a step whose
-    gain is that of the largest one of `MOST_EFFECTS` is made too. Its significance is judged in the complete set.
-    """
+    """Whether a larger model gains enough to be a step of the selection: significantly, or, as beside other missing
+    effects none may be significant, as much as the largest of `MOST_EFFECTS`."""
     gain = model.held_out.gain_of(larger.held_out)
     shares = gain.loss / model.held_out.loss, 1.0 - larger.fit_loss / model.fit_loss
     clear = min(shares) >= 1.0 / MOST_EFFECTS or (shares[0] >= STEP_GAIN and shares[1] > 0.0 and gain.z >= STEP_Z)

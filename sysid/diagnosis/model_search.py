@@ -95,6 +95,7 @@ class ModelSearch:
         self._steps: dict[tuple[str, ...], list[Candidate]] = {}
         self._curves: dict[tuple[str, ...], dict[str, Candidate]] = {}
         self._without: dict[tuple[str, ...], Candidate | None] = {}
+        self._converged: set[Candidate] = set()
 
     @cached_property
     def stated(self) -> Candidate:
@@ -207,13 +208,17 @@ class ModelSearch:
     def converged(self, model: Candidate) -> Candidate:
         """A model with its fit continued until it converges, in the lowest minimum nearby, and the variants and shapes
         of the stated effects searched again."""
+        if model in self._converged:
+            return model
         records = self.problem.fit_records
         lowest = lowest_minimum(model.fitted, records)
         fitted = fit_model(lowest.model, records, self.base.fitted.weights, CONVERGED, near=lowest)
         found = self.reference.evaluate(
             fitted, model.added, model.removed, model.predicted_reduction, model.blocked_reduction
         )
-        return self._with_searched_effects(model if found is None else found)
+        found = self._with_searched_effects(model if found is None else found)
+        self._converged.add(found)
+        return found
 
     def exchanged(self, model: Candidate) -> HeldOut | None:
         """Residual on the records of the fit of a model that is fitted to the held-out records; None where it is not
@@ -232,12 +237,8 @@ class ModelSearch:
         return [found for found in map_items(function, items, shared) if found is not None]
 
     def _evaluate(self, refit: RefittedEffect) -> Candidate | None:
-        return self.reference.evaluate(
-            refit.fitted,
-            (refit.effect,),
-            predicted_reduction=refit.predicted_reduction,
-            blocked_reduction=refit.blocked_reduction,
-        )
+        reductions = refit.predicted_reduction, refit.blocked_reduction
+        return self.reference.evaluate(refit.fitted, (refit.effect,), "", *reductions)
 
     def _refitted(self, candidate: Candidate, problem: Problem, base: ReferenceFit) -> Candidate | None:
         """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
