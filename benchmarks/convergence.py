@@ -3,20 +3,28 @@
     python -m benchmarks.convergence
 
 Each table varies one number of the discretisation; the rows in bold are the setting that is used. The last column is
-the difference from the finest row. Half a minute of processor time.
+the difference from the finest row. A column is printed with the digits in which the row in use and the finest row
+agree, five at most. A minute of processor time.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 
 from designcalc.bearing.plate import SupportedPlate
 from designcalc.checks.check import DesignInputs
+from designcalc.drive.magnetic_teeth import teeth_field
+from designcalc.friction_stage.physics import plate_vibration
+from designcalc.friction_stage.physics.loads import tip_load
+from designcalc.friction_stage.physics.plate_vibration import DRIVEN_MODES
 from designcalc.friction_stage.physics.stage_plate import TIP, payload_places, stage_plate
+from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from sim.effects.catalogue import compose
+from sim.experiments.friction_models import Friction
+from sim.experiments.limit_cycles import cycle
 from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, flexible_machine
 from sim.integration import drive
 from sim.integration.simulate import simulate
@@ -28,8 +36,20 @@ from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.load import load_design
 from stagecad.solids.assembly.built_machine import body_masses
 
+TEETH = ("pitch", "width", "gap", "groove_depth")
 PAGE = Path(__file__).parents[1] / "docs" / "convergence.md"
 Numbers = Sequence[float]
+
+
+def shown(value: float, digits: int) -> str:
+    """A number with some significant digits, without an exponent."""
+    rounded = float(f"{value:.{digits - 1}e}")
+    return f"{rounded:.{max(digits - 1 - math.floor(math.log10(abs(rounded))), 0)}f}"
+
+
+def converged_digits(used: float, finest: float) -> int:
+    """Number of significant digits, up to five, in which two numbers agree; one at least."""
+    return next((n for n in (5, 4, 3, 2) if shown(used, n) == shown(finest, n)), 1)
 
 
 def table(
@@ -37,14 +57,16 @@ def table(
 ) -> str:
     """A table over a number of the discretisation; the last row is the finest."""
     found = [list(run(row)) for row in rows]
+    bold = next(k for k, row in enumerate(rows) if math.isclose(row, used))
+    digits = [converged_digits(*pair) for pair in zip(found[bold], found[-1], strict=True)]
     lines = [
         f"| {heading} | {' | '.join(names)} | largest difference |",
         f"| --- |{' ---: |' * (len(names) + 1)}",
     ]
-    for row, values in zip(rows, found, strict=True):
+    for k, (row, values) in enumerate(zip(rows, found, strict=True)):
         off = max(abs(a / b - 1.0) for a, b in zip(values, found[-1], strict=True))
-        shown = f"**{row:g}**" if math.isclose(row, used) else f"{row:g}"
-        lines.append(f"| {shown} | {' | '.join(f'{value:.5g}' for value in values)} | {off:.1e} |")
+        cells = " | ".join(shown(*pair) for pair in zip(values, digits, strict=True))
+        lines.append(f"| {f'**{row:g}**' if k == bold else f'{row:g}'} | {cells} | {off:.1e} |")
     return "\n".join(lines)
 
 
@@ -82,17 +104,45 @@ def page() -> str:
         f = one.modes(15).frequency
         return float(f[0]), float(f[2]), float(f[14]), float(one.compliance([TIP], payload_places(r)[:1])[0, 0]) * 1e9
 
+    friction = Friction(**{one.name: getattr(design.friction, one.name) for one in fields(Friction)})
+
+    def limit_cycle(tolerance: float) -> tuple[float, float]:
+        found = cycle(friction, "lugre_causal", 3.5e-3, 2.0, 1.0, tolerance)
+        return found.size, found.top
+
+    def pulses(modes: float) -> tuple[float, float]:
+        plate_vibration.DRIVEN_MODES = int(modes)
+        fresh = DesignInputs(design, masses)
+        above = plate_vibration.above_tip(fresh, tip_load(fresh))
+        plate_vibration.DRIVEN_MODES = DRIVEN_MODES
+        return float(above.vibration[0]) * 1e9, float(plate_vibration.at_feet(fresh, 20.0).vibration.max()) * 1e9
+
+    def attraction(refinement: float) -> tuple[float, float]:
+        found = circuit(r).forces(refinement)
+        return CIRCUITS * found.attraction, 1e3 * found.gap_flux_density
+
+    def teeth(functions: float) -> tuple[float, float]:
+        found = teeth_field(*(r(f"teeth.{key}") for key in TEETH), functions=int(functions))
+        return float(found.normal_stiffness), float(found.lateral_over_normal)
+
     def machine(modes: float) -> StageMachine:
         return driven_alone(design, flexible_machine(design, masses, int(modes)))
 
     parts = [
         "# Convergence\n",
         "Written by `python -m benchmarks.convergence`. Each table varies one number of the discretisation; the row in "
-        "bold is used. The last column is the largest difference from the last, finest row.\n",
+        "bold is used. The last column is the largest difference from the last, finest row. A column has the digits in "
+        "which the row in use and the finest one agree, five at most.\n",
         "## Plate of the stage on its pads, by the number of elements along its shorter side\n",
         table("elements", 20, (10, 14, 20, 30, 40), ("mode 1 (Hz)", "mode 3", "mode 15", "compliance (nm/N)"), plate),
+        "\n## Vibration of the stage by the pulses of the tip, by the number of modes on its pads\n",
+        table("modes on pads", DRIVEN_MODES, (10, 20, 40, 80), ("above the tip (nm)", "worst foot (nm)"), pulses),
+        "\n## Magnets over their bars, by the refinement of the grid\n",
+        table("refinement", 1.0, (0.5, 1.0, 2.0, 4.0), ("attraction (N)", "gap field (mT)"), attraction),
+        "\n## Field of the teeth, by the number of functions at a mouth\n",
+        table("functions", 14, (6, 10, 14, 20, 28), ("normal stiffness", "lateral over normal"), teeth),
         "\n## Driven stage, by the number of natural bending modes\n",
-        "Raised tip, ideal amplifiers, 3 kHz and 6 kHz. Impacts at 6 kHz are irregular: their peaks scatter.\n",
+        "Raised tip, ideal amplifiers, 3 kHz and 6 kHz.\n",
         table(
             "modes",
             BENDING_MODES,
@@ -110,6 +160,8 @@ def page() -> str:
         ),
         "\n## One axis, by the tolerance: stick-slip of 20 s, causal friction\n",
         table("tolerance", 1e-8, (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), ("position (m)", "heat (J)"), energy_error),
+        "\n## Limit cycle of stick-slip at 3.5 mm/s and 2 N/m, by the tolerance\n",
+        table("tolerance of the cycle", 1e-8, (1e-4, 1e-6, 1e-8, 1e-10), ("size (N)", "break-away (N)"), limit_cycle),
     ]
     return "\n".join(parts) + "\n"
 

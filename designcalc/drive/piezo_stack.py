@@ -105,22 +105,6 @@ def side_load(
     return SideLoad(moment * np.sqrt(A) / 2 / (A**2 / 12), deflection, touch, touches)
 
 
-def tilt_stress(angle: ArrayLike, length: ArrayLike, area: ArrayLike, modulus: ArrayLike) -> Array:
-    """Bending stress of a stack with flat, bonded ends whose end is tilted and held sideways: ``4 E c theta/L``, Pa.
-
-    A rounded end rolls instead, and has almost none of this stress.
-
-    Args:
-        angle: theta, rad.
-        length: L, m.
-        area: A of a square element, m^2; ``c = sqrt(A)/2``.
-        modulus: E, Pa.
-    """
-    theta, L, A, E = (np.asarray(v, float) for v in (angle, length, area, modulus))
-    _require(all(np.all(v > 0) for v in (L, A, E)), "length, area and modulus")
-    return 4 * E * (np.sqrt(A) / 2) * np.abs(theta) / L
-
-
 def rocking_stiffness(stack_stiffness: ArrayLike, piezo_spacing: ArrayLike) -> Array:
     """Stiffness of the tip about the axis across the travel, on two stacks D apart: ``k D^2/2``, N m/rad."""
     k, D = np.asarray(stack_stiffness, float), np.asarray(piezo_spacing, float)

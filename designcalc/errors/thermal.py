@@ -8,19 +8,6 @@ from stagecad.parameters.errors import InputError
 Array = NDArray[np.float64]
 
 
-def loop_drift(lengths: ArrayLike, expansions: ArrayLike) -> Array:
-    """Opening of a loop of members per kelvin: ``sum(alpha_i L_i)``, m/K.
-
-    Args:
-        lengths: signed lengths along the sensitive direction, m, shape (..., n): positive where growth opens the gap.
-        expansions: coefficients of expansion, 1/K, shape (..., n).
-
-    Returns:
-        shape (...).
-    """
-    return np.sum(np.asarray(lengths, float) * np.asarray(expansions, float), axis=-1)
-
-
 def differential_growth(length: ArrayLike, expansion_1: ArrayLike, expansion_2: ArrayLike) -> Array:
     """Difference of the growth of two bodies of one length, ``|alpha_1 - alpha_2| L``, m/K."""
     return np.abs(np.asarray(expansion_1, float) - np.asarray(expansion_2, float)) * np.asarray(length, float)
@@ -55,29 +42,6 @@ def bow_of_layers(
     m, n, h = t1 / t2, e1 / e2, t1 + t2
     share = 6 * (1 + m) ** 2 / (3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n)))
     return np.abs(np.asarray(expansion_1, float) - np.asarray(expansion_2, float)) * share / h * L**2 / 8
-
-
-def preload_change(
-    grip: ArrayLike,
-    bolt_expansion: ArrayLike,
-    clamped_expansion: ArrayLike,
-    bolt_stiffness: ArrayLike,
-    clamped_stiffness: ArrayLike,
-) -> Array:
-    """Change of a bolt's preload per kelvin, N/K; negative when the bolt outgrows what it clamps.
-
-    ``dF/dT = (alpha_clamped - alpha_bolt) grip / (1/k_bolt + 1/k_clamped)``.
-
-    Args:
-        grip: clamped length, m.
-        bolt_expansion, clamped_expansion: 1/K.
-        bolt_stiffness, clamped_stiffness: N/m.
-    """
-    t, bolt, clamped = (np.asarray(v, float) for v in (grip, bolt_stiffness, clamped_stiffness))
-    if not (np.all(t > 0) and np.all(bolt > 0) and np.all(clamped > 0)):
-        raise InputError("thermal: grip and stiffnesses must be above 0")
-    apart = np.asarray(clamped_expansion, float) - np.asarray(bolt_expansion, float)
-    return apart * t / (1 / bolt + 1 / clamped)
 
 
 THIRD_OCTAVES = 1000.0 * 2.0 ** (np.arange(-21, -10) / 3.0)

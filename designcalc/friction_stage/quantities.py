@@ -1,6 +1,7 @@
 """Calculated numbers of the machine that the formulas of its checks name."""
 
 import re
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from designcalc.contact.hertz import contact_modulus
 from designcalc.contact.hertz_stress import ShearPeak, peak_mises, point_shear_peak
 from designcalc.friction_stage.physics.body import moving_body, tip_mass
 from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip, press_angle, screw_preload
+from designcalc.friction_stage.physics.heat import BODIES, growth, warmed
 from designcalc.friction_stage.physics.loads import load, load_centre, moved_mass, preload, tip_load, weight
 from designcalc.friction_stage.physics.pads import (
     film,
@@ -78,6 +80,10 @@ def _lift_of_pulses(r: DesignInputs) -> float:
     return float(found.at_peak_force[0] - found.static[0])
 
 
+def _rise(body: int, r: DesignInputs) -> float:
+    return float(warmed(r).hottest[body])
+
+
 def loose_fit(r: DesignInputs) -> float:
     """Play of the holder in its pocket beyond the nominal one by both tolerances, m."""
     return 2 * r("drawing.tolerance_x_xx")
@@ -132,6 +138,9 @@ QUANTITIES: Quantities = {
     "stiffness.way_joint": (_way_joint, "N/m"),
     "force.touching_bore": (lambda r: float(bent_stack(r, 1.0).touch_force), "N"),
     "inertia.on_piezos": (inertia_on_piezos, "kg*m^2"),
+    **{f"rise.{body}": (partial(_rise, k), "K") for k, body in enumerate(BODIES)},
+    "growth.by_heat": (lambda r: growth(r)[0], "m"),
+    "growth.in_period": (lambda r: growth(r)[1], "m"),
     "pressure.of_pad": (lambda r: float(film(r, heaviest_pad(r)).peak_pressure), "Pa"),
     "radius.of_pad": (lambda r: float(film(r, heaviest_pad(r)).radius), "m"),
     "radius.of_averaging": (_averaging_radius, "m"),

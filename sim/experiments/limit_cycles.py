@@ -79,7 +79,7 @@ def ageing_model(friction: Friction, core: str) -> Model:
     return compose([core, "dwell_strengthening:kato", "viscous"], values)
 
 
-def cycle(friction: Friction, core: str, speed: float, stiffness: float, mass: float) -> Cycle:
+def cycle(friction: Friction, core: str, speed: float, stiffness: float, mass: float, tolerance: float = 1e-8) -> Cycle:
     """A pull at one speed from rest, until the first break-away and some cycles later."""
     rise = friction.breakaway - friction.coulomb
     wind = 2.0 * friction.breakaway / (stiffness * speed)
@@ -88,7 +88,7 @@ def cycle(friction: Friction, core: str, speed: float, stiffness: float, mass: f
         ends = max(ends, wind + DECAYS * 2.0 * mass / friction.viscous)
     time = np.linspace(0.0, ends, ROWS)
     pull = drive.pulled_spring([0.0, ends], [0.0, speed * ends], stiffness)
-    options: dict[str, Any] = {"mass": mass, "tolerance": 1e-8, "most_steps": MOST_STEPS}
+    options: dict[str, Any] = {"mass": mass, "tolerance": tolerance, "most_steps": MOST_STEPS}
     run = simulate(ageing_model(friction, core), pull, time, **options)
     late = time > 0.7 * ends
     moving = np.flatnonzero(run.velocity[late] >= AT_REST * speed)

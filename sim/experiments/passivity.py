@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
+from sim.effects.catalogue import Model
 from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.integration.drive import Drive
 from sim.integration.simulate import Simulation, simulate
@@ -33,12 +35,16 @@ class Audit:
     heat: np.ndarray  # heat since the start, J, shape (n,)
     least_heat: float  # its smallest value, J: negative where the model has returned energy
     peak_force: float  # largest friction force, N; in the last cycle for `tip`, by when the motion has settled
+    # energy received by each element of the bond graph since the start, J, (n,): spring and damper of the bristles, and
+    # the slip element, which takes what is left; one of them that falls, other than the spring, is not passive
+    elements: dict[str, np.ndarray]
 
     def features(self) -> dict[str, tuple[float, str]]:
         return {
             "heat": (float(self.heat[-1]), "J"),
             "least_heat": (self.least_heat, "J"),
             "peak_force": (self.peak_force, "N"),
+            "least_slip_heat": (float(self.elements["slip"].min()), "J"),
         }
 
 
@@ -64,4 +70,13 @@ def audit(friction: Friction, core: str, motion: str, tolerance: float = 1e-10) 
     run = simulate(model, imposed, time, bristle=[bristle], **options)
     heat = run.core_work - (run.stored - run.stored[0])
     judged = run.friction if motion == "start" else run.friction[time >= 0.9 * end]
-    return Audit(run, heat, float(heat.min()), float(np.abs(judged).max()))
+    return Audit(run, heat, float(heat.min()), float(np.abs(judged).max()), _elements(run, model))
+
+
+def _elements(run: Simulation, model: Model) -> dict[str, np.ndarray]:
+    """The spring a0 z and the damper a1 z' of the bristles, and the rest of the work on the friction model, J."""
+    damping = model.parameters().get(f"{model.names[0]}.damping", 0.0)
+    rate = np.gradient(run.bristle[:, 0], run.time, edge_order=2)
+    spring = run.stored - run.stored[0]
+    damper = cumulative_trapezoid(damping * rate**2, run.time, initial=0.0)
+    return {"spring": spring, "damper": damper, "slip": run.core_work - spring - damper}

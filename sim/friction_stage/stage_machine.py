@@ -16,6 +16,7 @@ from designcalc.friction_stage.physics.teeth import magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
     contact_stiffness,
+    driven_capacitance,
     inertia_on_piezos,
     mass_on_piezos,
     stack_stiffness,
@@ -64,6 +65,8 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
             slew_rate=r("amplifier.slew_rate"),
             bandwidth=r("amplifier.bandwidth"),
             bits=design.amplifier.bits,
+            loss=driven_capacitance(r) * r("piezo.loss_factor"),
+            tension=r("piezo.strain_limit") * r("piezo.element_area"),
         ),
         sensors=_sensors(design),
         actuators=np.array(design.derived.fitted_places) * 1e-3,

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
-from sim.stage.studies import STUDY_NAMES, RunAll
+from sim.stage.studies import ON_REQUEST, STUDY_NAMES, RunAll
 from sim.stage.studies.coupling import coupling_study
 from sim.stage.studies.ellipse import ellipse_search
 from sim.stage.studies.hunting import hunting_study
@@ -18,6 +18,7 @@ from sim.stage.studies.planar import planar_study
 from sim.stage.studies.positioning import positioning_study
 from sim.stage.studies.speed import speed_study
 from sim.stage.studies.steps import step_study
+from sim.stage.studies.tip_motion import tip_motions
 from sim.stage.studies.travel_map import travel_map
 from sim.stage.waveforms import TipDrive
 from stagecad.parameters.design import Design
@@ -54,7 +55,7 @@ _ON_THREE = ("planar",)
 """Studies of the machine on three actuators."""
 _FUNCTIONS = (
     *(step_study, speed_study, travel_map, ellipse_search),
-    *(coupling_study, planar_study, positioning_study, hunting_study),
+    *(coupling_study, planar_study, positioning_study, hunting_study, tip_motions),
 )
 
 
@@ -63,7 +64,7 @@ def _run(name: str, study: Callable[[TipDrive, RunAll], Study], drive: StageDriv
 
 
 STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = {
-    name: partial(_run, name, study) for name, study in zip(STUDY_NAMES, _FUNCTIONS, strict=True)
+    name: partial(_run, name, study) for name, study in zip((*STUDY_NAMES, *ON_REQUEST), _FUNCTIONS, strict=True)
 }
 """Studies by name, in the order of a run."""
 

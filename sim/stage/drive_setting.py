@@ -67,6 +67,9 @@ class Steady:
     contact_share: float  # part of the time that the first tip touches
     lifted_share: float  # part of the time that the pad most often lifted is off its way
     largest_tip_force: float  # N
+    ripple: float  # of the velocity along x, m/s rms
+    power: float  # mechanical, that the stacks put in, W
+    slip_heat: float  # of the tips on the stage, W
 
 
 def steady(
@@ -113,4 +116,7 @@ def _averaged(run: StageRun, frequency: float) -> Steady:
         contact_share=share,
         lifted_share=lifted,
         largest_tip_force=float(run.tip_force(0)[late, 2].max()),
+        ripple=float(np.std(run.velocity[late, 0])),
+        power=float(np.ptp(run.energy["drive"][late])) / window,
+        slip_heat=float(np.ptp(run.energy["contacts"][late])) / window,
     )

@@ -118,6 +118,8 @@ class Piezo:
     slew_rate: float  # of the amplifier itself, V/s
     bandwidth: float  # of the amplifier, Hz
     bits: int  # of the converter over the whole voltage
+    loss: float = 0.0  # capacitance at full stroke times loss factor, F
+    tension: float = math.inf  # that a stack without preload bears, N
 
     @property
     def voltage_rate(self) -> float:

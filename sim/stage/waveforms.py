@@ -13,13 +13,31 @@ from sim.stage.machine import StageMachine
 
 
 @dataclass(frozen=True)
+class Overtone:
+    """A harmonic of a path: real part of the complex amplitudes times ``exp(i order turn)``."""
+
+    order: int  # 2 or more
+    along: complex  # in the direction of motion, m
+    normal: complex  # up, m
+
+
+@dataclass(frozen=True)
 class Ellipse:
-    """A path of one tip."""
+    """A path of one tip: an ellipse, with overtones any closed path."""
 
     along: float  # amplitude in the direction of motion, m
     normal: float  # amplitude up, m
     lag: float = 0.0  # of the motion along behind a quarter turn against the motion up, rad: 0 is an upright ellipse
     direction: float = 0.0  # of the stage's motion, rad from x
+    overtones: tuple[Overtone, ...] = ()
+
+    def at(self, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement in the direction of motion and up, m, at turns (n,), rad."""
+        along, up = -self.along * np.cos(turn + self.lag), self.normal * np.sin(turn)
+        for tone in self.overtones:
+            wave = np.exp(1j * tone.order * turn)
+            along, up = along + (tone.along * wave).real, up + (tone.normal * wave).real
+        return along, up
 
 
 def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> Ellipse:
@@ -95,8 +113,8 @@ def ellipse_wave(
     out = np.empty((time.size, actuators, 3))
     for k, path in enumerate(paths):
         turn = 2.0 * math.pi * frequency * time + (0.0 if phases is None else phases[k])
-        along = -path.along * np.cos(turn + path.lag) * envelope
-        up = path.normal * np.sin(turn) * envelope + lift
+        along, up = path.at(turn)
+        along, up = along * envelope, up * envelope + lift
         out[:, k] = volts_for(machine, along * math.cos(path.direction), along * math.sin(path.direction), up)
     return out
 

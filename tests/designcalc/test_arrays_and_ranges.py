@@ -44,7 +44,6 @@ CALLS = [
     (piezo_stack.sway_stiffness, (36e-3, 25e-6, 50e9)),
     (piezo_stack.drive_pull, (10.0, 20e-3, 46e-3)),
     (piezo_stack.side_load, (3.3, 36e-3, 5e-3, 25e-6, 50e9, 25e-6)),
-    (piezo_stack.tilt_stress, (3e-4, 36e-3, 25e-6, 50e9)),
     (piezo_stack.rocking_stiffness, (47e6, 46e-3)),
     (piezo_stack.tip_inertia, (0.03, 0.026, 0.02)),
     (lambda gap: porous_air.stiffness_of_gap(gap, 5e-6, 90.0, 25.4e-3, 413e3), (4e-6,)),
@@ -62,7 +61,6 @@ CALLS = [
     (sliding.friction_heat, (0.05, 33.0, 0.2)),
     (thermal.differential_growth, (0.28, 4e-6, 1.3e-6)),
     (thermal.bow_of_layers, (0.28, 0.025, 410e9, 4e-6, 0.09, 141e9, 1.3e-6)),
-    (thermal.preload_change, (14e-3, 12e-6, 4e-6, 3e8, 3e9)),
     (thermal.floor_motion, (25e-6, 330.0, 0.02)),
 ]
 
@@ -120,7 +118,6 @@ def test_an_array_gives_what_its_elements_give(call, arguments):
         lambda: sliding.friction_heat(-0.1, 1.0, 1.0),
         lambda: film.film_contact(0.0, 2.0, 2e-6, 1e9, 60e9),
         lambda: thermal.bow_of_layers(0.28, 0.0, 1e9, 0.0, 0.1, 1e9, 0.0),
-        lambda: thermal.preload_change(0.01, 0.0, 0.0, 0.0, 1e9),
     ],
 )
 def test_outside_its_range_a_calculator_says_so(call):

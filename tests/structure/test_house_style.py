@@ -10,21 +10,21 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15214,
-    "designcalc": 10582,
-    "sim": 12408,
+    "stagecad": 15229,
+    "designcalc": 10714,
+    "sim": 12646,
     "sysid": 20260,
     "drawings": 12030,
-    "workbench": 15279,
+    "workbench": 15336,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
     "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits",
-    "designcalc: optimize finds designs whose lengths many rules tie together",
-    "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles of stick-slip",
+    "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle",
+    "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
     "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in one ledger",
-    "workbench: look, export, add --all, results with table, figure and document in one class",
+    "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip",
 )
 """Why the packages have more lines than the 85 214 before the tool and the machine were taken apart."""
 

@@ -130,6 +130,25 @@ def passivity_figure(results: Mapping[str, Mapping[str, Audit]]) -> Plot:
 
 
 @styled
+def elements_figure(results: Mapping[str, Mapping[str, Audit]]) -> Plot:
+    """Energy received by each element of the bond graphs (Figures 27 to 32), in both motions of the audit."""
+    figure, axes = new_plot(len(MOTIONS), len(results), 3.6 * len(results), 5.6, sharex="row")
+    for column, (model, motions) in zip(axes.T, results.items()):
+        column[0].set_title(TITLES[model], fontsize=9)
+        for panel, motion in zip(column, MOTIONS):
+            audit = motions[motion]
+            for ink, (element, energy) in zip(INK, audit.elements.items()):
+                panel.plot(audit.simulation.time * 1e3, energy * 1e6, color=ink, label=element)
+            panel.axhline(0.0, color="black", linewidth=0.6)
+            panel.set_xlabel(f"time (ms), {motion}")
+    axes[0, 0].set_ylabel("energy received (µJ)")
+    axes[1, 0].set_ylabel("energy received (µJ)")
+    axes[0, 0].legend(loc="upper left")
+    figure.suptitle("Bond graphs of the friction models: energy of spring, damper and slip element")
+    return figure
+
+
+@styled
 def limit_cycles_figure(model: str, springs: Mapping[str, LimitCycles]) -> Plot:
     """Spring force in time at two speeds, and size and break-away force of the limit cycles (Figures 20 to 22)."""
     figure, axes = new_plot(3, 1, 7.2, 8.0)
@@ -158,7 +177,6 @@ _FIGURES: dict[str, Callable[..., Plot]] = {
     "tip": tip_figure,
     "presliding": presliding_figure,
     "hysteresis": hysteresis_figure,
-    "passivity": passivity_figure,
 }
 
 
@@ -166,6 +184,8 @@ def experiment_figures(name: str, results: Mapping[str, Any]) -> dict[str, Plot]
     """Figures of an experiment of the thesis, by the names of their files."""
     if name == "limit-cycles":
         return {f"{name}_{model}": limit_cycles_figure(model, springs) for model, springs in results.items()}
+    if name == "passivity":
+        return {name: passivity_figure(results), f"{name}_elements": elements_figure(results)}
     return stick_slip_figures(results) if name == "stick-slip" else {name: _FIGURES[name](results)}
 
 

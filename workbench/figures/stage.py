@@ -13,6 +13,7 @@ from sim.stage.studies.planar import PlanarStudy
 from sim.stage.studies.positioning import LOOPS, PositioningStudy
 from sim.stage.studies.speed import HALF, HEIGHTS, LAWS, SpeedStudy
 from sim.stage.studies.steps import StepStudy
+from sim.stage.studies.tip_motion import TipMotions
 from sim.stage.studies.travel_map import LIFTED, TravelMap
 from workbench.figures.plot import GREY, INK, Plot, new_plot, styled
 
@@ -238,6 +239,29 @@ def hunting_figure(study: HuntingStudy) -> Plot:
     return figure
 
 
+@styled
+def tip_motion_figure(study: TipMotions) -> Plot:
+    """Commanded paths, speed over power, and ripple over the work of slip of the best motions of the tip."""
+    figure, axes = new_plot(1, 3, 13.0, 4.6)
+    paths, powers, wear = axes[0]
+    turn = np.linspace(0.0, 2.0 * np.pi, 361)
+    inks = [*TRAVEL_INK[:5], *TRAVEL_INK[1:5]]
+    for ink, (name, motion) in zip(inks, study.motions.items(), strict=True):
+        look: dict[str, Any] = {"color": ink, "label": name.replace("_", " ")}
+        along, up = motion.path.at(turn)
+        paths.plot(along * 1e6, (up + motion.height) * 1e6, linestyle="--" if "sinusoid" in name else "-", **look)
+        look |= {"linestyle": "", "marker": "s" if "sinusoid" in name else "o"}
+        powers.plot(motion.power, motion.speed * 1e3, **look)
+        wear.plot(motion.slip_work, motion.steady.ripple * 1e3, **look)
+    paths.axhline(0.0, color=GREY, linewidth=0.8)
+    paths.set(xlabel="along (µm)", ylabel="over the drive surface (µm)", title="commanded paths")
+    powers.set(xlabel="heat of the stacks and mechanical power (W)", ylabel="speed (mm/s)", title="speed")
+    wear.set(xlabel="work of slip per travel (N)", ylabel="ripple of the speed (mm/s rms)", title="wear and ripple")
+    figure.legend(*paths.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=7)
+    figure.suptitle(f"Motions of the tip within the limits of amplifier and stacks, {study.frequency:.0f} Hz")
+    return figure
+
+
 def _mark(marker: str, label: str, **look: Any) -> Any:
     """Legend entry of a mark."""
     from matplotlib.lines import Line2D
@@ -260,4 +284,5 @@ _STUDIES = {
     "planar": planar_figure,
     "positioning": positioning_figure,
     "hunting": hunting_figure,
+    "tip_motion": tip_motion_figure,
 }

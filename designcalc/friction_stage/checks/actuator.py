@@ -19,6 +19,8 @@ def checks(design: Design) -> list[CheckFunction]:
         sway_mode,
         pushing_force,
         heat,
+        stack_rise,
+        heat_drift,
         current,
         tension,
         bending,
@@ -66,6 +68,29 @@ heat = stated(
     proposal="full speed for {100*check.limit/check.value} % of the time, or a holder that takes {check.value}",
     thesis="'milliwatts' is {check.value} at the required speed",
     requirement=_ACTUATOR,
+)
+
+
+_DUTY = "full speed for {heat.moving} of each {heat.period}"
+stack_rise = stated(
+    "temperature of the stacks over the duty cycle",
+    "rise.stacks <= heat.highest_rise",
+    ("heat.period", "heat.period*check.value/check.limit", True),
+    source="network of stacks, tip, holder and base in the periodic state; stacks through their ends and the air of "
+    "their bores",
+    proposal="fewer moves, or a heat-conducting filling of the bores",
+    requirement=_ACTUATOR,
+    note=_DUTY + "; tip {rise.tip}, holder {rise.holder}, base {rise.base} over the surroundings",
+)
+
+
+heat_drift = stated(
+    "drift of the tip by the heat of its stacks",
+    "abs(growth.by_heat) <= 0.1*ellipse.rise",
+    source="growth of stacks, tip and holder's floor from the surroundings' temperature to the end of a move",
+    proposal="less speed or shorter moves, or a bias of the piezos that follows the temperature",
+    requirement="Table 2: low thermal expansion",
+    note=_DUTY + "; {growth.by_heat}, {growth.in_period} of it in each period",
 )
 
 

@@ -48,5 +48,6 @@ class Tables:
     requirements: physics.Requirements
     environment: physics.Environment
     loop: physics.Loop
+    heat: physics.Heat
     candidates: alternatives.Candidates
     drawing: physics.Drawing

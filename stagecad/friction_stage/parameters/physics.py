@@ -231,6 +231,20 @@ class Loop:
 
 
 @dataclass(frozen=True)
+class Heat:
+    """Flow of the stacks' heat, and the duty that causes it."""
+
+    conductivity: float = number("thermal, of the stacks' ceramic", "W/m/K", default="1.1 W/m/K")
+    joint_conductance: float = number("of the bond at either end of a stack", "W/m^2/K", default="2000 W/m^2/K")
+    air_conductivity: float = number("thermal, of the air in bores and pocket", "W/m/K", default="0.026 W/m/K")
+    convection: float = number("to the surroundings, from tip and base", "W/m^2/K", default="10 W/m^2/K")
+    capacity: float = number("of a volume of metal or ceramic", "J/m^3/K", default="3.5e6 J/m^3/K")
+    moving: float = number("at full speed in each period of the duty", "s", default="1 s")
+    period: float = number("of the duty", "s", default="10 s")
+    highest_rise: float = number("of the stacks' temperature that they bear", "K", default="60 K")
+
+
+@dataclass(frozen=True)
 class Material:
     """Properties at room temperature."""
 

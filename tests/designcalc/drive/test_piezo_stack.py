@@ -104,11 +104,6 @@ def test_sway_of_a_stack_is_the_slope_of_its_deflection():
     assert float(stack.sway_stiffness(L, A, E)) == pytest.approx(0.167e6, rel=5e-3)
 
 
-def test_a_flat_end_that_tilts_bends_the_stack_as_a_clamped_beam():
-    moment, _ = beam_moment(0.0, tilt=5e-4)
-    assert float(stack.tilt_stress(5e-4, L, A, E)) == pytest.approx(moment * np.sqrt(A) / 2 / (A**2 / 12), rel=1e-5)
-
-
 def test_rocking_stiffness_is_that_of_two_springs():
     angle, k, D = 1e-6, 47e6, 46e-3
     moment = 2 * k * (D / 2 * angle) * (D / 2)
@@ -127,7 +122,6 @@ def test_inertia_of_the_packaged_tip_is_that_of_its_solid():
         lambda: stack.sway_stiffness(0.0, A, E),
         lambda: stack.drive_pull(1.0, 1.0, 0.0),
         lambda: stack.side_load(1.0, L, 2 * L, A, E, 0.0),
-        lambda: stack.tilt_stress(1e-4, 0.0, A, E),
         lambda: stack.rocking_stiffness(0.0, 1.0),
         lambda: stack.tip_inertia(1.0, 1.0, 0.0),
     ],

@@ -50,6 +50,21 @@ def test_the_heat_is_the_integral_of_the_closed_expression(core, motion):
     assert np.abs(heat - result.heat).max() < 1e-3 * np.abs(result.heat).max()
 
 
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_the_elements_of_the_causal_bond_graph_take_the_energy_of_their_laws(motion):
+    """Slip: force times slip rate, (|v|/g) F^2; the slip of model 1 gives energy back in the fast start."""
+    result = audit(FRICTION, "lugre_causal", motion)
+    run, found = result.simulation, result.elements
+    v, z, level = run.velocity, run.bristle[:, 0], 1.0 + 0.5 * np.exp(-((run.velocity / 1e-3) ** 2))
+    rate = (v - np.abs(v) * 1e5 * z / level) / (1.0 + math.sqrt(1e5) * np.abs(v) / level)
+    power = np.abs(v) / level * (1e5 * z + math.sqrt(1e5) * rate) ** 2
+    slip = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(run.time))])
+    assert np.abs(found["slip"] - slip).max() < 2e-3 * slip[-1]
+    assert sum(found.values()) == pytest.approx(run.core_work, abs=1e-15)
+    assert np.diff(found["damper"]).min() >= 0.0
+    assert audit(FRICTION, "lugre", "start").elements["slip"].min() < -4e-5
+
+
 @pytest.mark.parametrize("core", ["lugre_undamped", "lugre_causal"])
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_heat_never_falls_in_a_passive_model(core, motion):

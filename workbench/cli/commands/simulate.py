@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from sim.stage.studies import STUDY_NAMES
+from sim.stage.studies import ON_REQUEST, STUDY_NAMES
 from stagecad.parameters.errors import InputError
 from workbench.cli.options import FILE, Run, common_options, consent, trust_option
 
@@ -24,7 +24,7 @@ from workbench.cli.options import FILE, Run, common_options, consent, trust_opti
     "studies",
     multiple=True,
     metavar="NAME",
-    help=f"Study of the stage; may be repeated (default: all of {', '.join(STUDY_NAMES)}).",
+    help=f"Study of the stage; may be repeated (default: {', '.join(STUDY_NAMES)}; further: {', '.join(ON_REQUEST)}).",
 )
 @click.option(
     "--sweep",

@@ -20,7 +20,7 @@ from sim.experiments.presliding import presliding
 from sim.experiments.stick_slip import stick_slip
 from sim.experiments.tip import PHASES, STROKES, tip_ellipse
 from sim.integration.simulate import SimulationError
-from sim.stage.studies import STUDY_NAMES
+from sim.stage.studies import ON_REQUEST, STUDY_NAMES
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json, parse_quantity
@@ -96,7 +96,7 @@ def read_selection(
     """The simulations that the options of the command select."""
     chosen = chosen_names(names, (*EXPERIMENTS, *EXTRA), "no experiment '{}'") if names else EXPERIMENTS
     friction = chosen_names(models, MODELS, "--model {}: no such friction model")
-    of_stage = chosen_names(studies, STUDY_NAMES, "--study {}: no such study of the stage")
+    of_stage = chosen_names(studies, STUDY_NAMES, "--study {}: no such study of the stage", ON_REQUEST)
     if mass is not None and mass != "design":
         parse_mass(mass)
     if studies and "stage" not in chosen:
@@ -442,7 +442,7 @@ def simulate(
         models: friction models of the thesis's experiments; all of them when left out.
         motion: inputs to simulate an experiment on, a DataFrame or the path of a file; its own when left out.
         seed: of the noise of simulated records; None for none.
-        studies: of `stage`, such as `steps` or `hunting`; all of them when left out.
+        studies: of `stage`, such as `steps` or `hunting`; all but `tip_motion` when left out.
         progress: called with what is simulated, the runs done, and their number.
 
     Raises:
@@ -452,7 +452,7 @@ def simulate(
     if isinstance(what, str) and what in names:
         if motion is not None:
             raise InputError(f"simulate: '{what}' has a motion of its own; a motion is for an experiment with records")
-        of_stage = chosen_names(studies, STUDY_NAMES, "simulate: no study of the stage '{}'")
+        of_stage = chosen_names(studies, STUDY_NAMES, "simulate: no study of the stage '{}'", ON_REQUEST)
         selection = Selection((what,), chosen_names(models, MODELS, NO_MODEL), None, of_stage)
         return simulate_one(what, (design or load_design()).values, selection, progress=progress)
     if isinstance(what, str) and not Path(what).exists():
@@ -497,9 +497,12 @@ def simulate_one(
         raise InputError(str(failure)) from None
 
 
-def chosen_names(names: Sequence[str], known: Sequence[str], refusal: str) -> tuple[str, ...]:
-    """The names chosen of the known ones, in their order; all of them without any."""
+def chosen_names(
+    names: Sequence[str], known: Sequence[str], refusal: str, on_request: Sequence[str] = ()
+) -> tuple[str, ...]:
+    """The names chosen of the known ones and those on request, in their order; all of the known ones without any."""
+    allowed = (*known, *on_request)
     for name in names:
-        if name not in known:
-            raise InputError(refusal.format(name) + nearest(name, known))
-    return tuple(name for name in known if not names or name in names)
+        if name not in allowed:
+            raise InputError(refusal.format(name) + nearest(name, allowed))
+    return tuple(name for name in allowed if name in (names or known))

@@ -239,6 +239,14 @@ def _hunting(study: Any) -> dict[str, Columns]:
     }
 
 
+def _tip_motion(study: Any) -> dict[str, Columns]:
+    columns: Columns = {"turn [rad]": np.linspace(0.0, 2.0 * np.pi, 201)}
+    for name, motion in study.motions.items():
+        along, up = motion.path.at(columns["turn [rad]"])
+        columns |= {f"along_{name} [m]": along, f"up_{name} [m]": up + motion.height}
+    return {"stage_tip_motion": columns}
+
+
 def _thinned(values: np.ndarray, rows: int = 5000) -> np.ndarray:
     return values[np.unique(np.linspace(0, values.size - 1, min(rows, values.size)).astype(int))]
 
@@ -252,4 +260,5 @@ _STUDIES = {
     "planar": _planar,
     "positioning": _positioning,
     "hunting": _hunting,
+    "tip_motion": _tip_motion,
 }
