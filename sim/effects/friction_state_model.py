@@ -53,6 +53,7 @@ class FrictionStateModel:
     sliding: Callable[[np.ndarray, np.ndarray, Any], np.ndarray] | None = None
     # its `stretch` is below what a record resolves, so that friction at rest balances any force up to the level
     rigid: bool = False
+    ages: bool = False  # the contacts age by the slip of its first element, not by the motion of the body
     free_shares: bool = False  # the shares of its elements in the level are parameters
 
 

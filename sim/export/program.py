@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Axis, Effect
-from sim.export import steps
+from sim.numerics import steps
 from stagecad.parameters.errors import InputError
 
 FIXED = {
@@ -86,7 +86,9 @@ class Program:
         for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
             if isinstance(call.func, ast.Name) and hasattr(steps, call.func.id) and call.func.id != function.__name__:
                 self.add(getattr(steps, call.func.id))
-        self.functions.setdefault(function.__name__, ast.unparse(_bare(tree.body[0])))
+        bare = _bare(tree.body[0])
+        bare.decorator_list = []
+        self.functions.setdefault(function.__name__, ast.unparse(bare))
         return function.__name__
 
     @property
@@ -173,7 +175,19 @@ def _remember(program: Program, effect: Effect) -> None:
     if effect.memory is None:
         return
     name, lines = _name(effect.name), program.body
-    if any(parameter.name == "memory_length" for parameter in effect.parameters):
+    if effect.friction_state is not None and effect.friction_state.ages:
+        program.add(steps.age_step)
+        program.add(steps.rate_and_state_step)
+        state, held = program.state("age of the contacts, s"), program.state("force by which they slip, N")
+        lines += [
+            f"fresh = {name}_force * (1.0 + {name}_evolution * math.log(1.0 + {name}_velocity * {state}"
+            f" / {name}_memory_length))",
+            f"kept, z = rate_and_state_step({held}, dx, dt, fresh, {name}_stiffness, {name}_direct, {name}_velocity)",
+            f"{state} = age_step({state}, abs(dx - (kept - {held}) / {name}_stiffness), dt, {name}_memory_length)",
+            f"{held} = kept",
+            f"contact_age = {state}",
+        ]
+    elif any(parameter.name == "memory_length" for parameter in effect.parameters):
         program.add(steps.age_step)
         state = program.state("age of the contacts, s")
         lines += [f"{state} = age_step({state}, abs(dx), dt, {name}_memory_length)", f"contact_age = {state}"]

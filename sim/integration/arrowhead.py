@@ -21,6 +21,7 @@ class Factors(NamedTuple):
     inverse_s: float
     inverse_pivot: float
     inverse_age: float
+    by_first: float  # share of the first element's entry in that of the age
     inverse_lag: float
 
 
@@ -38,8 +39,13 @@ def assemble(t, y, branch, acting, problem, terms, jacobian):
     jacobian.velocity_by_head[0] -= branch.engaged * body.spring * body.inverse_mass
     ft[1] = -body.feedback * (slope[1, 4] + slope[2, 4] + slope[3, 4]) * body.inverse_mass
     if layout.head > 2:
-        jacobian.age[0] = -branch.direction * y[3] / body.memory_length
-        jacobian.age[1] = -branch.direction * v / body.memory_length
+        slip, side, jacobian.age[2] = branch.direction * v, branch.direction, 0.0
+        if body.ages_by_slip:
+            slip = abs(v - elements[0, 0])
+            side = 1.0 if v >= elements[0, 0] else -1.0
+            jacobian.age[2] = side * y[3] / body.memory_length
+        jacobian.age[0] = -side * y[3] / body.memory_length
+        jacobian.age[1] = -slip / body.memory_length
     for k in range(layout.elements):
         jacobian.element_by_self[k] = elements[k, 2]
         jacobian.velocity_by_element[k] = -body.feedback * elements[k, 5] * body.inverse_mass
@@ -47,6 +53,8 @@ def assemble(t, y, branch, acting, problem, terms, jacobian):
             jacobian.element_by_head[k, j] = elements[k, 4] * slope[0, j]
         jacobian.element_by_head[k, 1] += elements[k, 3]
         ft[layout.head + k] = elements[k, 4] * slope[0, 4]
+    if layout.head > 2 and body.ages_by_slip:
+        ft[3] = jacobian.age[2] * ft[layout.head]
     if layout.lag >= 0:
         ft[layout.lag] = drive_rate / body.drive_lag
         drive_rate = 0.0
@@ -80,13 +88,20 @@ def factorise(gamma_h, branch, problem, jacobian):
     """Eliminate all states but the velocity from W."""
     layout, body, oscillators = problem.layout, problem.body, problem.laws.oscillators
     inverse, effective = jacobian.inverse, jacobian.effective
-    s = 1.0 / gamma_h
+    s, inverse_age, by_first = 1.0 / gamma_h, 0.0, 0.0
+    if layout.head > 2:
+        # Where the slip of the first element ages the contacts, its row times age[2] is subtracted from that of the
+        # age, k_3 = (f_3 - age[2] f_4 + age[0] k_1 + age[2] s k_4) inverse_age, and k_4 stands in both.
+        inverse_age = 1.0 / (s - jacobian.age[1])
+        by_first = jacobian.age[2] * s * inverse_age
     for j in range(HEAD):
         effective[j] = jacobian.velocity_by_head[j]
     for k in range(layout.elements):
-        inverse[k] = 1.0 / (s - jacobian.element_by_self[k])
+        first = by_first if k == 0 else 0.0
+        inverse[k] = 1.0 / (s - jacobian.element_by_self[k] - first * jacobian.element_by_head[k, 3])
+        by_element = jacobian.velocity_by_element[k] + first * jacobian.velocity_by_head[3]
         for j in range(HEAD):
-            effective[j] += jacobian.velocity_by_element[k] * jacobian.element_by_head[k, j] * inverse[k]
+            effective[j] += by_element * jacobian.element_by_head[k, j] * inverse[k]
     for o in range(layout.oscillators):
         back = oscillators[o, 0] * gamma_h + oscillators[o, 1]
         at = layout.elements + o
@@ -94,12 +109,10 @@ def factorise(gamma_h, branch, problem, jacobian):
         coupled = oscillators[o, 2] * body.inverse_mass * oscillators[o, 0]
         effective[0] -= body.feedback * coupled * (1.0 - back * inverse[at])
     pivot = s - effective[1] - effective[0] * gamma_h
-    inverse_age = 0.0
     if layout.head > 2:
-        inverse_age = 1.0 / (s - jacobian.age[1])
         pivot -= effective[2] * branch.direction * gamma_h + effective[3] * jacobian.age[0] * inverse_age
     inverse_lag = 1.0 / (s + 1.0 / body.drive_lag) if layout.lag >= 0 else 0.0
-    return Factors(s, gamma_h, 1.0 / pivot, inverse_age, inverse_lag)
+    return Factors(s, gamma_h, 1.0 / pivot, inverse_age, by_first, inverse_lag)
 
 
 @inlined
@@ -110,9 +123,13 @@ def solve(f, v, branch, factors, problem, jacobian):
     head, n = layout.head, layout.elements
     right = f[1] + effective[0] * f[0] * over_s
     if head > 2:
+        if n > 0:
+            f[3] -= jacobian.age[2] * f[head]
         right += effective[2] * f[2] * over_s + effective[3] * f[3] * factors.inverse_age
     for k in range(n):
         right += jacobian.velocity_by_element[k] * f[head + k] * inverse[k]
+    if n > 0:
+        right += factors.by_first * jacobian.velocity_by_head[3] * f[head] * inverse[0]
     for o in range(layout.oscillators):
         at = head + n + 2 * o
         spring = oscillators[o, 0] * over_s
@@ -133,6 +150,8 @@ def solve(f, v, branch, factors, problem, jacobian):
         for j in range(head):
             total += jacobian.element_by_head[k, j] * f[j]
         f[head + k] = total * inverse[k]
+    if head > 2 and n > 0:
+        f[3] += factors.by_first * f[head]
     for o in range(layout.oscillators):
         at = head + n + 2 * o
         velocity = (f[at + 1] + oscillators[o, 0] * (f[0] - over_s * f[at])) * inverse[n + o]

@@ -287,7 +287,7 @@ def _workspace(size: int, keeps_history: bool) -> Workspace:
         element_by_self=Zeros((m,)),
         velocity_by_element=Zeros((m,)),
         element_by_head=Zeros((m, 4)),
-        age=Zeros((2,)),
+        age=Zeros((3,)),
         work_by_head=Zeros((WORKS, 4)),
         work_by_element=Zeros((m,)),
         time=Zeros((size,)),

@@ -30,6 +30,7 @@ class Plan:
     scales: np.ndarray  # typical size of each element's state, (elements,)
     axis: _Mechanics  # realisation of the effects of drive, structure and memory
     memory_length: float  # of the contact age, m
+    ages_by_slip: bool  # of the friction state model's first element
     required: frozenset[str]  # quantities of the axis that the laws depend on
     # kernels, tables: owners of the memory that `laws` has the addresses of
     kernels: list[kernels.Kernel]
@@ -68,6 +69,7 @@ class Plan:
             feedback=0.0 if drive.prescribes else 1.0,
             spring=float(drive.stiffness),
             memory_length=float(memory_length),
+            ages_by_slip=float(self.ages_by_slip),
             half_gap=axis.half_gap,
             drive_lag=axis.lag,
             friction_delay=axis.friction_delay,
@@ -155,6 +157,7 @@ def plan_of(model: Model, drive: Drive, mass: float, surroundings: Surroundings)
         scales=scales,
         axis=axis,
         memory_length=next((p.memory_length for p in model.values if hasattr(p, "memory_length")), math.inf),
+        ages_by_slip=model.state_effect is not None and model.state_effect.friction_state.ages,
         required=frozenset(required),
         kernels=kept,
         tables=tables,

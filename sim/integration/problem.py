@@ -62,6 +62,7 @@ class Body(NamedTuple):
     feedback: float  # 1, or 0 where the motion is imposed and the forces do not act on it
     spring: float  # stiffness between drive and axis, N/m
     memory_length: float  # of the contact age, m
+    ages_by_slip: float  # 1 where the contacts age by the slip of the first element, 0 by the motion of the axis
     half_gap: float  # half the backlash times the spring stiffness, N
     drive_lag: float  # time constant of the drive, s; zero without
     friction_delay: float  # delay of the speed that the friction level depends on, s
@@ -158,7 +159,7 @@ class Jacobian(NamedTuple):
     element_by_self: Zeros
     velocity_by_element: Zeros
     element_by_head: Zeros  # (elements, 4)
-    age: Zeros  # slopes of the contact age's rate by velocity and by itself, (2,)
+    age: Zeros  # slopes of the contact age's rate by velocity, by itself, and by the rate of the first element, (3,)
     work_by_head: Zeros  # (3, 4)
     work_by_element: Zeros  # (elements,)
     time: Zeros  # partial derivatives of the rates by time, (size,)

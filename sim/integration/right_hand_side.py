@@ -207,7 +207,8 @@ def rates_of_change(t, y, branch, problem, terms, f):
     f[0] = v
     if layout.head > 2:
         f[2] = branch.direction * v
-        f[3] = 1.0 - branch.direction * v * y[3] / body.memory_length
+        slip = abs(v - terms.elements[0, 0]) if body.ages_by_slip else branch.direction * v
+        f[3] = 1.0 - slip * y[3] / body.memory_length
     for k in range(layout.elements):
         f[layout.head + k] = terms.elements[k, 0]
     reaction = 0.0

@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 15229,
     "designcalc": 10714,
-    "sim": 12646,
+    "sim": 12634,
     "sysid": 20260,
     "drawings": 12030,
     "workbench": 15336,

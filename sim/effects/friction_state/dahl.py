@@ -9,6 +9,7 @@ from sim.effects.effect import Effect, Parameter, Scan
 from sim.effects.friction_state.lugre import RELEASE, level, scale, stored
 from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
+from sim.numerics.steps import dahl_step
 
 
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
@@ -37,33 +38,20 @@ def slopes(
 
 
 @compiled
-def _step(dx: np.ndarray, level: np.ndarray, stiffness: float, exponent: float) -> np.ndarray:
-    n = level.size
-    force = np.zeros(n)
+def _forces(dx: np.ndarray, level: np.ndarray, stiffness: float, exponent: float) -> np.ndarray:
+    force = np.zeros(level.size)
     held = 0.0
-    for k in range(n):
+    for k in range(level.size):
         # The first row: take the first interval to have been going on before it.
-        step = dx[max(k - 1, 0)] if n > 1 else 0.0
-        g = 0.5 * (level[k] + level[max(k - 1, 0)])
-        if g <= 0.0:
-            held = 0.0
-        elif step != 0.0:
-            sign = 1.0 if step > 0.0 else -1.0
-            left = 1.0 - sign * held / g
-            way = stiffness * abs(step) / g
-            if left <= 0.0 or exponent == 1.0:
-                left = left * math.exp(-way)
-            else:
-                inner = left ** (1.0 - exponent) + (exponent - 1.0) * way
-                left = inner ** (1.0 / (1.0 - exponent)) if inner > 0.0 else 0.0
-            held = sign * g * (1.0 - left)
-        force[k] = held
+        before = max(k - 1, 0)
+        step = dx[before] if level.size > 1 else 0.0
+        held, force[k] = dahl_step(held, step, level[before], level[k], stiffness, exponent)
     return force
 
 
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
     dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    return _step(dx, np.ascontiguousarray(level, dtype=float), float(p.stiffness), float(p.exponent))
+    return _forces(dx, np.ascontiguousarray(level, dtype=float), float(p.stiffness), float(p.exponent))
 
 
 EFFECT = Effect(

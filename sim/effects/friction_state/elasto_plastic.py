@@ -16,9 +16,7 @@ from sim.effects.effect import Effect, Parameter
 from sim.effects.friction_state.lugre import DAMPING, FORCE, RELEASE, STIFFNESS, level, scale, stored
 from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
-
-SUBSTEP = 0.05
-"""Largest displacement over z_s of one Runge-Kutta step along a record."""
+from sim.numerics.steps import elasto_plastic_step
 
 
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
@@ -54,52 +52,21 @@ def slopes(
 
 
 @compiled
-def _slope(u: float, breakaway: float) -> float:
-    """du/dxi of the stretch u over z_s along a displacement xi over z_s, in the direction of the motion."""
-    if u >= 1.0:
-        return 1.0 - u
-    if u <= breakaway:
-        return 1.0
-    return 1.0 - u * (0.5 + 0.5 * math.sin(math.pi * (u - 0.5 * (1.0 + breakaway)) / (1.0 - breakaway)))
-
-
-@compiled
-def _stretches(dx: np.ndarray, level: np.ndarray, stiffness: float, breakaway: float) -> np.ndarray:
+def _forces(
+    dx: np.ndarray, velocity: np.ndarray, level: np.ndarray, stiffness: float, damping: float, breakaway: float
+) -> np.ndarray:
     out = np.zeros(level.size)
     z = 0.0
     for i in range(level.size):
         # The first row: take the first interval to have been going on before it.
         step = dx[max(i - 1, 0)] if level.size > 1 else 0.0
-        reach = level[i] / stiffness
-        if reach <= 0.0:
-            z = 0.0
-        elif step != 0.0:
-            sign = 1.0 if step > 0.0 else -1.0
-            u, left = sign * z / reach, abs(step) / reach
-            elastic = min(max(breakaway - u, 0.0), left)
-            u, left = u + elastic, left - elastic
-            if left > 0.0 and u > 1.0:
-                u, left = 1.0 + (u - 1.0) * math.exp(-left), 0.0
-            while left > 0.0 and abs(1.0 - u) > 1e-12:
-                h = min(SUBSTEP, left)
-                one = _slope(u, breakaway)
-                two = _slope(u + 0.5 * h * one, breakaway)
-                three = _slope(u + 0.5 * h * two, breakaway)
-                u += h / 6.0 * (one + 2.0 * two + 2.0 * three + _slope(u + h * three, breakaway))
-                left -= h
-            z = sign * u * reach
-        out[i] = z
+        z, out[i] = elasto_plastic_step(z, step, velocity[i], level[i], stiffness, damping, breakaway)
     return out
 
 
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
-    dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    level = np.ascontiguousarray(level, dtype=float)
-    z = _stretches(dx, level, float(p.stiffness), float(p.breakaway))
-    u = p.stiffness * np.sign(velocity) * z / np.where(level > 0.0, level, 1.0)
-    angle = np.pi * (np.clip(u, p.breakaway, 1.0) - 0.5 * (1.0 + p.breakaway)) / (1.0 - p.breakaway)
-    rate = velocity * (1.0 - np.where(u > p.breakaway, 0.5 + 0.5 * np.sin(angle), 0.0) * u)
-    return p.stiffness * z + p.damping * np.where(level > 0.0, rate, 0.0)
+    motion = (np.ascontiguousarray(a, dtype=float) for a in (np.diff(position), velocity, level))
+    return _forces(*motion, float(p.stiffness), float(p.damping), float(p.breakaway))
 
 
 EFFECT = Effect(

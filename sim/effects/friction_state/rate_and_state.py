@@ -1,13 +1,14 @@
 """Rate-and-state friction of Dieterich and Ruina, on a contact of constant stiffness.
 
     friction = k z,    z' = v - w,    |friction| = g (1 + a ln(|w|/v_0))
-    g = force (1 + b ln(1 + v_0 age/L)),    age' = 1 - |v| age/L    (ageing law; other effects change g further)
+    g = force (1 + b ln(1 + v_0 age/L)),    age' = 1 - |w| age/L    (ageing law; other effects change g further)
 
 a is the direct effect: the force rises with the logarithm of the slip rate w. b is the evolution: the level rises with
 the age of the contacts. In steady sliding below v_0 the force falls with the speed where b is larger than a, which is
 the condition of stick-slip. The first line is regularised, w = 2 v_0 sinh(friction/(a g)) exp(-1/a): so w is zero
 without force, and the contact creeps under any. At v_0 the friction is the level of age L/v_0, force (1 + b ln 2). The
-age falls with the motion of the body: while a contact only stretches, the slip rate of Ruina's law would let it age on.
+age falls with the slip: a contact that only stretches ages on. Along a record the slip that ages the contacts is that
+of the friction without other effects.
 """
 
 import math
@@ -19,7 +20,7 @@ from sim.effects.effect import Axis, Effect, Parameter, Scan
 from sim.effects.friction_state.lugre import FORCE, RELEASE, STIFFNESS, scale, stored
 from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
-from sim.numerics.record_operators import contact_age
+from sim.numerics.steps import age_step, rate_and_state_step
 
 MOST = 30.0
 """Exponent beyond which the slip rate is continued linearly."""
@@ -33,9 +34,30 @@ def level_by_age(axis: Axis, p: Any) -> Any:
     return p.force * p.evolution * p.velocity / (p.memory_length + p.velocity * axis.contact_age)
 
 
+@compiled
+def _ages(
+    dx: np.ndarray,
+    dt: np.ndarray,
+    force: float,
+    stiffness: float,
+    direct: float,
+    evolution: float,
+    velocity: float,
+    memory_length: float,
+) -> np.ndarray:
+    out = np.zeros(dx.size + 1)
+    held = 0.0
+    for i in range(dx.size):
+        g = force * (1.0 + evolution * math.log(1.0 + velocity * out[i] / memory_length))
+        after, _ = rate_and_state_step(held, dx[i], dt[i], g, stiffness, direct, velocity)
+        out[i + 1] = age_step(out[i], abs(dx[i] - (after - held) / stiffness), dt[i], memory_length)
+        held = after
+    return out
+
+
 def memory(axis: Axis, p: Any) -> Axis:
-    gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(axis.position)))])
-    return axis._replace(contact_age=contact_age(np.ascontiguousarray(axis.time), gone, p.memory_length))
+    dx, dt = (np.diff(np.ascontiguousarray(a, dtype=float)) for a in (axis.position, axis.time))
+    return axis._replace(contact_age=_ages(dx, dt, *map(float, p)))
 
 
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
@@ -60,54 +82,15 @@ def slopes(
 
 
 @compiled
-def _log_sum(a: float, b: float) -> float:
-    """ln(e^a + e^b)."""
-    most = max(a, b)
-    return most + math.log1p(math.exp(min(a, b) - most)) if most > -math.inf else most
-
-
-@compiled
-def _after(force: float, g: float, way: float, rest: float, width: float) -> tuple[float, float]:
-    """Force, never negative, after a displacement with constant velocity, and the displacement left once it is zero.
-
-    With E = exp((g - force)/A) the law is linear, E' = (k/A) (v_0 - v E), for forces in one direction. In N: `way` is
-    k times the displacement, below zero where it unloads; `rest` is k v_0 times the time; `width` is A = a g.
-    """
-    q = way / width
-    start, gain = (g - force) / width, rest / width
-    if abs(q) > 1e-9:
-        gain = gain * -math.expm1(-q) / q
-    end = g - width * _log_sum(start - q, math.log(gain) if gain > 0.0 else -math.inf)
-    if end >= 0.0 or way >= 0.0:
-        return max(end, 0.0), 0.0
-    # Unloading to zero is elastic but for a small slip.
-    return 0.0, min(0.0, way + force)
-
-
-@compiled
 def _forces(
     dx: np.ndarray, dt: np.ndarray, level: np.ndarray, stiffness: float, direct: float, v0: float
 ) -> np.ndarray:
     out = np.zeros(level.size)
     held = 0.0
-    for i in range(level.size):
+    for i in range(level.size if level.size > 1 else 0):
         # The first row: take the first interval to have been going on before it.
         j = max(i - 1, 0)
-        way, rest = (stiffness * dx[j], stiffness * v0 * dt[j]) if level.size > 1 else (0.0, 0.0)
-        g = level[i]
-        if g <= 0.0:
-            held = 0.0
-        else:
-            side = 1.0 if held > 0.0 or (held == 0.0 and way >= 0.0) else -1.0
-            if side * way == 0.0 and held == 0.0:
-                out[i] = 0.0
-                continue
-            force, left = _after(side * held, g, side * way, rest, direct * g)
-            held = side * force
-            if left != 0.0:
-                force, _ = _after(0.0, g, -left, rest * left / (side * way), direct * g)
-                held = -side * force
-        out[i] = held
+        held, out[i] = rate_and_state_step(held, dx[j], dt[j], level[i], stiffness, direct, v0)
     return out
 
 
@@ -128,7 +111,7 @@ EFFECT = Effect(
     name="rate_and_state",
     meaning="friction that rises with the logarithm of the slip rate and with the age of the contacts (creep included)",
     equation="friction = k z,  z' = v - 2 velocity sinh(friction/(direct level)) exp(-1/direct);\n"
-    "level = force (1 + evolution ln(1 + velocity age/memory_length)),  age' = 1 - |v| age/memory_length",
+    "level = force (1 + evolution ln(1 + velocity age/memory_length)),  age' = 1 - |z' - v| age/memory_length",
     shows="after a step of the speed the force jumps up by direct ln(ratio), then decays by evolution ln(ratio) over "
     "the memory length; at rest the force relaxes with the logarithm of time",
     dissipation="Passive: the stiffness is constant, and the slip always has the direction of the force.",
@@ -170,6 +153,8 @@ EFFECT = Effect(
     level=level,
     slopes={"level.contact_age": level_by_age},
     memory=memory,
-    friction_state=FrictionStateModel("rate_and_state", law, slopes, along, scale, stored=stored, sliding=sliding),
+    friction_state=FrictionStateModel(
+        "rate_and_state", law, slopes, along, scale, stored=stored, sliding=sliding, ages=True
+    ),
     acts_on="friction",
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from sim.effects.catalogue import compose, find, library
 from sim.effects.effect import Axis
@@ -230,6 +231,47 @@ def test_rate_and_state_friction_in_steady_sliding_is_where_its_state_rests(spee
     force = float(np.sign(speed) * core.sliding(np.array(1.3), np.array(speed), p))
     assert core.law(0, force / p.stiffness, speed, np.sign(speed), 1.3, p)[0] == pytest.approx(0.0, abs=1e-9)
     assert core.sliding(np.array(1.3), np.array(0.0), p) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_contacts_age_while_they_only_stretch():
+    """Ten seconds of 0.1 um at 10 Hz, slip from 10 um: the age of ten seconds at rest, 1 + 0.015 ln(1001), where the
+    ageing by the velocity of the body would leave 1.083."""
+    aged = 1.0 + 0.015 * math.log(1001.0)
+    model, rate = compose(["rate_and_state"]), 2.0 * math.pi * 10.0
+    time, zero = np.linspace(0.0, 10.0, 20_001), np.zeros(1)
+    wave = (0.1e-6 * rate**2, rate, math.pi)
+    run = simulate(model, drive.Drive(zero, zero, zero, wave=wave, prescribes=True), time, position=0.1e-6)
+    assert run.level[-1] == pytest.approx(aged, abs=1e-4)
+    record = Axis(time, 0.1e-6 * np.cos(rate * time), *[0.0 * time] * 8)
+    effect, p = model.effects[0], model.values[0]
+    assert effect.level(effect.memory(record, p), p)[-1] == pytest.approx(aged, abs=1e-4)
+
+
+def test_rate_and_state_friction_is_that_of_another_integrator():
+    """A mass pulled through a spring, at 1 mm/s and then at 20: position, stretch and level by Radau's method."""
+    pull = drive.pulled_spring([0.0, 1.0, 2.0], [0.0, 1e-3, 2.1e-2], stiffness=1e4)
+    time = np.linspace(0.0, 2.0, 2001)
+    run = simulate(compose(["rate_and_state"]), pull, time, mass=1.0, tolerance=1e-8)
+    force, k, a, b, v_0, length = values("rate_and_state")
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        x, v, z, age = y
+        g = force * (1.0 + b * math.log(1.0 + v_0 * age / length))
+        exponent = abs(k * z / (a * g)) - 1.0 / a
+        slip = math.copysign(v_0 * (math.exp(exponent) - math.exp(exponent - 2.0 * abs(k * z / (a * g)))), z)
+        pulled = 1e-3 * t if t <= 1.0 else 1e-3 + 2e-2 * (t - 1.0)
+        return [v, 1e4 * (pulled - x) - k * z, v - slip, 1.0 - abs(slip) * age / length]
+
+    y, found = np.zeros(4), [np.zeros((4, 1))]
+    for begin, end in ((0.0, 1.0), (1.0, 2.0)):
+        at = time[(time > begin) & (time <= end)]
+        sol = solve_ivp(rates, (begin, end), y, "Radau", at, rtol=1e-8, atol=[1e-12, 1e-10, 1e-14, 1e-10])
+        y = sol.y[:, -1]
+        found.append(sol.y)
+    x, _, z, age = np.hstack(found)
+    assert np.abs(run.position - x).max() < 1e-10
+    assert np.abs(run.bristle[:, 0] - z).max() < 1e-11
+    assert np.abs(run.level - force * (1.0 + b * np.log(1.0 + v_0 * age / length))).max() < 1e-6
 
 
 def test_coulomb_holds_its_last_force_in_a_dwell():

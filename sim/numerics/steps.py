@@ -1,10 +1,12 @@
 """One step from row to row of each friction state model and of what it remembers, in scalars.
 
-Each is the step that the model takes along a record (`along_record`), stated so that it can be translated: assignments,
-conditions and arithmetic. `tests/sim/export` holds them against the models.
+Each is the step that the model takes along a record (`along_record`), stated so that it can be translated to other
+languages: assignments, conditions and arithmetic. `tests/sim/export` compares them with the models.
 """
 
 import math
+
+from sim.numerics.compilation import compiled
 
 STATES = {"elasto_plastic_step": "stretch of the bristles, m"}
 """State of a step that is not the force of its bristles."""
@@ -53,6 +55,7 @@ def lugre_causal_step(
     return z, z + damping * rate
 
 
+@compiled
 def dahl_step(
     z: float, dx: float, before: float, level: float, stiffness: float, exponent: float
 ) -> tuple[float, float]:
@@ -74,6 +77,7 @@ def dahl_step(
     return z, z
 
 
+@compiled
 def plastic_slope(u: float, breakaway: float) -> float:
     """du/dxi of the elasto-plastic stretch u over its steady one, along a displacement xi over it."""
     if u >= 1.0:
@@ -83,6 +87,7 @@ def plastic_slope(u: float, breakaway: float) -> float:
     return 1.0 - u * (0.5 + 0.5 * math.sin(math.pi * (u - 0.5 * (1.0 + breakaway)) / (1.0 - breakaway)))
 
 
+@compiled
 def elasto_plastic_step(
     z: float, dx: float, v: float, level: float, stiffness: float, damping: float, breakaway: float
 ) -> tuple[float, float]:
@@ -122,12 +127,14 @@ def element_step(z: float, dx: float, level: float, stiffness: float, weight: fl
     return min(max(z + stiffness * dx, -most), most)
 
 
+@compiled
 def log_sum(a: float, b: float) -> float:
     """ln(e^a + e^b)."""
     most = max(a, b)
     return most + math.log1p(math.exp(min(a, b) - most))
 
 
+@compiled
 def creep(force: float, level: float, way: float, rest: float, width: float) -> float:
     """Force of rate-and-state after a displacement at constant velocity, N; what is below zero is left of it."""
     q = way / width
@@ -138,6 +145,7 @@ def creep(force: float, level: float, way: float, rest: float, width: float) -> 
     return level - width * (log_sum(start, math.log(gain)) if gain > 0.0 else start)
 
 
+@compiled
 def rate_and_state_step(
     z: float, dx: float, dt: float, level: float, stiffness: float, direct: float, speed: float
 ) -> tuple[float, float]:
@@ -160,6 +168,7 @@ def rate_and_state_step(
     return z, z
 
 
+@compiled
 def age_step(age: float, way: float, dt: float, memory_length: float) -> float:
     """Age of the contacts after a sliding distance, s: age' = 1 - |v| age/L, exact."""
     renewed = way / memory_length
