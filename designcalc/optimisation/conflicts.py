@@ -1,6 +1,6 @@
 """Requirements that contradict each other: those out of reach alone, irreducible sets, and what to relax."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,7 +45,6 @@ def out_of_reach(
     evaluator: Evaluator,
     names: Collection[str],
     sampled: Sequence[Evaluation] = (),
-    progress: Callable[[str], None] = lambda name: None,
 ) -> tuple[dict[str, Conflict], dict[str, Evaluation]]:
     """Checks that fail whatever the free parameters, and the best evaluation of each of these checks.
 
@@ -58,7 +57,6 @@ def out_of_reach(
     for name in names:
         if not evaluator.fails(evaluator.checks[evaluator.positions[name]]):
             continue
-        progress(name)
         axes = evaluator.axes(name)
         if not axes:
             found[name] = Conflict((name,), fixed=True)
@@ -124,7 +122,6 @@ def irreducible(
     evaluator: Evaluator,
     names: Collection[str],
     budget: int,
-    progress: Callable[[str], None] = lambda name: None,
 ) -> tuple[str, ...] | None:
     """An irreducible infeasible subset of requirements by the deletion filter; None when a design satisfies all.
 
@@ -137,7 +134,6 @@ def irreducible(
     if kept is None:
         return None
     for name in list(kept):
-        progress(name)
         rest = [other for other in kept if other != name]
         if feasible(evaluator, rest, budget) is None:
             kept = rest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -92,6 +92,7 @@ class Evaluator:
     archive: list[Evaluation] = field(default_factory=list)
     most: int | None = None  # Number of evaluations beyond which `OutOfBudgetError` is raised
     deadline: float | None = None  # Time on the clock `time.monotonic` beyond which it is raised
+    progress: Callable[[int], None] = lambda done: None  # called with the number of evaluations at each of them
 
     def __post_init__(self) -> None:
         self.base: Design = self.variations.design
@@ -125,6 +126,7 @@ class Evaluator:
         if limited and (late or (self.most is not None and self.count >= self.most)):
             raise OutOfBudgetError
         self.count += 1
+        self.progress(self.count)
         if point is None:
             point = np.array([one.place(values[one.key]) for one in self.free])
         far = distance(self.free, values)

@@ -107,7 +107,6 @@ def optimise(
     evaluations: int = 100_000,
     seconds: float = math.inf,
     tell: Callable[[str], None] = lambda words: None,
-    progress: Callable[[int], None] = lambda done: None,
 ) -> Outcome:
     """Find the nearest design that satisfies the rules and the required checks; otherwise their conflicts.
 
@@ -115,12 +114,15 @@ def optimise(
     and the requirements that it does not meet are left out.
     """
     names = tuple(name for name in required if name in evaluator.positions)
-    outcome = Outcome(False, names, evaluator.at(evaluator.start))
-    run = _Run(evaluator, outcome, budget, seed, tell, progress, kept=list(names))
     began = time.monotonic()
+    outcome = Outcome(False, names, evaluator.at(evaluator.start))
+    # The changed values are rounded, and each is taken back by itself for its reason.
+    whole = len(evaluator.free) * (time.monotonic() - began)
+    run = _Run(evaluator, outcome, budget, seed, tell, kept=list(names))
     # A part is kept for the changes that can be taken back, and for their reasons.
     evaluator.most = evaluations - min(evaluations // 3, _FINISH * len(evaluator.free))
-    evaluator.deadline = began + 0.8 * seconds if math.isfinite(seconds) else None
+    timed, finish = math.isfinite(seconds), began + seconds - min(2.0 * whole, 0.5 * seconds)
+    evaluator.deadline = began + 0.75 * (finish - began) if timed else None
     try:
         run.explore()
     except OutOfBudgetError:
@@ -128,7 +130,8 @@ def optimise(
     except KeyboardInterrupt:
         outcome.interrupted = True
     evaluator.most = evaluations if not outcome.interrupted else None
-    evaluator.deadline = began + seconds if math.isfinite(seconds) and not outcome.interrupted else None
+    evaluator.deadline = finish if timed and not outcome.interrupted else None
+    run.rounded = began + seconds - min(whole, 0.25 * seconds) if timed else None
     with suppress(OutOfBudgetError, KeyboardInterrupt):
         if not run.best.satisfied:
             run.compromise()
@@ -154,8 +157,8 @@ class _Run:
     budget: int
     seed: int
     tell: Callable[[str], None]
-    progress: Callable[[int], None]
     kept: list[str]
+    rounded: float | None = None  # time by which the values of a compromise are rounded
     best: Best = field(init=False)
 
     def __post_init__(self) -> None:
@@ -164,26 +167,22 @@ class _Run:
     def explore(self) -> None:
         """Requirements out of reach, the nearest design that meets the others, and conflicts among these."""
         evaluator, outcome = self.evaluator, self.outcome
-
-        def count(name: str) -> None:
-            self.progress(evaluator.count)
-
         self.tell("remedies of the rules")
-        repair(evaluator, self.progress)
+        repair(evaluator)
         self.tell("samples")
         sampled = sample(evaluator, min(_SAMPLES * len(evaluator.free), self.budget // 4), self.seed)
         self.tell("each failed check by itself")
-        single, alone = out_of_reach(evaluator, self.kept, sampled, count)
+        single, alone = out_of_reach(evaluator, self.kept, sampled)
         outcome.conflicts = list(single.values())
         self.kept = [name for name in self.kept if name not in single]
         while True:
             self.tell(f"nearest design for {len(self.kept)} requirements")
             self.best = Best(self.kept)
-            _nearest(evaluator, self.kept, self.best, self.budget, self.seed, self.progress)
+            _nearest(evaluator, self.kept, self.best, self.budget, self.seed)
             if self.best.satisfied or len(outcome.conflicts) >= len(single) + MOST_CONFLICTS:
                 break
             self.tell("conflicting requirements")
-            members = irreducible(evaluator, self.kept, CONFLICT_BUDGET, count)
+            members = irreducible(evaluator, self.kept, CONFLICT_BUDGET)
             if members is None:
                 self.best.offer(next(one for one in evaluator.archive if one.satisfies(self.kept)))
                 break
@@ -209,7 +208,6 @@ class _Run:
             self.tell("requirements that one change meets")
             for one in _repaired(self.evaluator, design, self.kept):
                 design = one
-                self.progress(self.evaluator.count)
         self.outcome.left_out = tuple(name for name in self.kept if name in design.unmet)
         self.kept = [name for name in self.kept if name not in design.unmet]
         self.best = Best(self.kept, design)
@@ -218,9 +216,9 @@ class _Run:
         part = [name for name in self.kept if any(name in one.unmet for one in complete)]
         inner = Best(part, design)
         with suppress(OutOfBudgetError, KeyboardInterrupt):
-            take_back(self.evaluator, inner, part, self.progress)
-        self.evaluator.most = self.evaluator.deadline = None
-        with suppress(KeyboardInterrupt):
+            take_back(self.evaluator, inner, part)
+        self.evaluator.most, self.evaluator.deadline = None, self.rounded
+        with suppress(OutOfBudgetError, KeyboardInterrupt):
             round_values(self.evaluator, inner, part)
         assert inner.evaluation is not None
         self.best.offer(self.evaluator.of(inner.evaluation.values, limited=False))
@@ -245,9 +243,7 @@ def _repaired(evaluator: Evaluator, design: Evaluation, names: Collection[str]) 
                 break
 
 
-def _nearest(
-    evaluator: Evaluator, names: Sequence[str], best: Best, budget: int, seed: int, progress: Callable[[int], None]
-) -> None:
+def _nearest(evaluator: Evaluator, names: Sequence[str], best: Best, budget: int, seed: int) -> None:
     """Search with the requirements that fail now, and add those that the designs found fail, until none is new.
 
     Most requirements never matter, and a design is evaluated the faster the fewer checks are run.
@@ -259,7 +255,7 @@ def _nearest(
     while compromises < _COMPROMISES:
         inner = Best(part)
         try:
-            search(evaluator, part, budget, seed=seed, best=inner, progress=progress, subset=True)
+            search(evaluator, part, budget, seed=seed, best=inner, subset=True)
         finally:
             whole = None
             if inner.evaluation is not None:

@@ -93,7 +93,6 @@ def search(
     seed: int = 1,
     best: Best | None = None,
     subset: bool = False,
-    progress: Callable[[int], None] = lambda done: None,
     first: bool = False,
 ) -> Best:
     """Search the nearest design that satisfies the rules and the checks `names`.
@@ -108,7 +107,6 @@ def search(
 
     def merit(point: Array) -> float:
         found = best.offer(evaluator.at(np.clip(point, 0.0, 1.0), run))
-        progress(evaluator.count)
         if first and best.satisfied:
             raise _FoundError
         return found
@@ -122,12 +120,12 @@ def search(
         for _ in cma_es(merit, np.clip(_start(evaluator, best), 0.02, 0.98), rest, seed):
             pass
     if best.satisfied and not first:
-        take_back(evaluator, best, run, progress)
+        take_back(evaluator, best, run)
         round_values(evaluator, best, run)
     return best
 
 
-def repair(evaluator: Evaluator, progress: Callable[[int], None] = lambda done: None) -> None:
+def repair(evaluator: Evaluator) -> None:
     """Evaluate the design to which the remedies of the violated rules lead, one free parameter after another.
 
     Where many rules tie lengths together, random designs satisfy them next to never. A value that was raised is not
@@ -152,7 +150,7 @@ def repair(evaluator: Evaluator, progress: Callable[[int], None] = lambda done: 
             break
         best = min(within, key=lambda one: (len(one.new_violations), one.distance))
         values[best.key] = best.number
-        progress(evaluator.count)
+        evaluator.progress(evaluator.count)
     with suppress(InputError):
         evaluator.of(values)
 
@@ -166,7 +164,6 @@ def take_back(
     evaluator: Evaluator,
     best: Best,
     run: Collection[str] | None = None,
-    progress: Callable[[int], None] = lambda done: None,
     halvings: int = 5,
 ) -> None:
     """Take each change of a satisfying design back: wholly if possible, else by bisection."""
@@ -176,7 +173,6 @@ def take_back(
         order = sorted(evaluator.free, key=lambda one: one.distance(best.evaluation.values[one.key]))  # type: ignore[union-attr]
         for one in order:
             _take_back_one(evaluator, best, one, run, halvings)
-            progress(evaluator.count)
         if best.evaluation.distance > 0.98 * before:
             break
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
-from designcalc.optimisation.evaluation import Evaluator
+from designcalc.optimisation.evaluation import Evaluation, Evaluator
 from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
 from designcalc.optimisation.search import search
 from designcalc.optimisation.space import Free, free_parameters
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 SAFETY = 0.002
 """Part of its limit by which a check must pass in the search, for the error of the masses without solids."""
+OWN_SOLIDS = 0.2
+"""Part of the time of a search in which the solids of the design found are made."""
 SEEDS = 8
 """Searches sent to a cluster."""
 
@@ -65,6 +68,35 @@ class Search:
         parameters = free_parameters(design.values_with(rules=False), self.free)
         named = [text.partition("=")[0].strip() for text in self.free]
         return [one for one in parameters if not self.only or one.key in named]
+
+
+@dataclass
+class BestSoFar:
+    """The design with the fewest violated rules and failed requirements of all that a search has evaluated."""
+
+    evaluator: Evaluator
+    required: Collection[str]
+    best: Evaluation | None = None
+    seen: int = 0  # designs of the archive
+
+    def improved(self) -> bool:
+        """Whether a better one was evaluated since the last call."""
+        before, archive = self.best, self.evaluator.archive
+        new = [one for one in archive[self.seen :] if one.complete and not one.refused]
+        self.seen = len(archive)
+        self.best = min([*([before] if before else []), *new], key=self._merit, default=None)
+        return self.best is not before
+
+    def _merit(self, one: Evaluation) -> tuple[int, int, float]:
+        return len(one.violated), len(one.unmet.intersection(self.required)), one.distance
+
+    def to_json(self) -> dict[str, Any]:
+        """Violated rules, failed requirements, and the values that differ."""
+        assert self.best is not None
+        rules, failing, _ = self._merit(self.best)
+        free = [one for one in self.evaluator.free if self.best.values[one.key] != one.start]
+        changes = [[one.key, one.text(one.start), one.text(self.best.values[one.key])] for one in free]
+        return {"rules": rules, "failing": failing, "required": len(self.required), "changes": changes}
 
 
 @dataclass(frozen=True)
@@ -350,9 +382,15 @@ def optimize(
         return optimised(design or load_design(), Search(texts, keep, only, solids, budget, evaluations), progress)
 
 
-def optimised(design: Design, wanted: Search, progress: ProgressCallback = silent) -> Optimisation:
-    """The design nearest to `design` that violates no rule and fails no required check."""
-    free = wanted.freed(design)
+def optimised(
+    design: Design,
+    wanted: Search,
+    progress: ProgressCallback = silent,
+    better: Callable[[BestSoFar], None] = lambda best: None,
+) -> Optimisation:
+    """The design nearest to `design` that violates no rule and fails no required check; `better` is called with the
+    best one so far whenever a better one was evaluated."""
+    began, free = monotonic(), wanted.freed(design)
     progress("masses of the solids", 0, 0)
     masses = wanted.masses(design)
     evaluator = _evaluator(design, free, masses)
@@ -362,22 +400,30 @@ def optimised(design: Design, wanted: Search, progress: ProgressCallback = silen
         for values in parallel_map(job, range(wanted.seed, wanted.seed + SEEDS), scheduler=wanted.scheduler):
             if values is not None:
                 evaluator.of(values)
-    step = "search"
+    step, best = "search", BestSoFar(evaluator, required)
+
+    def count(done: int) -> None:
+        progress(step, done, wanted.evaluations)
+        if best.improved():
+            better(best)
 
     def tell(words: str) -> None:
         nonlocal step
         step = words
-        progress(step, evaluator.count, wanted.evaluations)
+        count(evaluator.count)
 
+    evaluator.progress = count
+    # A part of the time is kept for the solids of the design that is found.
+    unlimited = masses is None or math.isinf(wanted.seconds)
+    reserve = 0.0 if unlimited else min(max(OWN_SOLIDS * wanted.seconds, 10.0), 0.5 * wanted.seconds)
     outcome = optimise(
         evaluator,
         required,
         wanted.budget,
         seed=wanted.seed,
         evaluations=wanted.evaluations,
-        seconds=wanted.seconds,
+        seconds=max(wanted.seconds - reserve - (monotonic() - began), 0.0),
         tell=tell,
-        progress=lambda count: progress(step, count, wanted.evaluations),
     )
     after = None
     if outcome.design is not None and outcome.changes:

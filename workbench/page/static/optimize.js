@@ -18,17 +18,19 @@ export class Optimize {
     this.list = h('div', { class: 'free-list' });
     this.keep = h('input', { type: 'text', 'aria-label': 'required checks', placeholder: 'all checks', spellcheck: 'false', title: 'Names of the required checks, with commas; * stands for any text' });
     this.budget = h('input', { type: 'text', value: '600', 'aria-label': 'designs of the search', inputmode: 'numeric' });
+    this.time = h('input', { type: 'text', value: '5', 'aria-label': 'minutes of the search', inputmode: 'decimal', title: 'Minutes after which the search ends with the best design so far' });
     this.start = h('button', { class: 'main', onclick: () => this.run() }, 'Optimize');
     this.progress = h('div', { class: 'search', hidden: true });
+    this.best = h('div', { class: 'card best', hidden: true });
     this.result = h('div', { class: 'optimum' });
     this.plots = [];
     const choose = (text, on) => h('button', { class: 'small', onclick: () => { for (const one of this.free.values()) one.on = on; this.draw(); } }, text);
     place.append(h('div', { class: 'optimize' },
       h('div', { class: 'free scroll' },
-        h('div', { class: 'card' }, h('div', { class: 'line' }, h('h3', {}, 'May change'), h('span', { class: 'space' }), h('span', { class: 'group' }, choose('All', true), choose('None', false))), h('p', { class: 'dim' }, 'Range LOW:HIGH, or choices A|B. Those of the parameter file are listed first.'), this.list,
+        h('div', { class: 'card' }, h('div', { class: 'line' }, h('h2', {}, 'May change'), h('span', { class: 'space' }), h('span', { class: 'group' }, choose('All', true), choose('None', false))), h('p', { class: 'dim' }, 'Range LOW:HIGH, or choices A|B. Those of the parameter file are listed first.'), this.list,
           h('button', { class: 'small', onclick: () => this.addSelected(), title: 'The parameter selected in the list on the left' }, 'Add the selected parameter')),
-        h('div', { class: 'card' }, h('h3', {}, 'Required'), h('label', { class: 'field' }, h('span', {}, 'checks'), this.keep), h('label', { class: 'field' }, h('span', {}, 'designs'), this.budget), h('div', { class: 'actions' }, this.start))),
-      h('div', { class: 'scroll outcome' }, this.progress, this.result)));
+        h('div', { class: 'card' }, h('h3', {}, 'Required'), h('label', { class: 'field' }, h('span', {}, 'checks'), this.keep), h('label', { class: 'field', title: 'Largest number of designs in each search; there are several' }, h('span', {}, 'designs'), this.budget), h('label', { class: 'field' }, h('span', {}, 'minutes'), this.time), h('div', { class: 'actions' }, this.start))),
+      h('div', { class: 'scroll outcome' }, this.progress, this.best, this.result)));
     onJob((job) => { if (job.task === 'optimize') this.showProgress(job); });
     this.showEmpty();
   }
@@ -82,6 +84,7 @@ export class Optimize {
 
   clear() {
     this.found = null;
+    this.best.hidden = true;
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
   }
@@ -95,10 +98,15 @@ export class Optimize {
     try {
       if (!Object.keys(free).length) throw new Error('let at least one parameter change');
       if (!(Number.isInteger(budget) && budget >= 20)) throw new Error(`designs: '${this.budget.value}': a whole number from 20 is required`);
+      const minutes = Number(this.time.value.replace(',', '.'));
+      if (!(minutes >= 0.05 && minutes <= 10_000)) throw new Error(`minutes: '${this.time.value}': a number from 0.05 is required`);
       say('');
-      const job = await post('/api/machine/optimize', { free, keep, budget });
+      const job = await post('/api/machine/optimize', { free, keep, budget, seconds: 60 * minutes });
       // Another file may be open by now.
-      if (opened === this.opened) this.follow(job);
+      if (opened !== this.opened) return;
+      this.clear();
+      fill(this.result);
+      this.follow(job);
     } catch (error) {
       if (opened !== this.opened) return;
       this.start.disabled = false;
@@ -108,6 +116,8 @@ export class Optimize {
 
   async follow(job) {
     this.current = job.number;
+    this.best.hidden = true;
+    this.bestOf = null;
     this.showProgress(jobs.get(job.number) ?? job);
     try {
       const found = await result(job);
@@ -119,17 +129,38 @@ export class Optimize {
     this.showProgress(jobs.get(job.number) ?? job);
   }
 
+  /** The best design that a search has evaluated so far, at most once a second; it stays after a search is cancelled. */
+  async showBest(job) {
+    if (this.asking || job.number !== this.current) return;
+    this.asking = true;
+    const best = await get(`/api/machine/optimize/${job.number}/best`).catch(() => null);
+    if (best && job.number === this.current && !this.found) {
+      const changes = Object.fromEntries(best.changes.map(([key, , to]) => [key, to]));
+      const text = JSON.stringify(best);
+      if (text !== this.bestOf) {
+        fill(this.best, h('div', { class: 'line' }, h('h3', {}, 'Best design so far'), h('span', { class: 'space' }), best.changes.length ? h('button', { class: 'small', onclick: () => this.machine.apply(changes) }, 'Apply') : null),
+          h('p', {}, [best.rules ? `${best.rules} rules violated, ` : '', `${best.required - best.failing} of ${best.required} requirements met`]),
+          h('table', {}, h('tbody', {}, best.changes.map(([key, before, after]) => h('tr', {}, h('td', {}, key), h('td', { class: 'num' }, rounded(before)), h('td', { class: 'num now' }, rounded(after)))))));
+        this.bestOf = text;
+      }
+      this.best.hidden = false;
+    }
+    setTimeout(() => { this.asking = false; }, 1000);
+  }
+
   showProgress(job) {
     // A search that was replaced may end after the present one began.
     if (job.number < this.current && this.current !== Infinity) return;
     const busy = job.state === 'running' || job.state === 'waiting';
     this.start.disabled = busy;
     if (!busy) { this.showAge(); return; }
+    if (job.state === 'running') this.showBest(job);
     this.progress.hidden = false;
     // The elements of a job stay: a button that is made anew at each step cannot be clicked.
     if (this.line?.number !== job.number) {
       this.line = { number: job.number, step: h('span', { class: 'dim step' }) };
-      fill(this.progress, h('b', {}, 'Optimize'), this.line.step, h('progress', { 'aria-label': 'Optimize' }), h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+      fill(this.progress, h('b', {}, 'Optimize'), this.line.step, h('progress', { 'aria-label': 'Optimize' }),
+        h('button', { class: 'small', title: 'End the search with the best design so far', onclick: () => post(`/api/machine/optimize/${job.number}/stop`) }, 'Stop'), h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
     }
     this.line.step.textContent = job.step || 'waiting';
   }
@@ -156,7 +187,7 @@ export class Optimize {
     fill(this.result,
       h('div', { class: `card verdict ${document.feasible ? 'good' : 'unexplained'}` },
         h('b', {}, document.feasible ? (count ? 'A design that meets all requirements' : 'The present design meets all requirements') : 'No design within the ranges meets all requirements'),
-        h('p', { class: 'dim' }, `${found.required} requirements, ${document.evaluations} designs evaluated`),
+        h('p', { class: 'dim' }, `${found.required} requirements, ${document.evaluations} designs evaluated${found.ended ? `; ${found.ended}: more time may find more` : ''}`),
         found.unverified.length ? h('p', { class: 'warn' }, `With the masses of its own solids these fail: ${found.unverified.join(', ')}`) : null),
       count ? h('div', { class: 'card' },
         h('div', { class: 'line' }, h('h3', {}, document.feasible ? 'Changes' : 'Changes that meet all but the contradicting requirements'), h('span', { class: 'space' }),
@@ -184,7 +215,9 @@ export class Optimize {
       // As much of the names as the axes have room for.
       const em = parseFloat(getComputedStyle(places[k]).fontSize);
       const short = (name, length) => { const most = Math.max(Math.floor(length / (0.55 * em)), 8); return name.length > most ? `${name.slice(0, most - 2)} …` : name; };
-      const plot = new XyPlot(places[k], { x: short(names[0], places[k].clientWidth - 7 * em), y: short(names[1], places[k].clientHeight - 4 * em), tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
+      const plot = new XyPlot(places[k], { x: short(names[0], places[k].clientWidth - 7 * em), y: short(names[1], places[k].clientHeight - 4 * em), title: names.join(' over '), tick: (v) => percent(stretched(v)), ticks: marginTicks, room: 6.6 });
+      // On the page margins are squeezed; a file has them as they are.
+      plot.columns = names.map((name, i) => [`${name} (margin)`, points[i]]);
       const ends = (values) => [Math.min(...values, -0.1), Math.max(...values, 0.1)];
       plot.marks = [['before', inks[0]], ['after', inks[2]]].flatMap(([when, ink]) => {
         const [a, b] = names.map((name) => margins.find((row) => row.check === name)?.[when]?.margin ?? null);
@@ -192,8 +225,8 @@ export class Optimize {
       });
       // The limits: where a margin is zero.
       plot.set([{ x: [0, 0], y: ends([...y, ...plot.marks.map((mark) => mark.y)]), ink: 'strong', width: 1.6 }, { x: ends([...x, ...plot.marks.map((mark) => mark.x)]), y: [0, 0], ink: 'strong', width: 1.6 },
-        { x, y, ink: 'measured', points: true, width: 3 },
-        { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], width: 1.6 }, { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], points: true, width: 5 }]);
+        { x, y, ink: 'measured', label: 'designs', points: true, width: 3 },
+        { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], label: 'front', width: 1.6 }, { x: front[0].map(squeezed), y: front[1].map(squeezed), ink: inks[3], points: true, width: 5 }]);
       places[k].title = names.join(' over ');
       this.plots.push(plot);
     });
