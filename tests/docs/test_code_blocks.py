@@ -102,7 +102,12 @@ SHORTER = {
     '--time "150 s"': '--time "5 s"',
 }
 """What is replaced so that a command ends in time, or needs no cluster."""
-PREPARED = {"issue_a.toml": 'extends = "thesis"\n', "rig.toml": 'extends = "thesis"\n'}
+PREPARED = {
+    "issue_a.toml": 'extends = "thesis"\n',
+    "rig.toml": 'extends = "thesis"\n',
+    "script.py": 'import cadquery\nshow_object(cadquery.Workplane().box(40, 30, 10).faces(">Z").hole(6))\n',
+    "part.py": (ROOT / "tests" / "drawings" / "parts" / "housing.py").read_text("utf-8"),
+}
 
 
 def _environment() -> dict[str, str]:
