@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 15229,
-    "designcalc": 10714,
+    "designcalc": 10704,
     "sim": 12634,
     "sysid": 20260,
     "drawings": 12030,
-    "workbench": 15336,
+    "workbench": 15537,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
@@ -24,7 +24,8 @@ RAISED = (
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
     "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in one ledger",
-    "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip",
+    "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; on "
+    "the page records before a fit, several models over one record, the best design of a running search",
 )
 """Why the packages have more lines than the 85 214 before the tool and the machine were taken apart."""
 

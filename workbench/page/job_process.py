@@ -13,19 +13,11 @@ from stagecad.processes import begin_worker
 Report = Callable[[str, int, int], None]
 """Called by a task with what it does, the steps done, and all steps (0: not known)."""
 
-TASKS = {
-    "solids": "tasks.machine",
-    "drawings": "tasks.machine",
-    "optimize": "tasks.optimisation",
-    "compare": "tasks.measurement",
-    "predict": "tasks.measurement",
-    "diagnose": "tasks.measurement",
-    "add": "tasks.measurement",
-    "undo": "tasks.measurement",
-    "suggest": "tasks.measurement",
-    "export": "tasks.measurement",
-    "simulate": "tasks.simulation",
-}
+TASKS: dict[str, str] = dict.fromkeys(
+    ("compare", "predict", "diagnose", "add", "undo", "suggest", "export"), "tasks.measurement"
+)
+TASKS |= {"solids": "tasks.machine", "drawings": "tasks.machine"}
+TASKS |= {"optimize": "tasks.optimisation", "simulate": "tasks.simulation"}
 """Module of each task, of the function of the same name."""
 
 

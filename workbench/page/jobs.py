@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from pebble import ProcessFuture, ProcessPool
 
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
-SCHEMA = 1
+SCHEMA = 2
 """Schema of the results; those of another version of the program are not shown."""
 KEPT = 60
 """Finished jobs that are kept."""

@@ -10,6 +10,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import named_files, results_key
+from workbench.operations.measurement.new_experiment import record_suffix
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3
@@ -96,6 +97,18 @@ class Project:
             name = folder.relative_to(self.folder).as_posix()
             found.append({"name": name, "rungs": max(rungs - 1, 0), "changed": path.stat().st_mtime})
         return found
+
+    def records(self) -> list[str]:
+        """Record files directly in the project's folder, of which an experiment can be made."""
+        named = (path for path in sorted(self.folder.glob("*")) if _NAME.fullmatch(path.name))
+        return [path.name for path in named if path.is_file() and record_suffix(path.name)]
+
+    @property
+    def begins_with(self) -> str:
+        """The view of what the folder holds: of experiments or records, else of parameter files; empty without any."""
+        if self.experiments() or self.records():
+            return "measurement"
+        return "machine" if self.params is not None or self.parameter_files() else ""
 
     def parameter_files(self) -> list[str]:
         """Parameter files directly in the project's folder: TOML with a table of parameters."""

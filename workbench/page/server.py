@@ -106,7 +106,8 @@ def _add_common_routes(app: FastAPI) -> None:
     def about() -> dict[str, Any]:
         """Version, folder, and whether code of experiments may run."""
         project: Project = app.state.project
-        return {"version": __version__, "folder": str(project.folder), "trust": project.trust}
+        known = {"folder": str(project.folder), "trust": project.trust, "begins_with": project.begins_with}
+        return {"version": __version__, **known}
 
     @app.get("/api/jobs")
     def all_jobs() -> list[dict[str, Any]]:

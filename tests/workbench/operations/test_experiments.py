@@ -14,7 +14,10 @@ import pytest
 import stagecad
 from sim.effects.custom import load_custom
 from stagecad import Experiment, InputError, Model, Record, Rig, RigKind
+from sysid.estimation.misfit import misfit
 from tests.reference.tables import cases
+from tests.sysid.slide import SIGN, VELOCITY
+from tests.sysid.slide import slide as write_slide
 from tests.workbench.operations.slide_log import slide_log
 from workbench.cli import run
 
@@ -203,3 +206,19 @@ def test_a_file_that_would_be_no_effect_is_refused(tmp_path, capsys, name, wrong
     assert wrong in capsys.readouterr().err
     assert (tmp_path / "there.py").read_text() == "kept"
     assert [file.name for file in tmp_path.iterdir()] == ["there.py"]
+
+
+def test_models_of_earlier_rungs_have_the_errors_that_the_ladder_states(tmp_path: Path) -> None:
+    force = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
+    write_slide(tmp_path / "rig", force, '"coulomb"', held_out=True)
+    stagecad.add(tmp_path / "rig", "viscous")
+    found = stagecad.compare(tmp_path / "rig")
+    assert list(found.earlier) == ["rung 0"]
+    stated = stagecad.ladder(tmp_path / "rig").rungs[0]["before"]
+    model, problem = found.earlier["rung 0"], found.problem
+    for part, records in (("fit", problem.fit_records), ("validate", problem.validate_records)):
+        computed = misfit(model, records)["friction_force"]
+        assert computed.over_noise == pytest.approx(stated[part]["friction_force"]["over_noise"], rel=1e-6)
+    of_present, of_former = found.maps_of(found.fitted.model), found.maps_of(model)
+    shares = [{m.coordinate: m.share for m in maps} for maps in (found.computed.maps, of_present, of_former)]
+    assert shares[0] == shares[1] != shares[2]

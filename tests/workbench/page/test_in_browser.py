@@ -41,8 +41,9 @@ def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
         # What an earlier story left is not the beginning of this one.
         opened = one.page.request.post(one.address.partition("?")[0] + "api/machine/open", data={"name": None})
         assert opened.json()["changes"] == {} and opened.json()["undo"] == 0
-        one.page.reload()
         one.address = one.address.partition("?")[0]
+        one.open("machine")
+        one.page.reload()
         yield one
 
 
@@ -156,6 +157,22 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     page.locator("canvas[data-state=current]").wait_for()
     page.wait_for_timeout(200)
     assert _changed(straight, _picture(browser)) > 0.005
+
+    # The tree finds a part in the view, hides it, and names its files.
+    page.get_by_role("button", name="Parts").click()
+    row = page.locator(".tree li", has_text=re.compile(r"^stage"))
+    before = _picture(browser)
+    row.locator("input").uncheck()
+    page.wait_for_timeout(200)
+    assert _changed(before, _picture(browser)) > 0.02
+    row.locator("input").check()
+    row.locator(".part-name").click()
+    assert page.url.endswith("#machine/solids?part=stage")
+    assert page.request.get(row.get_by_text("STL").evaluate("(link) => link.href")).ok
+    row.locator(".part-name").click()
+    page.get_by_role("button", name="Parts").click()
+    page.mouse.move(*middle)
+    page.locator(".hovered-part", has_text="stage").wait_for()
 
     # Two points are marked above the solids, in the colour of the label between them.
     page.get_by_role("button", name="Measure").click()
@@ -317,6 +334,7 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     dialog.get_by_role("alert").filter(has_text="two columns are taken for friction force").wait_for()
     column.select_option("velocity")
     dialog.get_by_text("no column is taken").wait_for(state="hidden")
+    dialog.get_by_role("button", name="Take all as proposed").click()
     dialog.get_by_role("button", name="Create").click()
     page.locator(".map canvas").first.wait_for()
 

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from sim.effects.catalogue import find
 from sim.export.program import ForceFunction
 from stagecad.parameters.errors import InputError, nearest
+from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import InformationCriteria, information_criteria
 from sysid.estimation.identifiability import public_key
 from sysid.estimation.misfit import misfit
 from sysid.estimation.residual_correlation import ResidualCorrelation, residual_correlation
-from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.experiment.history import read_history
+from sysid.prediction.model import Model, PreparedRecord, predict, with_effect
 from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.simulation_error import free_runs, simulation_errors
 from sysid.report import channel_unit, headline_channel, parameter_unit
@@ -135,6 +139,29 @@ class FittedResult(Reported):
             for part, records in parts.items()
         }
         return model, errors
+
+    @property
+    def earlier(self) -> dict[str, Model]:
+        """The models of other rungs, with the values fitted then, by `rung NUMBER`."""
+        problem, start, found = self.problem, self.problem.start.values, {}
+        rungs = read_history(problem.experiment)
+        for rung in (one for one in rungs if one.effects != tuple(problem.experiment.effects)):
+            model = Model((), {key: value for key, value in start.items() if key.startswith("rig.")}, ())
+            # An effect of the user's own may be gone since.
+            with suppress(InputError):
+                for name in rung.effects:
+                    model = with_effect(model, find(name, problem.custom), problem.scales, as_listed=True)
+                model = problem.rig.with_nuisances(model, problem.fit_records)
+                stored = {key: one["value"] for key, one in rung.document.get("parameters", {}).items()}
+                fitted = {key: stored[public_key(key)] for key in model.values if public_key(key) in stored}
+                found[f"rung {rung.number}"] = model.at({**{k: start[k] for k in model.values if k in start}, **fitted})
+        return found
+
+    def maps_of(self, model: Model) -> list[ResidualMap]:
+        """Maps of the residual of a model over each coordinate, weighed as those of the fitted one."""
+        base, problem = self.computed.base, self.problem
+        held_out = problem.validate_records, base.weights
+        return residual_maps(model, problem.fit_records, base.fitted.weights, *held_out)
 
     @cached_property
     def covariance(self) -> pd.DataFrame:

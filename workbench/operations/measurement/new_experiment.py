@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING, Any
 from sim.effects.catalogue import library as library
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
+from sysid.experiment.channels import parse_label
 from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
 from sysid.experiment.columns.proposal import Proposal as Column
 from sysid.experiment.columns.proposal import propose as propose_columns
 from sysid.experiment.columns.settings import RATED
+from sysid.experiment.columns.units import column_unit
 from sysid.experiment.questions import QUESTION
-from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.base import Header, shown_path
 from sysid.experiment.readers.open import SUFFIXES as SUFFIXES
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.readers.open import record_suffix as record_suffix
@@ -33,6 +35,7 @@ from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
 
     from workbench.operations.design import Design
@@ -41,10 +44,16 @@ SHOWN_ROWS = 4
 """First values of a column in a proposal."""
 
 
+def record_columns(path: str | Path) -> dict[str, np.ndarray]:
+    """The columns (n,) of a record file that hold numbers, by label."""
+    opened = open_record_file(Path(path), Path(path).name)
+    return {opened.header.labels[index].strip(): values for index, values in read_numbers(opened).columns.items()}
+
+
 def record_rows(path: str | Path, name: str | None = None) -> int:
     """Number of rows of a record file, called `name` in messages."""
     name = name or Path(path).name
-    columns = read_numbers(open_record_file(Path(path), name)).columns
+    columns = record_columns(path)
     if not columns:
         raise InputError(f"{name}: has no column of numbers")
     rows = int(next(iter(columns.values())).size)
@@ -74,10 +83,11 @@ class Proposal(Result):
                 "label": one.label,
                 "channel": one.channel,
                 "unit": "" if one.unit in (None, "?") else one.unit,
-                "scale": one.scale and f"? {one.scale}",
+                "scale": f"? {one.scale}" if one.scale and not one.percent else None,
                 "question": one.question,
                 "first": numbers[k][:SHOWN_ROWS] if k in numbers else None,
                 "unit_in_file": one.unit is None,
+                "stated": _stated_unit(header, one.number - 1),
             }
             for k, one in enumerate(self.computed.columns)
         ]
@@ -97,6 +107,7 @@ class Proposal(Result):
         rig, rotary = find_rig(self.computed.kind, "kind"), self.computed.rotary
         known = {key: one.rotary_unit if rotary else one.unit for key, one in rig.known.items()}
         known.pop("mass" if rotary else "inertia", None)
+        known |= {f"{RATED}{one.channel}": one.scale for one in self.computed.columns if one.percent}
         return finite(
             {
                 "kind": self.computed.kind,
@@ -317,6 +328,13 @@ def _channel_line(column: Column, numbered: bool) -> str:
     optional = column.channel in ALWAYS_ALLOWED and column.channel != "time"
     left = "# " if optional and (column.unit == "?" or column.scale) else ""
     return f"{left}{column.channel} = {value}" + (f"    # {QUESTION} {column.question}" if column.question else "")
+
+
+def _stated_unit(header: Header, index: int) -> str | None:
+    """The unit of a column in the file, if it names one."""
+    column = parse_label(index, header.labels[index])
+    stated = header.units.get(column.label, column.unit)
+    return column_unit(stated) if stated else None
 
 
 def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:

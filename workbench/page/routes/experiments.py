@@ -7,8 +7,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from fastapi import APIRouter, Request
-from pydantic import Field
+from pydantic import ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_path
@@ -19,18 +20,24 @@ from workbench.operations.measurement.new_experiment import (
     SUFFIXES,
     kinds,
     library,
+    record_columns,
     record_rows,
     record_suffix,
     unknown_format,
     write_experiment,
 )
 from workbench.operations.measurement.new_experiment import propose as propose_experiment
+from workbench.operations.result import finite
 from workbench.operations.templates import EXAMPLES, copy_example
 from workbench.operations.templates import examples as examples_of
+from workbench.page.curves import extremes
 from workbench.page.project import Project, plain_name
 from workbench.page.routes.machine import Body, Text
 
 router = APIRouter(prefix="/api")
+
+SPARKS = 240
+"""Stretches of a record in which a column is drawn before the fit."""
 
 
 class ChannelBody(Body):
@@ -43,10 +50,14 @@ class ChannelBody(Body):
 
 
 class RecordBody(Body):
-    """A `[[record]]` of a new experiment."""
+    """A `[[record]]` of a new experiment; `from` and `to` bound the time."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     file: Text
     role: Literal["fit", "validate"]
+    start: Text | None = Field(default=None, alias="from")
+    stop: Text | None = Field(default=None, alias="to")
 
 
 class ExperimentBody(Body):
@@ -61,11 +72,16 @@ class ExperimentBody(Body):
     noise: dict[Text, Text] = {}
 
 
-class ProposalBody(Body):
-    """Uploaded files of an experiment, and the kind of rig where the user has chosen it."""
+class FilesBody(Body):
+    """Record files, by name, and their experiment."""
 
     name: Text
     files: Annotated[list[Text], Field(min_length=1, max_length=100)]
+
+
+class ProposalBody(FilesBody):
+    """Uploaded files of an experiment, and the kind of rig where the user has chosen it."""
+
     kind: Text | None = None
 
 
@@ -102,7 +118,34 @@ def effects() -> list[dict[str, Any]]:
 @router.post("/upload/{experiment}/{file}")
 async def upload(request: Request, experiment: str, file: str) -> dict[str, Any]:
     """Store a dropped record file in the folder of an experiment, which may be new; nothing is left half written."""
-    project = project_of(request)
+    return await _store(project_of(request), experiment, file, request.stream())
+
+
+@router.get("/records")
+def records(request: Request) -> list[str]:
+    """Record files directly in the project's folder."""
+    return project_of(request).records()
+
+
+@router.post("/records")
+async def take_records(request: Request, body: FilesBody) -> list[dict[str, Any]]:
+    """Copy record files of the project's folder into that of an experiment, as if they were dropped on the page."""
+    project, stored = project_of(request), []
+    for file in body.files:
+        source = project.inside(plain_name(file))
+        if not source.is_file():
+            raise InputError(f"{file}: no such file in this folder")
+        stored.append(await _store(project, body.name, file, _pieces(source)))
+    return stored
+
+
+async def _pieces(path: Path) -> AsyncIterator[bytes]:
+    with path.open("rb") as stream:
+        while piece := await run_in_threadpool(stream.read, 1 << 20):
+            yield piece
+
+
+async def _store(project: Project, experiment: str, file: str, pieces: AsyncIterator[bytes]) -> dict[str, Any]:
     name = plain_name(file)
     if record_suffix(name) is None:
         raise InputError(f"{name}: {unknown_format(name)}")
@@ -110,7 +153,7 @@ async def upload(request: Request, experiment: str, file: str) -> dict[str, Any]
     made, known = not target.parent.exists(), target.exists()
     try:
         with atomic_path(target) as temporary:
-            await _write(request.stream(), temporary)
+            await _write(pieces, temporary)
             if known and not await run_in_threadpool(filecmp.cmp, temporary, target, False):
                 raise InputError(f"{experiment}/{name}: another file of that name is there; rename one of them")
         rows = await run_in_threadpool(record_rows, target, name)
@@ -140,6 +183,19 @@ def propose(request: Request, body: ProposalBody) -> dict[str, Any]:
     return propose_experiment([folder / plain_name(file) for file in body.files], body.kind).to_json()
 
 
+@router.post("/preview")
+def preview(request: Request, body: FilesBody) -> list[dict[str, Any]]:
+    """Every column of uploaded files as it is logged: the least and the largest value of equal stretches of rows."""
+    project, found = project_of(request), []
+    for file in body.files:
+        columns = record_columns(project.inside(f"{plain_name(body.name)}/{plain_name(file)}"))
+        size = next((values.size for values in columns.values()), 0)
+        table = np.vstack([np.arange(size), *columns.values()])
+        drawn = extremes(table, range(1, len(table)), None, None, SPARKS)[1:]
+        found.append({"file": file, "rows": size, "columns": dict(zip(columns, drawn.tolist()))})
+    return finite(found)
+
+
 @router.post("/experiments")
 def new_experiment(request: Request, body: ExperimentBody) -> dict[str, Any]:
     """Write `experiment.toml` for records in a folder; it is read back, and removed when it is not valid."""
@@ -150,7 +206,7 @@ def new_experiment(request: Request, body: ExperimentBody) -> dict[str, Any]:
         "rig": {"kind": body.kind, "known": body.known},
         "model": {"effects": body.effects},
         "channels": {name: given.model_dump(exclude_defaults=True) for name, given in body.channels.items()},
-        "record": [record.model_dump() for record in body.records],
+        "record": [record.model_dump(by_alias=True, exclude_none=True) for record in body.records],
         "noise": body.noise,
     }
     write_experiment(folder, document, project_of(request).stated_design())

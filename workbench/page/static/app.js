@@ -2,19 +2,23 @@
 import { get, listen } from './api.js';
 import { h, fill, say } from './dom.js';
 
-const VIEWS = { machine: () => import('./machine.js'), simulation: () => import('./simulation.js'), measurement: () => import('./measurement.js') };
+const VIEWS = { start: () => import('./start.js'), machine: () => import('./machine.js'), simulation: () => import('./simulation.js'), measurement: () => import('./measurement.js') };
 const opened = new Map();
 
+/** Show the view of the address, or what the folder holds: `#VIEW/PATH?QUERY`. */
 async function show() {
-  const [name, ...rest] = (location.hash.slice(1) || 'machine').split('/');
-  const view = name in VIEWS ? name : 'machine';
+  const [place, values] = location.hash.slice(1).split('?');
+  const [name, ...path] = place.split('/').map(decodeURIComponent);
+  const view = name in VIEWS ? name : about.begins_with || 'start';
   for (const section of document.querySelectorAll('.view')) section.hidden = section.id !== view;
   for (const tab of document.querySelectorAll('nav [data-view]')) tab.setAttribute('aria-selected', String(tab.dataset.view === view));
   if (!opened.has(view)) {
     opened.set(view, VIEWS[view]().then((module) => module.open(document.getElementById(view))));
   }
   try {
-    (await opened.get(view)).shown?.(decodeURIComponent(rest.join('/')));
+    const shown = await opened.get(view);
+    if (!location.hash) history.replaceState(null, '', `#${view}`);
+    await shown.shown?.(path, Object.fromEntries(new URLSearchParams(values)));
   } catch (error) {
     opened.delete(view);
     say(error.message, 'bad');
@@ -32,7 +36,7 @@ const KEYS = [
   ['g m · g s · g e', 'Machine, Simulation, Measurement'], ['T', 'light or dark'], ['/', 'search parameters'],
   ['Ctrl Z · Ctrl Shift Z', 'undo, redo a change of the machine'],
   ['1 2 3 4', 'view from front, right, top, oblique'], ['F', 'fit the view'], ['E', 'exploded view'], ['S', 'section'],
-  ['M', 'measure between two points'], ['Esc', 'end measuring, clear the selection'],
+  ['M · P', 'measure between two points, tree of parts'], ['Esc', 'end measuring, clear the selection'],
   ['↑ ↓ on a value', 'change it by a hundredth of its range'], ['D', 'diagnose (Measurement)'], ['double click in a curve', 'whole record'],
   ['?', 'this list'],
 ];
@@ -62,10 +66,12 @@ addEventListener('hashchange', show);
 // A refused request says why; what was shown before stays.
 addEventListener('unhandledrejection', (event) => { say(event.reason?.message ?? String(event.reason), 'bad'); event.preventDefault(); });
 
-get('/api/about').then((about) => {
+let about = { begins_with: '' };
+try {
+  about = await get('/api/about');
   document.getElementById('folder').textContent = about.folder.split(/[\\/]/).filter(Boolean).at(-1);
   document.getElementById('folder').title = `stagecad ${about.version}, working in ${about.folder}`;
-}).catch((error) => say(error.message, 'bad'));
+} catch (error) { say(error.message, 'bad'); }
 const connected = listen().catch((error) => say(error.message, 'bad'));
 await connected;
 show();

@@ -95,6 +95,16 @@ export function say(text, kind = '') {
 /** Clear the message if it is still this text: another one may have been shown since. */
 export function withdraw(text) { if (document.getElementById('message').textContent === text) say(''); }
 
+/** The query of an address of the page: names and values that are not empty. */
+export const query = (values) => new URLSearchParams(Object.entries(values).filter(([, value]) => value !== null && value !== undefined && value !== '')).toString();
+
+/** Write the address of what is shown, so that it can be kept or sent: `#VIEW/PATH?QUERY`. */
+export function setAddress(section, path, values = {}) {
+  if (section.hidden) return;
+  const text = query(values);
+  history.replaceState(null, '', `#${[section.id, ...path].map(encodeURIComponent).join('/')}${text ? `?${text}` : ''}`);
+}
+
 /** A short line in a colour, for a legend. */
 export const swatch = (ink) => { const s = h('i', { class: 'swatch' }); s.style.background = ink; return s; };
 

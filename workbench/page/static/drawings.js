@@ -3,10 +3,12 @@ import { get, post, result } from './api.js';
 import { h, fill, newest, say, words } from './dom.js';
 
 export class Drawings {
-  constructor(place) {
+  /** @param {() => void} onopen  another sheet is shown */
+  constructor(place, onopen = () => {}) {
+    this.onopen = onopen;
     this.names = h('div', { class: 'sheets scroll' });
     this.paper = h('img', { class: 'paper', alt: '', draggable: 'false' });
-    this.desk = h('div', { class: 'desk', tabindex: '0', 'aria-label': 'drawing; wheel zooms, dragging shifts, double click fits' }, this.paper);
+    this.desk = h('div', { class: 'desk', tabindex: '0', role: 'group', 'aria-label': 'drawing; wheel zooms, dragging shifts, double click fits' }, this.paper);
     this.note = h('div', { class: 'sheet-note' }, 'Choose a sheet.');
     place.append(this.names, h('div', { class: 'desk-frame' }, this.desk, this.note));
     this.view = { x: 0, y: 0, scale: 1 };
@@ -36,8 +38,12 @@ export class Drawings {
       h('button', { class: 'sheet', dataset: { name }, onclick: () => this.open(subject, name) }, words(name)))));
     this.mark();
     // Something to look at: the first sheet, until another one is chosen.
-    const [subject, [first] = []] = Object.entries(sheets)[0] ?? [];
-    if (!this.name && first) this.open(subject, first);
+    const every = Object.entries(sheets).flatMap(([subject, names]) => names.map((name) => [subject, name]));
+    const wanted = every.find(([, name]) => name === this.wanted);
+    if (this.wanted && !wanted) say(`${this.wanted}: no such sheet`, 'bad');
+    this.wanted = null;
+    const [subject, name] = wanted ?? every[0] ?? [];
+    if (wanted || (!this.name && name)) this.open(subject, name);
   }
 
   mark() { for (const one of this.names.children) one.setAttribute('aria-pressed', String(one.dataset.name === this.name)); }
@@ -47,6 +53,7 @@ export class Drawings {
     this.name = name;
     this.subject = subject;
     this.mark();
+    this.onopen();
     fill(this.note, `drawing ${words(name)} …`);
     try {
       const found = await result(await post(`/api/machine/drawings/${subject}`));

@@ -1,9 +1,11 @@
 // The machine: parameters on the left, solids or drawings in the middle, checks on the right.
 import { get, post, result } from './api.js';
+import { movablePanels } from './borders.js';
 import { CheckList } from './checks.js';
-import { h, fill, newest, quantity, say, withdraw, words } from './dom.js';
+import { h, fill, newest, quantity, say, setAddress, withdraw, words } from './dom.js';
 import { Drawings } from './drawings.js';
 import { ParameterList, sliderRange, toggle, valueText } from './parameters.js';
+import { PartTree } from './tree.js';
 import { View3d } from './view3d.js';
 
 const QUICK = 0.025;
@@ -21,6 +23,7 @@ class Machine {
     this.parameters = new ParameterList(left, { drag: (key, text) => this.drag(key, text), commit: (key, text) => this.commit(key, text) });
     this.checks = new CheckList(right, (key) => this.parameters.reveal(key));
     this.makeMiddle(middle);
+    movablePanels('machine', left, right);
     addEventListener('keydown', (event) => this.key(event));
     // Another server may have begun: its versions of the checks are not those of the former one.
     addEventListener('reconnected', () => this.inTurn(async () => { this.version = 0; this.take(await get('/api/machine')); this.changed(); }).catch((error) => say(error.message, 'bad')));
@@ -37,7 +40,7 @@ class Machine {
       solids: h('div', { class: 'pane solids' }), drawings: h('div', { class: 'pane drawings' }), difference: h('div', { class: 'pane difference scroll' }), optimize: h('div', { class: 'pane' }),
     };
     this.makeSolids(this.panes.solids);
-    this.drawings = new Drawings(this.panes.drawings);
+    this.drawings = new Drawings(this.panes.drawings, () => this.link());
     this.violations = h('div', { class: 'violations', role: 'alert', hidden: true });
     middle.append(
       h('div', { class: 'head' }, h('span', { class: 'group' }, Object.values(this.tabs)), h('span', { class: 'space' }), this.file, this.undo, this.redo, this.save),
@@ -46,7 +49,8 @@ class Machine {
 
   makeSolids(pane) {
     const place = h('div', { class: 'canvas' });
-    this.view = new View3d(place, (name) => this.showPart(name));
+    this.view = new View3d(place, (name) => this.showPart(name), () => this.tree.mark());
+    this.tree = new PartTree(this.view);
     const look = (name, title, key) => h('button', { class: 'small', title: `${title} (${key})`, onclick: () => this.view.look(name) }, title);
     this.explosion = h('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 0, 'aria-label': 'exploded view', oninput: () => this.view.explode(this.explosion.valueAsNumber) });
     this.axis = h('select', { class: 'small', 'aria-label': 'section', onchange: () => this.cut() },
@@ -59,10 +63,10 @@ class Machine {
     pane.append(place,
       h('div', { class: 'toolbar top' },
         h('span', { class: 'group' }, look('front', 'Front', '1'), look('right', 'Right', '2'), look('top', 'Top', '3'), look('oblique', 'Oblique', '4'), look('', 'Fit', 'F')),
-        h('span', { class: 'space' }), this.measure),
+        h('span', { class: 'space' }), this.tree.button, this.measure),
       h('div', { class: 'toolbar bottom' },
         h('label', { title: 'Exploded view (E)' }, 'explode', this.explosion), h('span', { class: 'space' }), this.at, this.share, this.axis),
-      this.part, this.building);
+      this.tree.element, this.part, this.building);
   }
 
   async start() {
@@ -75,7 +79,29 @@ class Machine {
     this.buildSolids();
   }
 
-  async shown() { this.view.resize(); }
+  /** `#machine/TAB`, `#machine/drawings/SHEET`, `#machine/solids?part=NAME`. */
+  async shown([tab, sheet], { part } = {}) {
+    this.view.resize();
+    if (part) this.wantedPart = part;
+    this.choosePart();
+    if (tab && !(tab in this.tabs)) say(`${tab}: no such view of the machine`, 'bad');
+    if (tab === 'drawings' && sheet) this.drawings.wanted = sheet;
+    if (tab in this.tabs && (tab !== this.tab || sheet)) this.showTab(tab); else this.link();
+  }
+
+  /** Select the part that the address names, once it is there. */
+  choosePart() {
+    if (!this.wantedPart || !this.view.instances.length) return;
+    if (this.view.result.parts[this.wantedPart]) this.view.select(this.wantedPart); else say(`${this.wantedPart}: no such part`, 'bad');
+    this.wantedPart = null;
+  }
+
+  /** The address names what is shown, so that it can be kept or sent. */
+  link() {
+    if (this.wantedPart) return;
+    const sheet = this.tab === 'drawings' ? this.drawings.name : null;
+    setAddress(this.section, [this.tab ?? 'solids', ...(sheet ? [sheet] : [])], { part: this.tab === 'solids' ? this.view.selected : null });
+  }
 
   /** Take the state of the server: file, changes, history. */
   take(state) {
@@ -208,7 +234,9 @@ class Machine {
       const job = await post('/api/machine/solids');
       const found = await result(job);
       if (!current() || !await this.view.show(found) || !current()) return;
+      this.tree.show(found);
       this.showPart(this.view.selected);
+      this.choosePart();
       this.fresh(true, '');
       await post(`/api/machine/masses/${job.number}`);
       await this.preview();
@@ -221,7 +249,7 @@ class Machine {
       // A design that cannot be built: the saved one is better than nothing to look at.
       if (!this.view.instances.length && Object.keys(this.changes).length) {
         const found = await post('/api/machine/solids', { saved: true }).then(result).catch(() => null);
-        if (found && current() && await this.view.show(found)) this.fresh(false, 'solids of the saved design');
+        if (found && current() && await this.view.show(found)) { this.tree.show(found); this.fresh(false, 'solids of the saved design'); }
       }
     }
   }
@@ -240,6 +268,7 @@ class Machine {
   }
 
   showPart(name) {
+    this.link();
     this.part.hidden = !name;
     const found = this.view.result?.parts[name];
     if (!name || !found) { this.part.hidden = true; return; }
@@ -268,6 +297,7 @@ class Machine {
     if (name === 'drawings') this.drawings.shown().catch((error) => say(error.message, 'bad'));
     if (name === 'difference') this.showDifference();
     if (name === 'optimize') this.showOptimize().catch((error) => say(error.message, 'bad'));
+    this.link();
   }
 
   async showOptimize() {
@@ -309,7 +339,7 @@ class Machine {
     const choice = h('select', { 'aria-label': 'compare with', onchange: () => this.showDifference(choice.value) },
       h('option', { value: '' }, `saved: ${this.state.file ?? 'packaged design'}`), this.state.files.map((name) => h('option', { value: name }, name)));
     choice.value = other;
-    fill(this.panes.difference, h('div', { class: 'card' }, h('h3', {}, 'Difference to ', choice),
+    fill(this.panes.difference, h('div', { class: 'card' }, h('h2', {}, 'Difference to ', choice),
       rows.length ? h('table', { class: 'differences' },
         h('thead', {}, h('tr', {}, ['parameter', 'before', 'now', 'origin before', ''].map((text) => h('th', {}, text)))),
         h('tbody', {}, rows.map(({ key, before, after }) => h('tr', {},
@@ -380,6 +410,7 @@ class Machine {
     if (event.key === 'e') { this.explosion.value = this.explosion.valueAsNumber > 0 ? 0 : 1; this.view.explode(this.explosion.valueAsNumber); }
     if (event.key === 's') { this.axis.value = this.axis.value ? '' : 'y'; this.cut(); }
     if (event.key === 'm') this.measure.click();
+    if (event.key === 'p') this.tree.toggle();
     if (event.key === 'Escape') { if (this.view.measuring) this.measure.click(); this.view.select(null); }
   }
 }

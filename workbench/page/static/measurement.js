@@ -1,13 +1,16 @@
 // The measurement: experiments and ladder on the left, model over record in the middle, ranking on the right.
 import { cancel, get, jobs, onJob, post, result } from './api.js';
-import { h, fill, newest, number, quantity, say, swatch, times, words } from './dom.js';
+import { movable, movablePanels } from './borders.js';
+import { h, fill, newest, number, quantity, say, setAddress, swatch, times, words } from './dom.js';
 import { importFiles, newExperimentPlace } from './import.js';
-import { drawLadder } from './ladder.js';
+import { drawLadder, worst } from './ladder.js';
 import { drawMaps } from './maps.js';
 import { Overlay } from './overlay.js';
 import { ModelSliders, predictor } from './sliders.js';
 
 const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest', 'export']);
+/** In the address, the fitted model as the one whose residual is shown, where a candidate would be. */
+const FITTED = 'model';
 const LANGUAGES = { python: 'Python', c: 'C', fmu: 'FMU', modelica: 'Modelica', matlab: 'MATLAB', table: 'table' };
 
 class Measurement {
@@ -19,9 +22,14 @@ class Measurement {
     this.right = h('div', { class: 'panel' });
     fill(section, this.left, this.middle, this.right);
     this.middle.classList.add('blank');
+    // Models that are drawn over the record beside the fitted one, and the one whose maps are shown.
+    this.drawn = new Set();
+    this.chosen = null;
+    this.candidates = new Map();
     this.makeLeft();
     this.makeMiddle();
     this.makeRight();
+    movablePanels('measurement', this.left, this.right);
     onJob((job) => this.jobChanged(job));
     addEventListener('keydown', (event) => this.key(event));
     addEventListener('reconnected', () => this.readList().then(() => { if (this.name && !this.found) this.choose(this.name); }).catch((error) => say(error.message, 'bad')));
@@ -49,12 +57,16 @@ class Measurement {
   makeMiddle() {
     this.overlay = new Overlay();
     this.sliders = new ModelSliders((body) => predictor(path(this.name))(body), this.overlay);
+    this.overlay.onview = () => this.link();
     this.overlay.onchoose = () => { if (Object.keys(this.sliders.values ?? {}).length) this.sliders.ask(); };
     this.maps = h('div', { class: 'maps', tabindex: '0', role: 'region', 'aria-label': 'residual over each coordinate' });
+    this.mapOf = h('select', { 'aria-label': 'model whose residual is shown', onchange: () => this.choosePreview(this.mapOf.value || null) });
+    this.mapBox = h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual'), 'of', this.mapOf, h('span', { class: 'dim', title: 'in standard deviations of the noise' }, 'over each coordinate'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps);
     this.statement = h('p', { class: 'statement' }, 'Choose an experiment, or drop record files on the page.');
     this.warnings = h('ul', { class: 'warnings warn' });
     this.raw = h('details', { class: 'raw', hidden: true }, h('summary', {}, 'Channels as logged'), this.picture = h('img', { alt: 'every channel over time, with its faults marked' }));
-    fill(this.middle, h('div', { class: 'finding' }, this.statement, this.warnings), this.raw, this.overlay.element, h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual over each coordinate'), h('span', { class: 'dim' }, 'in deviations of the noise'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps));
+    fill(this.middle, h('div', { class: 'finding', tabindex: '0', role: 'region', 'aria-label': 'finding' }, this.statement, this.warnings), this.raw, this.overlay.element, this.mapBox);
+    movable(this.mapBox, 'top', 'maps', 'border between curves and maps');
   }
 
   makeRight() {
@@ -72,13 +84,15 @@ class Measurement {
   }
 
   async start_() {
-    [this.available] = await Promise.all([get('/api/examples'), this.readList()]);
+    [this.available, this.loose] = await Promise.all([get('/api/examples'), get('/api/records'), this.readList()]);
     fill(this.examples, h('option', { value: '' }, 'Examples'), this.available.map(({ name, meaning }) => h('option', { value: name, title: meaning }, words(name))));
     this.offer();
-    const known = [...jobs.values()].filter((job) => TASKS.has(job.task));
-    const last = known.at(-1)?.subject;
-    const first = this.experiments.find((one) => one.name === last) ?? this.experiments[0];
-    if (first) this.choose(first.name);
+  }
+
+  /** The experiment that was worked on last, or the first. */
+  get usual() {
+    const last = [...jobs.values()].filter((job) => TASKS.has(job.task)).at(-1)?.subject;
+    return this.experiments.find((one) => one.name === last) ?? this.experiments[0];
   }
 
   async readList() {
@@ -95,28 +109,46 @@ class Measurement {
   /** With no experiment in the folder, the examples are what there is to begin with. */
   offer() {
     if (this.experiments.length || !this.available) return;
-    fill(this.list, h('p', { class: 'empty' }, 'No folder with an experiment.toml here yet. Drop record files below, or begin with an example:'),
+    const found = this.loose.map((name) => ({ name }));
+    fill(this.list, h('p', { class: 'empty' }, 'No folder with an experiment.toml here yet.'),
+      found.length ? h('button', { class: 'offer', onclick: () => this.take(found) }, h('b', {}, `Make an experiment of ${found.length === 1 ? 'the record' : `${found.length} records`} in this folder`), h('span', { class: 'dim' }, this.loose.join(', '))) : null,
+      h('p', { class: 'empty' }, 'Drop record files below, or begin with an example:'),
       this.available.map(({ name, meaning }) => h('button', { class: 'offer', onclick: () => this.copy(name) }, h('b', {}, words(name)), h('span', { class: 'dim' }, meaning))));
   }
 
-  /** `#measurement/NAME?with=EFFECT`: an experiment, and the candidate that is drawn over its record. */
-  shown(link) {
-    const [name, candidate] = link.split('?with=');
-    if (!name) { this.link(); return; }
-    this.wanted = candidate ?? null;
-    if (name !== this.name) { if (this.experiments?.some((one) => one.name === name)) this.choose(name); } else if (this.candidates?.has(candidate) && this.preview !== candidate) this.previewOf(candidate);
+  /** `#measurement/NAME?with=MODELS&of=MODEL&record=...`: an experiment, the models over its record, and what is seen. */
+  async shown(parts, values = {}) {
+    const name = parts.join('/');
+    if (!name) {
+      if (!this.name && this.usual) await this.choose(this.usual.name); else this.link();
+      return;
+    }
+    this.wanted = values;
+    if (!this.experiments?.some((one) => one.name === name)) await this.readList();
+    if (name === this.name) this.see(); else if (this.experiments.some((one) => one.name === name)) await this.choose(name); else say(`${name}: no such experiment in this folder`, 'bad');
+  }
+
+  /** Show what the address asks for, once the model is there. */
+  see() {
+    const { wanted } = this;
+    if (!wanted || !this.found) return;
+    this.wanted = null;
+    if ('with' in wanted) this.drawn = new Set((wanted.with ?? '').split(',').filter((one) => this.models.has(one)));
+    if (this.models.has(wanted.of) || wanted.of === FITTED) this.chosen = wanted.of === FITTED ? null : wanted.of;
+    this.overlay.view = wanted;
+    this.drawModels();
   }
 
   /** The address names what is shown, so that it can be kept or sent. */
   link() {
-    if (this.section.hidden || !this.name) return;
-    history.replaceState(null, '', `#measurement/${path(this.name)}${this.preview ? `?with=${encodeURIComponent(this.preview)}` : ''}`);
+    if (!this.name || this.wanted) return;
+    setAddress(this.section, this.name.split('/'), { with: [...this.drawn].join(','), of: this.chosen ?? (this.candidates.size ? FITTED : ''), ...this.overlay.view });
   }
 
   async choose(name) {
     const current = this.turn.choice();
+    if (name !== this.name) { this.drawn.clear(); this.chosen = null; }
     this.name = name;
-    this.preview = null;
     for (const one of this.list.querySelectorAll('.experiment')) one.setAttribute('aria-pressed', String(one.dataset.name === name));
     // Until the ladder is read, and the last result, there is nothing to act on.
     for (const button of [this.diagnose, this.suggest, this.undo]) button.disabled = true;
@@ -124,6 +156,7 @@ class Measurement {
     fill(this.progress, '');
     this.sliders.clear();
     this.found = this.shownJob = null;
+    this.models = new Map();
     this.middle.classList.add('blank');
     fill(this.statement, '');
     this.warnings.hidden = this.report.hidden = this.json.hidden = this.raw.hidden = this.language.hidden = true;
@@ -195,7 +228,9 @@ class Measurement {
       this.text = found.text;
       this.rungs = found.rungs;
       this.undo.disabled = found.rungs.length < 2;
-      drawLadder(this.ladder, found.rungs, found.effects, found.edited);
+      this.edited = found.edited;
+      this.stated = found.effects;
+      this.drawRungs();
       fill(this.about, h('details', { class: 'card' }, h('summary', {}, 'experiment.toml'), h('pre', {}, found.text)));
     } catch (error) {
       if (!current()) throw error;
@@ -274,9 +309,12 @@ class Measurement {
     this.sliders.clear();
     this.middle.classList.remove('blank');
     this.job = job;
-    this.preview = null;
+    this.mapsOf = { model: view.maps, ...view.maps_of };
+    this.models = new Map((view.overlays[0]?.models ?? []).filter((name) => name !== 'model').map((name) => [name, this.labelOf(name, view.document)]));
+    for (const name of this.drawn) if (!this.models.has(name)) this.drawn.delete(name);
+    if (!this.models.has(this.chosen)) this.chosen = null;
     this.overlay.show(job.number, view.overlays);
-    drawMaps(this.maps, view.maps);
+    this.drawRungs();
     fill(this.statement, view.statement);
     this.warn(view.document.warnings ?? []);
     this.raw.open = false;
@@ -284,10 +322,51 @@ class Measurement {
     this.report.hidden = this.json.hidden = this.language.hidden = false;
     this.report.href = `/api/experiment/${path(this.name)}/report`;
     this.json.href = `/api/jobs/${job.number}/result`;
+    this.drawModels();
+    this.see();
+  }
+
+  /** A model in words, with its error over the noise: of a candidate, or of a rung of the ladder. */
+  labelOf(name, document) {
+    const rung = name.startsWith('rung ') ? this.rungs?.[Number(name.slice(5))] : null;
+    const row = document.ranking?.find((one) => one.effect === name);
+    const over = rung ? worst(rung.before) : row?.over_noise ?? null;
+    return `${rung ? name : `with ${words(name)}`}${over === null ? '' : ` ${times(over)}`}`;
+  }
+
+  drawRungs() { drawLadder(this.ladder, this.rungs ?? [], this.stated ?? [], this.edited, (name) => (this.models?.has(name) ? this.tick(name) : null)); }
+
+  /** A box that draws a model over the record, beside the others that are drawn. */
+  tick(name) {
+    return h('input', { type: 'checkbox', class: 'tick', checked: this.drawn.has(name), dataset: { model: name }, 'aria-label': `draw ${this.models.get(name)}`, title: 'Draw over the record, beside the others', onclick: (event) => event.stopPropagation(), onkeydown: (event) => event.stopPropagation(), onchange: (event) => { if (event.target.checked) this.drawn.add(name); else this.drawn.delete(name); this.drawModels(); } });
+  }
+
+  /** Choose the model whose residual maps are shown, which is drawn as well; null: the fitted one. */
+  choosePreview(name) {
+    this.chosen = name;
+    this.drawModels();
+  }
+
+  /** Draw the models that are ticked and the one that is chosen, and the maps of the latter. */
+  drawModels() {
+    const shown = [...this.drawn, ...(this.chosen && !this.drawn.has(this.chosen) ? [this.chosen] : [])];
+    this.overlay.compareWith(shown.map((name) => [name, this.models.get(name)]));
+    for (const box of this.section.querySelectorAll('input.tick')) box.checked = this.drawn.has(box.dataset.model);
+    for (const [name, element] of this.candidates) {
+      element.classList.toggle('chosen', name === this.chosen);
+      element.querySelector('button.name').setAttribute('aria-pressed', String(name === this.chosen));
+    }
+    fill(this.mapOf, h('option', { value: '' }, 'the model'), [...this.models].map(([name, label]) => h('option', { value: name }, label)));
+    this.mapOf.value = this.chosen ?? '';
+    const maps = this.mapsOf[this.chosen ?? 'model'] ?? [];
+    if (maps !== this.mapsShown) drawMaps(this.maps, maps);
+    this.mapsShown = maps;
+    this.link();
   }
 
   showComparison(found) {
     const { document } = found;
+    this.candidates = new Map();
     fill(this.ranking,
       found.adequate ? h('div', { class: 'card verdict good' }, h('b', {}, 'The residual is at the noise level.')) : h('div', { class: 'card dim' }, h('p', {}, 'Diagnose looks for the effect that is missing: each effect of the library is fitted, and judged on the held-out records.')),
       errorTable(document.before), this.sliders.card(document, found.sliders ?? []), this.records(found));
@@ -303,13 +382,12 @@ class Measurement {
         document.unexplained_share > 0.05 ? h('p', { class: 'dim' }, `${Math.round(100 * document.unexplained_share)} % of the misfit stays unexplained`) : null,
         found.remarks.map((text) => h('p', { class: 'dim' }, text)),
         document.swaps.map((swap) => this.replacement(swap)), this.addAll(document)),
-      h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
-        h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
+      h('div', { class: 'ranking' },
+        h('div', { class: 'rank-head dim' }, h('span', {}), h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
         document.ranking.map((row) => this.candidate(row, best, document))),
       errorTable(document.before, 'Error of the present model'), this.sliders.card(document, [], document.effect ? `Fitted values with ${words(document.effect)}` : 'Fitted values'), this.records(found));
-    const first = this.candidates.has(this.wanted) ? this.wanted : document.effect ?? document.ranking[0]?.effect;
-    if (first && (document.verdict !== 'adequate' || first === this.wanted)) this.previewOf(first);
-    this.wanted = null;
+    const first = document.effect ?? document.ranking[0]?.effect;
+    if (this.models.has(first) && document.verdict !== 'adequate') this.chosen = first;
   }
 
   addAll({ ledger }) {
@@ -330,22 +408,15 @@ class Measurement {
     bar.style.width = `${Math.max(0, Math.min(1, share)) * 100}%`;
     const fitted = row.reduction !== undefined;
     const tie = document.indistinguishable.includes(row.effect);
-    const add = h('button', { class: 'small add', title: `stagecad add ${row.effect}`, onclick: (event) => { event.stopPropagation(); this.start('add', { effects: [row.law ?? row.effect] }); } }, 'Add');
+    const add = h('button', { class: 'small add', title: `stagecad add ${row.effect}`, onclick: (event) => { event.stopPropagation(); this.start('add', { effects: [row.effect] }); } }, 'Add');
     const details = h('div', { class: 'values dim' }, Object.entries(row.parameters ?? {}).map(([key, value]) => h('span', {}, `${words(key.split('.').at(-1))} ${quantity(value)}`)), row.implausible ? h('span', { class: 'warn' }, row.implausible) : null);
     const element = h('div', {
-      class: `candidate${row.effect === document.effect ? ' named' : ''}${tie ? ' tie' : ''}${fitted ? '' : ' estimated'}`, role: 'option', tabindex: '0', dataset: { effect: row.effect },
-      title: fitted ? 'Show its prediction over the record' : 'Estimated from the sensitivity; not fitted in full',
-      onclick: () => { if (fitted) this.previewOf(row.effect); }, onkeydown: (event) => { if (event.key === 'Enter' && event.target === element) { if (fitted) this.previewOf(row.effect); } },
-    }, h('span', { class: 'name', title: words(row.effect) }, words(row.effect), tie ? h('em', {}, ' tie') : null), h('span', { class: 'track', title: `${fitted ? '' : 'about '}${Math.round(100 * share)} % of the error removed` }, bar), h('span', { class: 'num' }, fitted ? times(row.over_noise) : '–'), add, details);
+      class: `candidate${row.effect === document.effect ? ' named' : ''}${tie ? ' tie' : ''}${fitted ? '' : ' estimated'}`, dataset: { effect: row.effect },
+      onclick: () => { if (fitted) this.choosePreview(this.chosen === row.effect ? null : row.effect); },
+    }, this.models.has(row.effect) ? this.tick(row.effect) : h('span', {}),
+    h('button', { class: 'name', disabled: !fitted, title: fitted ? `${words(row.effect)}: show its prediction, and what it leaves` : `${words(row.effect)}: estimated from the sensitivity, not fitted in full` }, words(row.effect), tie ? h('em', {}, ' tie') : null), h('span', { class: 'track', title: `${fitted ? '' : 'about '}${Math.round(100 * share)} % of the error removed` }, bar), h('span', { class: 'num' }, fitted ? times(row.over_noise) : '–'), add, details);
     this.candidates.set(row.effect, element);
     return element;
-  }
-
-  previewOf(effect) {
-    this.preview = this.preview === effect ? null : effect;
-    for (const [name, element] of this.candidates) element.setAttribute('aria-selected', String(name === this.preview));
-    this.overlay.compareWith(this.preview);
-    this.link();
   }
 
   records(found) {

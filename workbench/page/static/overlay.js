@@ -6,7 +6,7 @@ import { INKS, LinePlot, XyPlot, scaled } from './plot.js';
 export class Overlay {
   constructor() {
     this.record = h('select', { 'aria-label': 'record and channel', onchange: () => this.choose(Number(this.record.value)) });
-    this.abscissa = h('select', { 'aria-label': 'abscissa', onchange: () => this.build() });
+    this.abscissa = h('select', { 'aria-label': 'abscissa', onchange: () => { this.build(); this.onview?.(); } });
     this.legend = h('span', { class: 'legend' });
     this.values = [h('span', {}), h('span', {})];
     this.signal = h('div', { class: 'plot' });
@@ -15,6 +15,7 @@ export class Overlay {
       h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend),
       this.signal, this.residual, h('div', { class: 'under-cursor', 'aria-hidden': 'true' }, this.values));
     this.plots = [];
+    this.others = [];
     addEventListener('themechange', () => { if (this.one) this.build(); });
     this.range = null;
     this.shifted = null;
@@ -26,7 +27,7 @@ export class Overlay {
     const before = this.one && `${this.one.record} ${this.one.channel}`;
     this.job = job;
     this.overlays = overlays;
-    this.other = null;
+    this.others = [];
     fill(this.record, overlays.map((one, k) => h('option', { value: String(k) }, `${one.record} (${one.role === 'fit' ? 'fit' : 'held out'}): ${words(one.channel)}`)));
     const k = Math.max(overlays.findIndex((one) => `${one.record} ${one.channel}` === before), 0);
     this.record.value = String(k);
@@ -43,12 +44,37 @@ export class Overlay {
     this.abscissa.value = chosen in this.one.motion ? chosen : '';
     this.build();
     this.onchoose?.();
+    this.onview?.();
   }
 
-  /** Draw the prediction of a candidate beside that of the model; null: the model alone. */
-  compareWith(effect) {
-    this.other = effect && this.one?.models.includes(effect) ? effect : null;
+  /** Record, channel, abscissa and window of time, for the address. */
+  get view() {
+    if (!this.one) return {};
+    const [from, to] = this.range ?? [];
+    const first = this.one === this.overlays[0];
+    return { record: first ? '' : this.one.record, channel: first ? '' : this.one.channel, over: this.abscissa.value, from: from && number(from, 6), to: to && number(to, 6) };
+  }
+
+  set view({ record, channel, over, from, to }) {
+    const k = this.overlays?.findIndex((one) => one.record === record && (!channel || one.channel === channel)) ?? -1;
+    if (k > 0 && this.overlays[k] !== this.one) { this.record.value = String(k); this.choose(k); }
+    const window = [Number.parseFloat(from), Number.parseFloat(to)];
+    if (window.every(Number.isFinite) && window[0] < window[1]) this.range = window;
+    if (over && this.one && over in this.one.motion) this.abscissa.value = over;
+    if (this.one) this.build();
+  }
+
+  /** Draw the predictions of other models beside that of the fitted one: `[name, label]`. */
+  compareWith(others) {
+    this.others = others.filter(([name]) => this.one?.models.includes(name));
     this.build();
+  }
+
+  /** Zoom to a window of time, or the whole record (null). */
+  zoom(range) {
+    this.range = range;
+    this.load().catch((error) => say(error.message, 'bad'));
+    this.onview?.();
   }
 
   /** Draw the prediction with other values of the parameters, from a job of its own; null: the fitted model alone. */
@@ -63,9 +89,10 @@ export class Overlay {
 
   get lines() {
     const inks = INKS();
-    // One colour for each meaning: the fitted model, a candidate, and values that are moved by hand.
-    const models = [['model', inks[0]], ...(this.shifted ? [['moved', 'map-forward']] : this.other ? [[this.other, 'good']] : [])];
-    return models.map(([name, ink]) => ({ name, ink, label: name === 'model' ? 'model' : name === 'moved' ? 'changed' : `with ${words(name)}` }));
+    // One colour for each meaning: the fitted model, other models, and values that are moved by hand.
+    const free = ['good', inks[4], inks[1], inks[5], inks[3]];
+    const others = this.others.map(([name, label], k) => ({ name, label, ink: free[k % free.length] }));
+    return [{ name: 'model', label: 'model', ink: inks[0] }, ...(this.shifted ? [{ name: 'moved', label: 'changed', ink: 'map-forward' }] : others)];
   }
 
   async build() {
@@ -96,7 +123,7 @@ export class Overlay {
     const { one, job } = this.source;
     const whole = [one.from, one.to];
     const read = (plot, k) => (index) => this.readOut(plot(), k, index);
-    const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => this.load().catch((error) => say(error.message, 'bad')) };
+    const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => this.zoom(range), onresize: () => this.load().catch((error) => say(error.message, 'bad')) };
     const shown = (label) => !this.hidden.has(label);
     const measured = { label: 'measured', ink: 'measured', width: 2.4, show: shown('measured') };
     const { factor, unit } = scaleOf(one.largest, one.unit);
@@ -110,7 +137,7 @@ export class Overlay {
     this.scales = [factor, small.factor];
     const reach = Math.max(2.2 * usual, 4 * one.noise) * small.factor;
     this.plots = [
-      new LinePlot(this.signal, { ...common, oncursor: read(() => this.plots[0], 0), x: '', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2, show: shown(label) }))] }),
+      new LinePlot(this.signal, { ...common, oncursor: read(() => this.plots[0], 0), x: '', abscissa: 'time (s)', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2, show: shown(label) }))] }),
       new LinePlot(this.residual, { ...common, oncursor: read(() => this.plots[1], 1), x: 'time (s)', y: `residual (${small.unit})`, band: 2 * one.noise * small.factor, series: lines.map(({ label, ink }) => ({ label, ink, width: 1, show: shown(label) })),
         yRange: (low, high) => { const top = Math.min(Math.max(Math.abs(low), Math.abs(high)) * 1.1 || reach, reach); return [-Math.max(top, 3 * one.noise * small.factor), Math.max(top, 3 * one.noise * small.factor)]; } }),
     ];

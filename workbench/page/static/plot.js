@@ -1,6 +1,7 @@
 // Line plots over a job's curves (uPlot) and plots of one quantity over another (canvas).
 import uPlot from './vendor/uplot.min.js';
 import { colour, number } from './dom.js';
+import { saveButtons } from './save.js';
 
 /** Colours of Okabe and Ito (2008), which readers with deficient colour vision distinguish. */
 export const INKS = () => (document.documentElement.dataset.theme === 'dark'
@@ -48,7 +49,7 @@ function axis(label, size, factor = 1, upright = false) {
 /**
  * A line plot that fills its place. Several with the same `sync` share cursor and zoom.
  * @param {HTMLElement} place
- * @param {{x: string, y: string, series: {label: string, ink: string, width?: number, dash?: number[]}[], band?: number,
+ * @param {{x: string, y: string, abscissa?: string, series: {label: string, ink: string, width?: number, dash?: number[]}[], band?: number,
  *   xFactor?: number, yFactor?: number, sync?: string, yRange?: (low: number, high: number) => [number, number],
  *   onzoom?: (range: [number, number]|null) => void, oncursor?: (index: number|null, plot: uPlot) => void}} options
  */
@@ -59,6 +60,7 @@ export class LinePlot {
     this.data = [[], ...options.series.map(() => [])];
     this.dense = options.series.map(() => false);
     this.build();
+    place.append(saveButtons(() => this.drawn));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(place);
     this.repaint = () => { this.build(); };
@@ -70,11 +72,12 @@ export class LinePlot {
     this.plot?.destroy();
     this.letters = rem();
     const { width, height } = this.size();
+    this.labelled = this.roomForLabel;
     this.plot = new uPlot({
       width, height, legend: { show: false }, pxAlign: 0,
       padding: [rem() * 0.6, rem() * 0.9, 0, 0],
       scales: { x: { time: false }, y: { range: (_, low, high) => (yRange ? yRange(low, high) : padded(low, high)) } },
-      axes: [axis(x, rem() * 1.9, xFactor), axis(y, rem() * 4.2, yFactor, true)],
+      axes: [axis(x, rem() * 1.9, xFactor), axis(this.labelled ? y : '', rem() * (this.labelled ? 4.2 : 5.7), yFactor, true)],
       series: [{}, ...series.map((s) => ({
         label: s.label, stroke: () => (s.ink.startsWith('#') ? s.ink : colour(s.ink)), width: (s.width ?? 1.3) * thickness(), dash: s.dash, points: { show: false }, spanGaps: false, show: s.show ?? true,
         paths: (u, i, first, last) => (this.dense[i - 1] ? NO_PATH() : LINE(u, i, first, last)),
@@ -142,13 +145,16 @@ export class LinePlot {
     u.ctx.restore();
   }
 
+  /** Whether the label fits beside a plot of this height. */
+  get roomForLabel() { return this.place.clientHeight > 8 * rem(); }
+
   size() { return { width: Math.max(this.place.clientWidth, 80), height: Math.max(this.place.clientHeight, 60) }; }
 
   resize() {
     const { width, height } = this.size();
     if (width === this.plot.width && height === this.plot.height) return;
-    // Another size of letters: axes and labels are made anew.
-    if (this.letters !== rem()) { this.build(); this.options.onresize?.(); return; }
+    // Another size of letters, or room for the label: axes and labels are made anew.
+    if (this.letters !== rem() || this.labelled !== this.roomForLabel) { this.build(); this.options.onresize?.(); return; }
     this.plot.setSize({ width, height });
     this.options.onresize?.();
   }
@@ -166,7 +172,15 @@ export class LinePlot {
   }
 
   /** The label of the ordinate, which stays when the plot is made anew for another size of letters. */
-  label(text) { this.options.y = text; this.plot.axes[1].label = text; }
+  label(text) { this.options.y = text; if (this.labelled) this.plot.axes[1].label = text; }
+
+  /** What a file of this plot has: the curves that are shown, with their unit. */
+  get drawn() {
+    const { x, y, abscissa = x, series } = this.options;
+    const shown = series.map((one, k) => ({ ...one, values: this.data[k + 1] ?? [] })).filter((one) => one.show ?? true);
+    const unit = y.match(/\(.*\)$/)?.[0] ?? '';
+    return { title: y.replace(unit, '').trim(), canvas: this.plot.ctx.canvas, legend: shown, columns: [[abscissa, this.data[0] ?? []], ...shown.map(({ label, values }) => [`${label} ${unit}`.trim(), values])] };
+  }
 
   dash(index, dash) { this.options.series[index].dash = dash; this.plot.series[index + 1].dash = dash; }
 
@@ -190,21 +204,28 @@ export function scaled(values, factor = 1) {
 
 /** One quantity over another on a canvas: sets of points or lines. */
 export class XyPlot {
-  constructor(place, { x, y, xFactor = 1, yFactor = 1, equal = false, tick: text = tick, ticks: places = ticks, room = 5 }) {
-    Object.assign(this, { place, x, y, xFactor, yFactor, equal, text, places, room, sets: [], marks: [] });
+  constructor(place, { x, y, title = `${y} over ${x}`, xFactor = 1, yFactor = 1, equal = false, tick: text = tick, ticks: places = ticks, room = 5 }) {
+    Object.assign(this, { place, x, y, title, xFactor, yFactor, equal, text, places, room, sets: [], marks: [] });
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'xy';
-    place.append(this.canvas);
+    place.append(this.canvas, saveButtons(() => this.drawn));
     this.observer = new ResizeObserver(() => this.draw());
     this.observer.observe(place);
     this.repaint = () => this.draw();
     addEventListener('themechange', this.repaint);
   }
 
-  /** @param {{x: ArrayLike<number>, y: ArrayLike<number>, ink: string, points?: boolean, width?: number, closed?: boolean}[]} sets */
+  /** @param {{x: ArrayLike<number>, y: ArrayLike<number>, ink: string, label?: string, points?: boolean, width?: number, closed?: boolean}[]} sets */
   set(sets, limits = null) { this.sets = sets; this.limits = limits; this.draw(); }
 
   destroy() { this.observer.disconnect(); removeEventListener('themechange', this.repaint); }
+
+  /** What a file of this plot has: two columns for each set that has a name, unless `columns` says otherwise. */
+  get drawn() {
+    const legend = [...new Map(this.sets.filter((set) => set.label).map((set) => [set.label, set])).values()];
+    const columns = legend.flatMap(({ label, x, y }) => [[this.x, scaled(x, this.xFactor)], [`${label} ${this.y}`.trim(), scaled(y, this.yFactor)]]);
+    return { title: this.title, canvas: this.canvas, legend, columns: this.columns ?? columns };
+  }
 
   draw() {
     const { clientWidth: width, clientHeight: height } = this.place;

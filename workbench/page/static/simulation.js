@@ -1,6 +1,7 @@
 // The simulations: the path of the tip at once, the experiments on one body with friction as jobs.
 import { curves, get, jobs, post, result } from './api.js';
-import { eachFrame, fill, h, legendItem, newest, number, quantity, say, scaleOf, swatch, unitText, words } from './dom.js';
+import { movablePanels } from './borders.js';
+import { eachFrame, fill, h, legendItem, newest, number, quantity, say, scaleOf, setAddress, unitText, words } from './dom.js';
 import { sliderRange, valueText } from './parameters.js';
 import { DASHES, INKS, LinePlot, XyPlot, isDense, scaled } from './plot.js';
 
@@ -37,14 +38,21 @@ class Simulation {
     this.choice = h('select', { 'aria-label': 'experiment', onchange: () => this.choose(this.choice.value) },
       h('option', { value: 'tip' }, 'tip'), Object.keys(this.info.experiments).map((name) => h('option', { value: name }, name)));
     this.body = h('div', { class: 'scroll' });
+    this.heading = h('h2');
+    this.features = h('div', { class: 'scroll' });
     fill(this.left, h('div', { class: 'head' }, h('h2', {}, 'Experiment'), h('span', { class: 'space' }), this.choice), this.body);
-    const last = [...jobs.values()].filter((job) => job.task === 'simulate' && job.state === 'done').at(-1);
-    this.choice.value = last?.subject ?? 'stick-slip';
-    this.choose(this.choice.value, last);
+    fill(this.right, h('div', { class: 'head' }, this.heading), this.features);
+    movablePanels('simulation', this.left, this.right);
   }
 
-  /** The design may have changed since: its values are those of the sliders. */
-  async shown() {
+  /** `#simulation/EXPERIMENT`. The design may have changed since: its values are those of the sliders. */
+  async shown([wanted]) {
+    const known = (name) => name === 'tip' || name in this.info.experiments;
+    if (wanted && !known(wanted)) say(`${wanted}: no such experiment`, 'bad');
+    const last = [...jobs.values()].filter((job) => job.task === 'simulate' && job.state === 'done').at(-1);
+    const name = known(wanted) ? wanted : this.name ?? last?.subject ?? 'stick-slip';
+    if (name !== this.name) { this.choose(name, last?.subject === name ? last : null); return; }
+    setAddress(this.section, [name]);
     const current = this.asked();
     const info = await get('/api/simulation');
     if (!current() || JSON.stringify(info) === JSON.stringify(this.info)) return;
@@ -53,7 +61,8 @@ class Simulation {
   }
 
   choose(name, job = null) {
-    this.name = name;
+    this.name = this.choice.value = name;
+    setAddress(this.section, [name]);
     this.turn();
     cancelAnimationFrame(this.animation);
     for (const plot of this.plots ?? []) plot.destroy();
@@ -117,8 +126,8 @@ class Simulation {
     fill(this.middle, title, place);
     const plot = new XyPlot(place, { x: 'x (µm)', y: 'y (µm)', xFactor: 1e6, yFactor: 1e6, equal: true });
     this.plots = [plot];
-    this.features = h('div', { class: 'scroll' });
-    fill(this.right, h('div', { class: 'head' }, h('h2', {}, 'Ellipse')), this.features);
+    this.heading.textContent = 'Ellipse';
+    fill(this.features);
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
     const move = (time) => {
       if (!this.section.hidden && this.path) {
@@ -148,7 +157,7 @@ class Simulation {
       const reach = Math.max(...this.path.x.map(Math.abs), ...this.path.y.map(Math.abs));
       const round = (v) => { const d = 10 ** Math.floor(Math.log10(v)); return [1, 2, 5, 10].map((k) => k * d).find((s) => s >= v); };
       const frame = round(reach * 1.15);
-      this.tipPlot.set([{ x: this.path.x, y: this.path.y, ink: INKS()[0], width: 2, closed: true }], [-frame, frame, -frame, frame]);
+      this.tipPlot.set([{ x: this.path.x, y: this.path.y, ink: INKS()[0], label: 'path of the tip', width: 2, closed: true }], [-frame, frame, -frame, frame]);
       const { semi_major: major, semi_minor: minor, tilt } = this.path.features;
       fill(this.features, h('div', { class: 'card' }, h('table', {}, [
         ['semi-major axis', quantity(major)], ['semi-minor axis', quantity(minor)], ['tilt', `${number(tilt.value * 180 / Math.PI, 3)}°`],
@@ -172,8 +181,8 @@ class Simulation {
       this.stage ? null : h('div', { class: 'card' }, h('h3', {}, 'Friction model'), models),
       h('div', { class: 'card rows' }, h('h3', {}, 'Parameters'), this.info.parameters[this.stage ? 'stage' : 'body'].map((p) =>
         this.slider(p, (text, _, reset) => this.change(p, text, reset), false, this.changes[p.key]))));
-    this.features = h('div', { class: 'scroll' });
-    fill(this.right, h('div', { class: 'head' }, h('h2', {}, 'Features')), this.features);
+    this.heading.textContent = 'Features';
+    fill(this.features);
     fill(this.middle, h('p', { class: 'empty' }, 'simulating …'));
     const current = this.turn();
     if (job) result(job).then((found) => { if (current()) this.draw(job.number, found); }).catch(() => { if (current()) this.run(); });
@@ -239,7 +248,7 @@ class Simulation {
     const { job } = this;
     const turn = newest();
     const plots = names.map((name, k) => new LinePlot(places[k], {
-      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4], show: !this.hidden.has(words(one.title)) })),
+      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), abscissa: title(columns[0]), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4], show: !this.hidden.has(words(one.title)) })),
       onzoom: (next) => { range = next; load(); },
     }));
     this.plots.push(...plots);

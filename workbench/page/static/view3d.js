@@ -1,6 +1,7 @@
 // The machine in three dimensions: parts as meshes from the server, drawn only when something changed.
 import * as THREE from './vendor/three.min.js';
-import { h, fill, colour, newest, number } from './dom.js';
+import { h, fill, colour, eachFrame, newest, number, words } from './dom.js';
+import { Edges } from './snap.js';
 
 const UP = new THREE.Vector3(0, 0, 1);
 const VIEWS = { front: [0, -1, 0], right: [1, 0, 0], top: [0, -0.001, 1], oblique: [1, -1.25, 0.8] };
@@ -9,21 +10,29 @@ const AXES = { x: new THREE.Vector3(-1, 0, 0), y: new THREE.Vector3(0, 1, 0), z:
 /** Order of painting: the sections below the solids, the marks above them. */
 const [SOLIDS, MARKS] = [1000, 1001];
 
+/** Pixels within which a measurement takes a corner or an edge. */
+const REACH = 9;
+
 /** A length in mm, to the micrometre. */
 const length = (mm) => number(Math.round(mm * 1000) / 1000 || 0, 6);
 
 export class View3d {
-  /** @param {HTMLElement} place  @param {(name: string|null) => void} onselect  called with the part selected */
-  constructor(place, onselect) {
-    this.place = place;
-    this.onselect = onselect;
+  /**
+   * @param {HTMLElement} place
+   * @param {(name: string|null) => void} onselect  called with the part selected
+   * @param {() => void} onmark  called when another part is under the pointer, hidden or selected
+   */
+  constructor(place, onselect, onmark = () => {}) {
+    Object.assign(this, { place, onselect, onmark });
     this.renderer = new THREE.WebGLRenderer({ antialias: true, stencil: true });
     this.renderer.localClippingEnabled = true;
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'machine, three-dimensional');
-    this.label = h('div', { class: 'measured', hidden: true });
-    place.append(this.canvas, this.label);
+    this.canvas.setAttribute('role', 'img');
+    this.label = h('div', { class: 'measured', role: 'status', hidden: true });
+    this.tag = h('div', { class: 'hovered-part', hidden: true });
+    place.append(this.canvas, this.label, this.tag);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(24, 1, 1, 20000);
     this.camera.up.copy(UP);
@@ -31,7 +40,11 @@ export class View3d {
     this.controls.addEventListener('change', () => this.draw());
     this.machine = new THREE.Group();
     this.marks = new THREE.Group();
-    this.scene.add(this.machine, this.marks);
+    // Where the next point of a measurement would be.
+    this.aim = new THREE.Points(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3()]), new THREE.PointsMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
+    this.aim.visible = this.aim.frustumCulled = false;
+    this.aim.renderOrder = MARKS;
+    this.scene.add(this.machine, this.marks, this.aim);
     this.sky = new THREE.HemisphereLight(0xffffff, 0x8899a6, 1.5);
     this.key = new THREE.DirectionalLight(0xffffff, 2.2);
     this.fillLight = new THREE.DirectionalLight(0xffffff, 0.7);
@@ -46,7 +59,7 @@ export class View3d {
     this.turn = newest();
     this.materials = new Map();
     this.instances = [];
-    this.selected = null;
+    this.selected = this.hovered = null;
     this.measuring = false;
     this.picked = [];
     this.hidden = new Set();
@@ -57,6 +70,9 @@ export class View3d {
       if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4 && event.button === 0) this.click(event);
       down = null;
     });
+    const look = eachFrame((event) => this.lookAt(event));
+    this.canvas.addEventListener('pointermove', (event) => { if (!event.buttons) look(event); });
+    this.canvas.addEventListener('pointerleave', () => this.leave());
     new ResizeObserver(() => this.resize()).observe(place);
     addEventListener('themechange', () => this.paint());
     this.paint();
@@ -188,17 +204,83 @@ export class View3d {
   select(name, tell = true) {
     this.selected = name;
     for (const one of this.instances) {
-      one.mesh.material = one.part === name ? this.highlight() : this.material(this.shapes.get(one.part).base);
+      const { base } = this.shapes.get(one.part);
+      one.mesh.material = one.part === name ? this.highlight() : this.material(one.part === this.hovered ? base.clone().lerp(new THREE.Color(0x56b4e9), 0.45) : base);
       one.group.visible = !this.hidden.has(one.part);
       one.cap.visible = one.group.visible && this.axis !== null;
     }
+    if (this.axis) this.section(this.axis, this.share);
     if (tell) this.onselect(name);
+    this.onmark();
     this.draw();
+  }
+
+  /** Show a part in another colour while it is under the pointer, here or in the tree. */
+  hover(name) {
+    if (name === this.hovered) return;
+    this.hovered = name;
+    this.select(this.selected, false);
   }
 
   hide(name) {
     if (this.hidden.has(name)) this.hidden.delete(name); else this.hidden.add(name);
-    this.select(this.selected, false);
+    this.select(this.selected);
+  }
+
+  /** Hide all parts but one; null: show all. */
+  showOnly(name) {
+    this.hidden = new Set(name === null ? [] : this.instances.map((one) => one.part).filter((one) => one !== name));
+    this.select(name ?? this.selected);
+  }
+
+  /** What is under the pointer: the part, or the place that a measurement would take. */
+  lookAt(event) {
+    const hit = this.hit(event);
+    const box = this.place.getBoundingClientRect();
+    this.tag.style.left = `${event.clientX - box.left + 14}px`;
+    this.tag.style.top = `${event.clientY - box.top + 14}px`;
+    this.tag.hidden = !hit;
+    if (!this.measuring) {
+      this.hover(hit?.object.userData.part ?? null);
+      if (hit) this.tag.textContent = words(hit.object.userData.part);
+      return;
+    }
+    const found = hit && this.snap(hit, event.shiftKey);
+    if (found) {
+      this.tag.textContent = found.kind;
+      this.aim.position.copy(found.point);
+      this.aim.material.color.set(colour('good'));
+      // Smaller than a mark, which stays visible around it.
+      this.aim.material.size = 5 * this.renderer.getPixelRatio();
+    }
+    this.aim.visible = Boolean(found);
+    this.draw();
+  }
+
+  leave() {
+    this.tag.hidden = true;
+    this.aim.visible = false;
+    this.hover(null);
+    this.draw();
+  }
+
+  /**
+   * The place that a measurement takes at a hit: a corner, the centre of a round edge, an edge, or the face itself.
+   * @param {boolean} plain  the point of the edge, not the centre of a round one
+   */
+  snap(hit, plain = false) {
+    const { matrixWorld } = hit.object;
+    const shape = this.shapes.get(hit.object.userData.part);
+    shape.snaps ??= new Edges(shape.edges);
+    const local = hit.object.worldToLocal(hit.point.clone());
+    const pixel = (2 * hit.distance * Math.tan((this.camera.fov * Math.PI) / 360)) / this.place.clientHeight;
+    const found = shape.snaps.nearest(local, REACH * pixel);
+    const normal = hit.face.normal.clone().transformDirection(matrixWorld);
+    if (!found) return { kind: 'face', point: hit.point.clone(), normal };
+    const round = shape.snaps.circle(found.segment);
+    if (round && !plain) return { kind: `centre of ⌀ ${length(2 * round.radius)} mm`, point: round.centre.clone().applyMatrix4(matrixWorld) };
+    if (found.corner && !round) return { kind: 'corner', point: found.corner.clone().applyMatrix4(matrixWorld) };
+    return { kind: round ? 'round edge' : 'edge', point: found.point.applyMatrix4(matrixWorld) };
   }
 
   click(event) {
@@ -207,7 +289,7 @@ export class View3d {
       this.select(hit ? hit.object.userData.part : null);
       return;
     }
-    if (hit) this.measure(hit.point.clone());
+    if (hit) this.measure(this.snap(hit, event.shiftKey));
   }
 
   hit(event) {
@@ -223,25 +305,30 @@ export class View3d {
     this.canvas.style.cursor = on ? 'crosshair' : '';
     this.picked = [];
     this.marks.clear();
-    fill(this.label, on ? 'click two points' : '');
+    fill(this.label, on ? 'click two points: corners, edges, centres of round edges (with Shift: the edge itself), faces' : '');
     this.label.hidden = !on;
+    if (on) this.hover(null); else this.aim.visible = false;
     this.draw();
   }
 
-  measure(point) {
+  /** Take a place as the next point of a measurement, and write the distance of two. */
+  measure(place) {
     if (this.picked.length === 2) this.picked = [];
-    this.picked.push(point);
+    this.picked.push(place);
     this.marks.clear();
     const ink = new THREE.Color(colour('bad'));
-    const points = new THREE.BufferGeometry().setFromPoints(this.picked);
+    const points = new THREE.BufferGeometry().setFromPoints(this.picked.map(({ point }) => point));
     this.marks.add(new THREE.Points(points, new THREE.PointsMaterial({ color: ink, size: 8 * this.renderer.getPixelRatio(), sizeAttenuation: false, depthTest: false, transparent: true })));
-    const [a, b] = this.picked;
+    const [first, second] = this.picked;
+    const [a, b] = this.picked.map(({ point }) => point);
     if (b) {
       this.marks.add(new THREE.Line(points, new THREE.LineBasicMaterial({ color: ink, depthTest: false, transparent: true })));
       const d = ['x', 'y', 'z'].map((axis) => `Δ${axis} ${length(b[axis] - a[axis])}`);
-      fill(this.label, h('b', {}, `${length(a.distanceTo(b))} mm`), `  ${d.join('  ')} mm`);
+      const parallel = first.normal && second.normal && Math.abs(first.normal.dot(second.normal)) > 0.99999;
+      const apart = parallel ? `  parallel faces ${length(Math.abs(b.clone().sub(a).dot(first.normal)))} mm apart` : '';
+      fill(this.label, h('b', {}, `${length(a.distanceTo(b))} mm`), `  ${d.join('  ')} mm${apart}`, h('span', { class: 'dim' }, `  ${first.kind} to ${second.kind}`));
     } else {
-      fill(this.label, `(${['x', 'y', 'z'].map((axis) => length(a[axis])).join(', ')}) mm; click the second point`);
+      fill(this.label, `${first.kind} (${['x', 'y', 'z'].map((axis) => length(a[axis])).join(', ')}) mm; click the second point`);
     }
     // After the solids, which are painted last of the machine.
     for (const mark of this.marks.children) mark.renderOrder = MARKS;

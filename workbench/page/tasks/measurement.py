@@ -22,6 +22,8 @@ MOVED = "moved"
 """Name of the prediction with values that the user has changed."""
 MOST_MAPS = 9
 """Residual maps that are shown."""
+MOST_MODELS = 12
+"""Models that can be drawn over one record."""
 
 _kept: dict[str, Comparison] = {}
 """The last comparison in this process, by the path of its experiment."""
@@ -73,8 +75,7 @@ def diagnose(
         "statement": result.statement,
         "ties": result.ties,
         "remarks": result.remarks,
-        "overlays": _overlays(result, result.candidates, Path(folder)),
-        "maps": _maps(result),
+        **_drawn(result, result.candidates, Path(folder)),
         "report": str(result.write_report(out)),
     }
 
@@ -148,8 +149,18 @@ def _comparison(result: Comparison, folder: Path) -> dict[str, Any]:
         "statement": result.statement,
         "adequate": result.adequate,
         "sliders": result.free_values,
-        "overlays": _overlays(result, {"model": result.fitted.model}, folder),
-        "maps": _maps(result),
+        **_drawn(result, {"model": result.fitted.model}, folder),
+    }
+
+
+def _drawn(result: FittedResult, models: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Curves of the fitted model, of others and of those of other rungs; maps of the residual of each."""
+    models = dict(list({**models, **result.earlier}.items())[:MOST_MODELS])
+    others = {name: _maps(result, result.maps_of(model)) for name, model in models.items() if name != "model"}
+    return {
+        "overlays": _overlays(result, models, folder),
+        "maps": _maps(result, result.computed.maps),
+        "maps_of": others,
     }
 
 
@@ -175,7 +186,7 @@ def _overlays(
     return overlays
 
 
-def _maps(result: FittedResult) -> list[dict[str, Any]]:
+def _maps(result: FittedResult, maps: Sequence[Any]) -> list[dict[str, Any]]:
     """Residual over each coordinate, in standard deviations of the noise; empty cells as None."""
     return [
         {
@@ -190,5 +201,5 @@ def _maps(result: FittedResult) -> list[dict[str, Any]]:
             "forward_error": m.forward_error.tolist(),
             "backward_error": m.backward_error.tolist(),
         }
-        for m in drawn_maps(result.computed.maps, MOST_MAPS)
+        for m in drawn_maps(maps, MOST_MAPS)
     ]
