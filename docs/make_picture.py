@@ -13,11 +13,11 @@ from PIL import Image
 
 from stagecad.parameters.atomic import atomic_write_bytes
 
-PAGE = Path(__file__).parent / "images" / "workbench_diagnosis.png"
+PAGE = Path(__file__).parent / "images" / "page_diagnosis.png"
 PICTURE = Path(__file__).parent / "images" / "stagecad.png"
 SHEET = Path(__file__).parent / "images" / "tip_sheet.png"
 SHEET_WIDTH = 1400
-PAGE_WIDTH, LADDER_WIDTH = 900, 640
+LADDER_WIDTH, GAP = 700, 10
 COLOURS = 255
 
 
@@ -26,14 +26,14 @@ def _of_width(image: Image.Image, width: int) -> Image.Image:
 
 
 def picture(build: Path) -> bytes:
-    """The page with a diagnosis beside the figure of the ladder, as a PNG of few colours."""
+    """The page with a diagnosis above the figure of the ladder, as a PNG of few colours."""
     page = Image.open(PAGE).convert("RGB")
     ladder = Image.open(build / "demo" / "ladder.png").convert("RGBA")
     ladder = Image.alpha_composite(Image.new("RGBA", ladder.size, "white"), ladder).convert("RGB")
-    page, ladder = _of_width(page, PAGE_WIDTH), _of_width(ladder, LADDER_WIDTH)
-    whole = Image.new("RGB", (page.width + 10 + ladder.width, page.height), "white")
+    ladder = _of_width(ladder, LADDER_WIDTH)
+    whole = Image.new("RGB", (page.width, page.height + GAP + ladder.height), "white")
     whole.paste(page, (0, 0))
-    whole.paste(ladder, (page.width + 10, (page.height - ladder.height) // 2))
+    whole.paste(ladder, ((page.width - ladder.width) // 2, page.height + GAP))
     file = BytesIO()
     whole.quantize(COLOURS, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
     return file.getvalue()

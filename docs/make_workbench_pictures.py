@@ -1,5 +1,5 @@
 """Make the pictures of the workbench in `docs/images`: python docs/make_workbench_pictures.py [machine]
-[simulation] [measurement] (needs Chromium).
+[simulation] [import] [measurement] (needs Chromium).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from PIL import Image
 from stagecad.parameters.atomic import atomic_write_bytes
 
 IMAGES = Path(__file__).parent / "images"
+RECORDS = Path(__file__).parents[1] / "workbench" / "demo_records"
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 WIDTH, HEIGHT = 1440, 900
@@ -29,7 +30,7 @@ PATIENCE = 180_000
 
 def main() -> None:
     """Serve an empty folder, go through the views (those named, or all), and keep pictures of each."""
-    views = {"machine": _machine, "simulation": _simulation, "measurement": _measurement}
+    views = {"machine": _machine, "simulation": _simulation, "import": _import, "measurement": _measurement}
     chosen = sys.argv[1:] or list(views)
     program = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
     if program is None:
@@ -82,19 +83,45 @@ def _simulation(page: Any, address: str) -> None:
     _keep(page, "workbench_simulation")
 
 
+def _import(page: Any, address: str) -> None:
+    """The packaged records, dropped: a part of the first is chosen."""
+    _open(page, f"{address}#measurement", "light")
+    with page.expect_file_chooser() as chosen:
+        page.locator(".dropzone").click()
+    chosen.value.set_files([str(RECORDS / name) for name in ("fit.csv", "validate.csv")])
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("name of the experiment").fill("slide")
+    dialog.get_by_role("button", name="Upload").click()
+    strip = dialog.locator(".strip").first
+    strip.scroll_into_view_if_needed()
+    box = strip.bounding_box()
+    page.mouse.move(box["x"] + 0.1 * box["width"], box["y"] + 9)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 9, steps=5)
+    page.mouse.up()
+    page.wait_for_timeout(500)
+    _keep(page, "workbench_import")
+    dialog.get_by_role("button", name="Cancel").click()
+
+
 def _measurement(page: Any, address: str) -> None:
     _open(page, f"{address}#measurement", "dark")
-    page.get_by_role("button", name="Demo").click()
+    page.locator(".offer", has_text="demo").click()
     page.locator(".map canvas").first.wait_for()
     for effect in ("stribeck", "magnetic cogging"):
         page.get_by_role("button", name="Diagnose", exact=True).click()
-        page.locator(".verdict b", has_text=f"{effect} is missing").wait_for()
+        # Both effects may be found at once; they are added one after another.
+        page.locator(".verdict b", has_text=effect).wait_for()
         page.wait_for_timeout(1500)
         if effect == "stribeck":
             _keep(page, "workbench_diagnosis")
-        page.locator(".candidate.named").get_by_role("button", name="Add").click()
+            _keep_small(page, "page_diagnosis")
+        page.locator(f".candidate[data-effect='{effect.replace(' ', '_')}']").get_by_role("button", name="Add").click()
         page.locator(".rung", has_text=effect).wait_for()
         page.locator(".search progress").wait_for(state="detached")
+    # Every rung of the ladder over the same record.
+    for box in page.locator(".rung input.tick").all():
+        box.check()
     page.wait_for_timeout(1500)
     _keep(page, "workbench_ladder")
 
@@ -105,9 +132,18 @@ def _open(page: Any, address: str, theme: str) -> None:
     page.reload()
 
 
-def _keep(page: Any, name: str) -> None:
-    """Store what the page shows as a PNG of few colours."""
-    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+def _keep_small(page: Any, name: str) -> None:
+    """Curves and candidates in a small window, whose letters can be read where README.md shows them smaller."""
+    page.set_viewport_size({"width": 1240, "height": 620})
+    page.wait_for_timeout(1500)
+    box = page.locator("#measurement > .panel").nth(1).bounding_box()
+    _keep(page, name, {"x": box["x"], "y": box["y"], "width": 1240 - box["x"], "height": box["height"]})
+    page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+
+
+def _keep(page: Any, name: str, clip: dict[str, float] | None = None) -> None:
+    """Store what the page shows, or a part of it, as a PNG of few colours."""
+    image = Image.open(io.BytesIO(page.screenshot(clip=clip))).convert("RGB")
     file = io.BytesIO()
     image.quantize(COLOURS, dither=Image.Dither.NONE).save(file, "PNG", optimize=True)
     atomic_write_bytes(IMAGES / f"{name}.png", file.getvalue())
