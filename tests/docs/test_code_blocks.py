@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -129,11 +130,17 @@ def _serve(command: str, folder: Path) -> None:
     words = command.split()[1:]
     port = [] if "--port" in words else ["--port", "0"]
     line = [sys.executable, "-m", "workbench.cli", *words, "--no-browser", *port]
-    with subprocess.Popen(line, cwd=folder, env=_environment(), stderr=subprocess.PIPE, text=True) as server:
-        assert server.stderr is not None
-        assert "http://" in (first := server.stderr.readline()), first
-        server.send_signal(signal.SIGINT)
-        assert server.wait(120.0) in (0, 130)
+    given = {"cwd": folder, "env": _environment(), "stderr": subprocess.PIPE, "text": True}
+    # What a shell starts in the background ignores Ctrl-C, and so would the server.
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(line, **given, preexec_fn=heed) as server:
+        try:
+            assert server.stderr is not None
+            assert "http://" in (first := server.stderr.readline()), first
+            server.send_signal(signal.SIGINT)
+            assert server.wait(120.0) in (0, 130)
+        finally:
+            server.kill()
 
 
 def test_commands_are_found() -> None:
