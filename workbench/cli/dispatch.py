@@ -90,15 +90,16 @@ class LazyGroup(click.Group):
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
-@click.version_option(__version__, prog_name="stagecad")
+@click.version_option(__version__, "-V", "--version", prog_name="stagecad")
 def stagecad() -> None:
     """Design a piezo friction-drive stage, and find out why the real one does not behave like the model."""
 
 
-def _settle_json(arguments: Sequence[str]) -> list[str]:
-    """Give `--json` its value: the next word when that ends in `.json`, else standard output."""
+def _settled(arguments: Sequence[str]) -> list[str]:
+    """`help COMMAND` as `COMMAND --help`; and `--json` with its value: the next word when that ends in `.json`, else
+    standard output."""
     settled: list[str] = []
-    words = list(arguments)
+    words = [*arguments[1:], "--help"] if arguments[:1] == ["help"] else list(arguments)
     while words:
         word = words.pop(0)
         if word == "--":
@@ -119,7 +120,7 @@ def _refused(*lines: str) -> int:
 def run_line(arguments: Sequence[str]) -> int:
     """Run one command line (without the program's name) and return its exit status."""
     try:
-        status = stagecad.main(args=_settle_json(arguments), prog_name="stagecad", standalone_mode=False)
+        status = stagecad.main(args=_settled(arguments), prog_name="stagecad", standalone_mode=False)
     except click.Abort:
         sys.stderr.write("stopped\n")
         return 130
