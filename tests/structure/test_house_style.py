@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12634,
     "sysid": 20260,
     "drawings": 12030,
-    "workbench": 15537,
+    "workbench": 15545,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

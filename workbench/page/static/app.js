@@ -37,6 +37,7 @@ const KEYS = [
   ['Ctrl Z · Ctrl Shift Z', 'undo, redo a change of the machine'],
   ['1 2 3 4', 'view from front, right, top, oblique'], ['F', 'fit the view'], ['E', 'exploded view'], ['S', 'section'],
   ['M · P', 'measure between two points, tree of parts'], ['Esc', 'end measuring, clear the selection'],
+  ['F6', 'the next panel'],
   ['↑ ↓ on a value', 'change it by a hundredth of its range'], ['D', 'diagnose (Measurement)'], ['double click in a curve', 'whole record'],
   ['?', 'this list'],
 ];
@@ -49,8 +50,16 @@ function showKeys() {
   dialog.showModal();
 }
 
+/** Bring the focus to the first control of the next panel, as a skip link does. */
+function nextPanel() {
+  const panels = [...document.querySelectorAll('.view:not([hidden]) > .panel')];
+  const present = panels.findIndex((one) => one.contains(document.activeElement));
+  panels[(present + 1) % panels.length]?.querySelector('button:not(:disabled), input:not(:disabled), select, a[href], [tabindex="0"]')?.focus();
+}
+
 let before = '';
 addEventListener('keydown', (event) => {
+  if (event.key === 'F6') { event.preventDefault(); nextPanel(); return; }
   if (event.target.closest?.('input, select, textarea') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (before === 'g' && 'mse'.includes(event.key)) {
     location.hash = { m: 'machine', s: 'simulation', e: 'measurement' }[event.key];

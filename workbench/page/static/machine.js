@@ -52,7 +52,7 @@ class Machine {
     this.view = new View3d(place, (name) => this.showPart(name), () => this.tree.mark());
     this.tree = new PartTree(this.view);
     const look = (name, title, key) => h('button', { class: 'small', title: `${title} (${key})`, onclick: () => this.view.look(name) }, title);
-    this.explosion = h('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 0, 'aria-label': 'exploded view', oninput: () => this.view.explode(this.explosion.valueAsNumber) });
+    this.explosion = h('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 0, 'aria-label': 'exploded view', oninput: () => this.pull() });
     this.axis = h('select', { class: 'small', 'aria-label': 'section', onchange: () => this.cut() },
       [['', 'no section'], ['x', 'section x'], ['y', 'section y'], ['z', 'section z']].map(([value, text]) => h('option', { value }, text)));
     this.share = h('input', { type: 'range', min: 0, max: 1, step: 0.002, value: 0.5, disabled: true, 'aria-label': 'position of the section', oninput: () => this.cut() });
@@ -260,6 +260,12 @@ class Machine {
     this.view.canvas.dataset.state = done ? 'current' : 'old';
   }
 
+  /** Pull the parts from each other, all of them in view. */
+  pull() {
+    this.view.explode(this.explosion.valueAsNumber);
+    this.view.look('');
+  }
+
   cut() {
     const axis = this.axis.value || null;
     this.share.disabled = !axis;
@@ -407,7 +413,7 @@ class Machine {
     if (this.tab !== 'solids') return;
     const view = { 1: 'front', 2: 'right', 3: 'top', 4: 'oblique', f: '' }[event.key.toLowerCase()];
     if (view !== undefined) this.view.look(view);
-    if (event.key === 'e') { this.explosion.value = this.explosion.valueAsNumber > 0 ? 0 : 1; this.view.explode(this.explosion.valueAsNumber); }
+    if (event.key === 'e') { this.explosion.value = this.explosion.valueAsNumber > 0 ? 0 : 1; this.pull(); }
     if (event.key === 's') { this.axis.value = this.axis.value ? '' : 'y'; this.cut(); }
     if (event.key === 'm') this.measure.click();
     if (event.key === 'p') this.tree.toggle();

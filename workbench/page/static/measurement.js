@@ -384,7 +384,7 @@ class Measurement {
         document.swaps.map((swap) => this.replacement(swap)), this.addAll(document)),
       h('div', { class: 'ranking' },
         h('div', { class: 'rank-head dim' }, h('span', {}), h('span', {}, 'candidate'), h('span', { title: 'share of the error on the held-out records that it removes' }, 'removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
-        document.ranking.map((row) => this.candidate(row, best, document))),
+        inOrder(document.ranking).map((row) => this.candidate(row, best, document))),
       errorTable(document.before, 'Error of the present model'), this.sliders.card(document, [], document.effect ? `Fitted values with ${words(document.effect)}` : 'Fitted values'), this.records(found));
     const first = document.effect ?? document.ranking[0]?.effect;
     if (this.models.has(first) && document.verdict !== 'adequate') this.chosen = first;
@@ -408,7 +408,8 @@ class Measurement {
     bar.style.width = `${Math.max(0, Math.min(1, share)) * 100}%`;
     const fitted = row.reduction !== undefined;
     const tie = document.indistinguishable.includes(row.effect);
-    const add = h('button', { class: 'small add', title: `stagecad add ${row.effect}`, onclick: (event) => { event.stopPropagation(); this.start('add', { effects: [row.effect] }); } }, 'Add');
+    const certain = row.effect === document.effect || document.ledger.some((one) => one.effect === row.effect && one.state === 'established');
+    const add = h('button', { class: `small add${certain ? ' main' : ''}`, title: `stagecad add ${row.effect}`, onclick: (event) => { event.stopPropagation(); this.start('add', { effects: [row.effect] }); } }, 'Add');
     const details = h('div', { class: 'values dim' }, Object.entries(row.parameters ?? {}).map(([key, value]) => h('span', {}, `${words(key.split('.').at(-1))} ${quantity(value)}`)), row.implausible ? h('span', { class: 'warn' }, row.implausible) : null);
     const element = h('div', {
       class: `candidate${row.effect === document.effect ? ' named' : ''}${tie ? ' tie' : ''}${fitted ? '' : ' estimated'}`, dataset: { effect: row.effect },
@@ -462,6 +463,9 @@ class Measurement {
     if (event.key === 'd' && !this.diagnose.disabled) this.start('diagnose', { all_effects: false });
   }
 }
+
+/** The candidates fitted in full as they are ranked, then the others by what they are estimated to remove. */
+const inOrder = (ranking) => [...ranking.filter((row) => row.reduction !== undefined), ...ranking.filter((row) => row.reduction === undefined).sort((a, b) => (b.expected_reduction ?? 0) - (a.expected_reduction ?? 0))];
 
 const path = (name) => name.split('/').map(encodeURIComponent).join('/');
 

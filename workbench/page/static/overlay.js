@@ -8,11 +8,12 @@ export class Overlay {
     this.record = h('select', { 'aria-label': 'record and channel', onchange: () => this.choose(Number(this.record.value)) });
     this.abscissa = h('select', { 'aria-label': 'abscissa', onchange: () => { this.build(); this.onview?.(); } });
     this.legend = h('span', { class: 'legend' });
+    this.begin = h('span', { class: 'dim', title: 'Rows at the ends, at gaps and before the first reversal are not compared: there the history of the friction is not known' });
     this.values = [h('span', {}), h('span', {})];
     this.signal = h('div', { class: 'plot' });
     this.residual = h('div', { class: 'plot' });
     this.element = h('div', { class: 'overlay', title: '' },
-      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend),
+      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.begin, this.legend),
       this.signal, this.residual, h('div', { class: 'under-cursor', 'aria-hidden': 'true' }, this.values));
     this.plots = [];
     this.others = [];
@@ -39,6 +40,7 @@ export class Overlay {
     this.shifted = null;
     if (!this.one) return;
     if (!keep) this.range = null;
+    this.begin.textContent = this.one.begins - this.one.from > 0.01 * (this.one.to - this.one.from) ? `compared from ${number(this.one.begins, 3)} s` : '';
     const chosen = this.abscissa.value;
     fill(this.abscissa, h('option', { value: '' }, 'time'), Object.keys(this.one.motion).map((name) => h('option', { value: name }, name)));
     this.abscissa.value = chosen in this.one.motion ? chosen : '';

@@ -32,6 +32,12 @@ export function isDense(values) {
   return travelled > 30 * (high - low);
 }
 
+/** What readers of the screen say of a plot. */
+function describe(canvas, text) {
+  canvas.setAttribute('role', 'img');
+  canvas.setAttribute('aria-label', `plot of ${text}`);
+}
+
 const LINE = uPlot.paths.linear();
 const NO_PATH = () => ({ stroke: new Path2D(), fill: null, clip: null, band: null, gaps: null, flags: 1 });
 
@@ -96,6 +102,7 @@ export class LinePlot {
         ready: [(u) => u.over.addEventListener('dblclick', (event) => { event.stopImmediatePropagation(); onzoom?.(null); }, true)],
       },
     }, this.data, this.place);
+    describe(this.plot.ctx.canvas, `${series.map((s) => s.label).join(', ')}: ${y}`);
     this.plot.over.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     if (this.range) this.plot.setScale('x', { min: this.range[0], max: this.range[1] });
   }
@@ -208,6 +215,7 @@ export class XyPlot {
     Object.assign(this, { place, x, y, title, xFactor, yFactor, equal, text, places, room, sets: [], marks: [] });
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'xy';
+    describe(this.canvas, title);
     place.append(this.canvas, saveButtons(() => this.drawn));
     this.observer = new ResizeObserver(() => this.draw());
     this.observer.observe(place);

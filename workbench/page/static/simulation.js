@@ -228,7 +228,7 @@ class Simulation {
     const selector = (value, set) => { const s = h('select', { 'aria-label': 'quantity', onchange: () => { set(s.value); this.draw(job, found); } }, quantities.map((name) => h('option', { value: name }, title(name)))); s.value = value; return s; };
     const inks = INKS();
     const inkOf = (k) => inks[k % inks.length];
-    const legend = h('span', { class: 'legend' }, cases.map((name, k) => legendItem(inkOf(k), words(name), this.hidden, () => this.draw(job, found))));
+    const legend = h('span', { class: 'legend' }, cases.map((name, k) => legendItem(inkOf(k), caseName(name), this.hidden, () => this.draw(job, found))));
     const places = pick.y.map(() => h('div', { class: 'plot' }));
     const phase = h('div', { class: 'plot' });
     fill(this.middle,
@@ -248,7 +248,7 @@ class Simulation {
     const { job } = this;
     const turn = newest();
     const plots = names.map((name, k) => new LinePlot(places[k], {
-      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), abscissa: title(columns[0]), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4], show: !this.hidden.has(words(one.title)) })),
+      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), abscissa: title(columns[0]), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: caseName(one.title), ink: inkOf(i), width: 1.5, dash: DASHES[i % 4], show: !this.hidden.has(caseName(one.title)) })),
       onzoom: (next) => { range = next; load(); },
     }));
     this.plots.push(...plots);
@@ -282,7 +282,7 @@ class Simulation {
     const [sx, sy] = [scaleOf(peak(1), unitOf(xName)), scaleOf(peak(2), unitOf(yName))];
     const plot = new XyPlot(place, { x: `${words(xName.split(' [')[0])} (${sx.unit})`, y: `${words(yName.split(' [')[0])} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });
     this.plots.push(plot);
-    plot.set(found.map(([, x, y], k) => ({ x, y, ink: inkOf(k), width: 1.4, dash: DASHES[k % 4], label: words(shown.curves[k].title) })).filter(({ label }) => !this.hidden.has(label)));
+    plot.set(found.map(([, x, y], k) => ({ x, y, ink: inkOf(k), width: 1.4, dash: DASHES[k % 4], label: caseName(shown.curves[k].title) })).filter(({ label }) => !this.hidden.has(label)));
   }
 
   showFeatures(features) {
@@ -296,11 +296,13 @@ class Simulation {
     walk(features, []);
     const groups = new Map();
     for (const [path, name, value] of rows) groups.set(path.join(' '), [...(groups.get(path.join(' ')) ?? []), [name, value]]);
-    fill(this.features, [...groups].map(([path, members]) => h('div', { class: 'card' }, h('h3', {}, words(path)),
-      h('table', {}, members.map(([name, value]) => h('tr', {}, h('td', {}, words(name)), h('td', { class: 'num' }, quantity(value, 5))))))));
+    fill(this.features, [...groups].map(([path, members]) => h('div', { class: 'card' }, h('h3', {}, caseName(path)),
+      h('table', {}, members.map(([name, value]) => h('tr', {}, h('td', {}, caseName(name)), h('td', { class: 'num' }, quantity(value, 5))))))));
   }
 }
 
+/** A case of an experiment in words; its name has no slash: `v0_1.5mm_s`. */
+const caseName = (name) => words(name).replace(/(\d)mm s\b/g, '$1 mm/s');
 const unitOf = (name) => name.slice(name.indexOf('[') + 1, -1);
 const title = (name) => `${words(name.split(' [')[0])} (${unitText(unitOf(name)) || '1'})`;
 const same = (a, b) => a.length === b.length && a[0] === b[0] && a.at(-1) === b.at(-1) && a[a.length >> 1] === b[b.length >> 1];

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stagecad.parameters.errors import InputError
 from workbench.figures.curves import coordinate_unit, curves, drawn_maps
 from workbench.operations.design import Design
@@ -177,6 +179,7 @@ def _overlays(
             {
                 **write_curves(folder, number, series),
                 **{name: getattr(curve, name) for name in ("record", "role", "channel", "unit", "noise")},
+                "begins": float(curve.time[np.argmax(np.isfinite(curve.measured))]),
                 "largest": curve.largest,
                 "usual": curve.usual,
                 "models": list(models),
