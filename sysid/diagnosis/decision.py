@@ -110,8 +110,9 @@ def decide(
         if named is not None:
             best_named = named.public_name, share(named)
     if ledger.established:
-        first, rest = ledger.established[0], dict.fromkeys(entry.name for entry in ledger.established[1:])
-        words = f"explains the residual together with {', '.join(rest)}" if rest else "explains the residual"
+        first, *rest = ledger.established
+        others = ", ".join({entry.name: "" for entry in rest if entry.name != first.name})
+        words = f"explains the residual together with {others}" if others else "explains the residual"
         if first.words:
             words = first.reason
         best = _alone(search, first, ledger)
