@@ -324,7 +324,7 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
     """The model with the set of effects found by forward selection, which begins with one of the candidates `first`."""
     search, model = whole.search, whole.search.stated
     while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS:
-        options = [c for c in (search.step(model) if model.added else first) if _is_step(model, c)]
+        options = [c for c in (search.step(model) if model.added else first) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         if not options:
             break
@@ -335,7 +335,7 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
     return model
 
 
-def _is_step(model: Candidate, larger: Candidate) -> bool:
+def is_step(model: Candidate, larger: Candidate) -> bool:
     """Whether a larger model gains enough to be a step of the selection: significantly, or, as beside other missing
     effects none may be significant, as much as the largest of `MOST_EFFECTS`."""
     gain = model.held_out.gain_of(larger.held_out)

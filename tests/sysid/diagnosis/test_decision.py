@@ -1,6 +1,6 @@
 """Verdict on synthetic candidates: each of its results, and the uncertainty of the noise level."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self, cast
 
 import numpy as np
@@ -9,10 +9,10 @@ import pytest
 from sim.effects.catalogue import find
 from sim.effects.effect import Coordinate, Effect
 from sysid.diagnosis.candidate import Candidate
-from sysid.diagnosis.constants import NOISE_FACTOR
+from sysid.diagnosis.constants import NOISE_FACTOR, STEP_Z
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide
 from sysid.diagnosis.held_out import HeldOut, evenness
-from sysid.diagnosis.ledger import Entry, Ledger, State, is_tied, simplest
+from sysid.diagnosis.ledger import Entry, Ledger, State, is_step, is_tied, simplest
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import FitResult
@@ -30,11 +30,11 @@ INDEX = np.arange(SIZE)
 ONE, OTHER = np.sqrt(2.0) * (INDEX % 2 == 0), np.sqrt(2.0) * (INDEX % 2 == 1)
 
 
-def _fitted(effects: tuple[Effect, ...], count: int) -> FittedModel:
+def _fitted(effects: tuple[Effect, ...], count: int, residual: np.ndarray = NOISE) -> FittedModel:
     """A model with `count` unknowns; nothing of it is evaluated."""
     unknowns = tuple(Unknown(f"effect.p{k}", 0.0, -1.0, 1.0, 1.0) for k in range(count))
     empty = np.empty(0)
-    fit = FitResult({}, 0.0, np.empty((0, count)), NOISE, empty, tuple(u.key for u in unknowns))
+    fit = FitResult({}, 0.0, np.empty((0, count)), residual, empty, tuple(u.key for u in unknowns))
     return FittedModel(Model(effects, {}, unknowns), fit, ResidualWeights((), ()))
 
 
@@ -61,11 +61,11 @@ class Case:
     def held_out(self) -> HeldOut:
         return HeldOut(self.stated, BLOCK)
 
-    def candidate(self, residual: np.ndarray, *effects: Effect, count: int = 1) -> Candidate:
+    def candidate(self, residual: np.ndarray, *effects: Effect, count: int = 1, fit_gain: float = 1.0) -> Candidate:
         """A candidate that leaves this residual (n,) on the held-out records."""
         after = HeldOut(residual, BLOCK)
         gain = self.held_out.gain_of(after)
-        return Candidate(cast(Problem, None), effects, _fitted(effects, count), after, gain, 1.0)
+        return Candidate(cast(Problem, None), effects, _fitted(effects, count), after, gain, fit_gain)
 
     def effect(self, name: str, residual: np.ndarray, count: int = 1) -> Self:
         """The case with one more effect."""
@@ -108,6 +108,27 @@ def test_curve_of_a_coordinate_that_does_not_recur_decides_nothing(coordinate: C
     assert found.free_curve is not None and found.free_curve.recurs == recurs
     assert found.free_curve.share > 0.95
     assert ("a free curve of position explains" in found.reason) == recurs
+
+
+@pytest.mark.parametrize("on_fit", [True, False])
+def test_step_that_is_not_significant_beside_other_missing_effects_is_made_where_it_gains_on_both_sets(
+    on_fit: bool,
+) -> None:
+    phase = 2.0 * np.pi * INDEX / SIZE
+    rest, part = NOISE + 3.0 * np.sin(3.0 * phase), 2.0 * np.sin(2.0 * phase)
+    case = Case(rest + part)
+    model, larger = case.candidate(rest + part), case.candidate(rest, find("cable_spring"))
+    model = replace(model, fitted=_fitted((), 1, rest + part))
+    larger = replace(larger, fitted=_fitted((), 1, rest if on_fit else rest + 0.98 * part))
+    assert model.held_out.gain_of(larger.held_out).z < STEP_Z
+    assert is_step(model, larger) == on_fit
+
+
+@pytest.mark.parametrize("fit_gain,verdict", [(0.05, "adequate"), (0.6, "unexplained")])
+def test_curve_of_one_set_of_records_is_no_missing_effect(fit_gain: float, verdict: str) -> None:
+    case = Case(NOISE + 0.8 * ONE)
+    case.curves = [case.candidate(NOISE, _curve("position"), fit_gain=fit_gain)]
+    assert case.decide().verdict == verdict
 
 
 def test_simplest_of_equivalent_effects_is_chosen() -> None:

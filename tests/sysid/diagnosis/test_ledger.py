@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
+from sim.integration.compiled.kernels import is_built_in
 from stagecad.parameters.errors import InputError
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.ledger import Evidence, judge
@@ -53,6 +54,12 @@ def test_free_curve_that_explains_more_leaves_an_effect_possible() -> None:
         "possible",
         "a free curve of velocity explains more than all effects found",
     )
+
+
+@pytest.mark.parametrize("name", ["magnetic_cogging#2", "magnetic_cogging:overtone#3"])
+def test_copies_have_the_compiled_laws_of_the_library(name: str) -> None:
+    assert is_built_in(find(name))
+    assert not is_built_in(replace(find(name), force=lambda axis, p: 0.0))
 
 
 def test_names_of_copies() -> None:
