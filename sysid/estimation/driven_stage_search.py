@@ -261,17 +261,12 @@ def rough_starts(
     best = ranked(points)
     stiffness = model.values["rig.contact_stiffness"]
     if "rig.contact_stiffness" in free:
-        scaled = [
-            _with_stiffness(model, point, stiffness, part) for point in best[: budget.refined] for part in STIFFNESSES
-        ]
-        best = ranked(scaled)
+        near = best[: budget.refined]
+        best = ranked([_with_stiffness(model, point, stiffness, part) for point in near for part in STIFFNESSES])
     for key in grids:
-        fine = [
-            _bounded(model, {**point, key: part * point[key]})
-            for point in best[: budget.refined]
-            for part in FINE_FACTORS
-        ]
-        best = ranked([*best[: budget.refined], *fine])
+        near = best[: budget.refined]
+        fine = [model.bounded({**point, key: part * point[key]}) for point in near for part in FINE_FACTORS]
+        best = ranked([*near, *fine])
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
@@ -341,13 +336,13 @@ def _in_si(model: Model, trial: Point, free: Collection[str]) -> Point:
         point[pads] *= gain * model.values["rig.contact_stiffness"]
     if contact in point:
         point[contact] *= point.get(pads, model.values.get(pads, 1.0))
-    return _bounded(model, point)
+    return model.bounded(point)
 
 
 def _with_stiffness(model: Model, point: Point, stiffness: float, part: float) -> Point:
     """A point with the contact stiffness, and its forces, scaled by a factor."""
     forces = {key: part * value for key, value in point.items() if key.endswith(".force")}
-    return _bounded(model, {**point, **forces, "rig.contact_stiffness": part * stiffness})
+    return model.bounded({**point, **forces, "rig.contact_stiffness": part * stiffness})
 
 
 def _default_contact(model: Model) -> Point:
@@ -361,11 +356,6 @@ def _default_contact(model: Model) -> Point:
         "rig.contact_damping": contact_damping(stiffness, model.values["rig.mass"]),
     }
     return {key: value for key, value in neutral.items() if key in free}
-
-
-def _bounded(model: Model, point: Point) -> Point:
-    bounds = {u.key: (u.low, u.high) for u in model.unknowns}
-    return {key: min(max(value, bounds[key][0]), bounds[key][1]) for key, value in point.items()}
 
 
 def _gains(records: Sequence[FrictionDriveRecord]) -> list[float]:

@@ -66,21 +66,19 @@ def lower_of(fitted: FittedModel, other: FittedModel, records: Sequence[Prepared
 
 
 def _starts(fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales) -> list[Model]:
-    """The model at the lowest points of the scan, lowest first, each at a stretch of its own."""
-    model, unknowns = fitted.model, {u.key: u for u in fitted.model.unknowns}
+    """The model at the lowest points of the scan, each at a stretch of its own, local minima first."""
+    model = fitted.model
     noise = max((r.prefiltered_noise for r in records if isinstance(r, ForceBalanceRecord)), default=0.0)
     shortest = max(SHORTEST * noise, FEWEST_DECADES * scales.position)
     found: list[tuple[float, Model]] = []
     for stretch in np.geomspace(shortest, max(LONGEST * scales.position, 2.0 * shortest), STRETCHES):
-        trials = [model.at(_bounded(point, model)) for point in _points(core, model, float(stretch), scales)]
+        trials = [model.at(model.bounded(point)) for point in _points(core, model, float(stretch), scales)]
         costs = [root_mean_huber(weighted_residual(trial, records, fitted.weights)) for trial in trials]
         if trials:
             found.append(min(zip(costs, trials, strict=True), key=lambda one: one[0]))
     costs = np.array([np.inf, *(cost for cost, _ in found), np.inf])
-    lowest = [k for k in range(len(found)) if costs[k + 1] <= min(costs[k], costs[k + 2])]
-    others = [k for k in range(len(found)) if k not in lowest]
-    order = sorted(lowest, key=lambda k: costs[k + 1]) + sorted(others, key=lambda k: costs[k + 1])
-    return [found[k][1] for k in order[:FITS]] if unknowns else []
+    order = sorted(range(len(found)), key=lambda k: (costs[k + 1] > min(costs[k], costs[k + 2]), costs[k + 1]))
+    return [found[k][1] for k in order[:FITS]]
 
 
 def _points(core: Effect, model: Model, stretch: float, scales: Scales) -> list[dict[str, float]]:
@@ -98,8 +96,3 @@ def _points(core: Effect, model: Model, stretch: float, scales: Scales) -> list[
         return [point]
     critical = 2.0 * float(np.sqrt(stiffness * model.values.get("rig.mass", scales.force * scales.sample**2)))
     return [{**point, damping: ratio * critical} for ratio in DAMPING_RATIOS]
-
-
-def _bounded(point: dict[str, float], model: Model) -> dict[str, float]:
-    bounds = {u.key: (u.low, u.high) for u in model.unknowns}
-    return {key: min(max(value, bounds[key][0]), bounds[key][1]) for key, value in point.items()}

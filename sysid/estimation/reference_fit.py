@@ -8,6 +8,7 @@ for lower local minima; the stated start is one of the starts.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from sysid.estimation.misfit import ResidualWeights, misfit, residual_weights, w
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
 from sysid.estimation.variant_selection import select_variants
-from sysid.prediction.force_balance.predict import unfiltered_force
+from sysid.prediction.force_balance.predict import friction_along, unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.state_observer import can_be_observed, observed
 from sysid.prediction.model import Model, Scales
@@ -120,9 +121,8 @@ def _without_attenuation(problem: Problem, base: ReferenceFit) -> ReferenceFit:
     )
     known = np.array(list(fit.values.values()))
     known[moves] += shift / scale
-    unknowns = zip(fitted.model.unknowns, known.tolist(), strict=True)
-    model = fitted.model.at({u.key: min(max(value, u.low), u.high) for u, value in unknowns})
-    values = {key: model.values[key] for key in fit.keys}
+    values = fitted.model.bounded(dict(zip(fit.keys, known.tolist(), strict=True)))
+    model = fitted.model.at(values)
     residual = weighted_residual(model, problem.fit_records, fitted.weights)
     found = FittedModel(model, replace(fit, values=values, residual=residual), fitted.weights)
     return reference_fit(problem, found, laws=base.laws)
@@ -179,8 +179,9 @@ def _over_all_noise(model: Model, records: Sequence[PreparedRecord]) -> float:
 def along_observer(record: PreparedRecord, model: Model) -> ForceBalanceRecord:
     """A record of a driven mass along the motion of the state observer of a model."""
     assert isinstance(record, ForceBalanceRecord)
-    first = 0.0 if record.observer else float(unfiltered_force(record, model.effects, model.values)[0])
-    found = observed(record, model.effects, model.values, first, PASSES)
+    laws = {"effects": model.effects, "values": model.values}
+    first = 0.0 if record.observer else float(unfiltered_force(record, **laws)[0])
+    found = observed(record, **laws, first=first, passes=PASSES, ideal_friction=partial(friction_along, **laws))
     return replace(found, redrawn=None if record.redrawn is None else along_observer(record.redrawn, model))
 
 

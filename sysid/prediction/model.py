@@ -205,6 +205,10 @@ class Model:
         merged = {**self.values, **values}
         return replace(self, values=merged, unknowns=tuple(replace(u, start=merged[u.key]) for u in self.unknowns))
 
+    def bounded(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Values of unknowns within their bounds."""
+        return {u.key: min(max(values[u.key], u.low), u.high) for u in self.unknowns if u.key in values}
+
 
 def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
     """Free parameters of an effect."""

@@ -5,13 +5,14 @@ Initial state of a friction state model, from the force in the first rows of a r
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.optimize import root_scalar
 
 from sim.effects.effect import Axis, Effect
+from sim.integration.simulate import Simulation
 from sim.numerics.elasto_plastic import position_behind_gap, springs_of
 from sysid.prediction.effect_terms import (
     Values,
@@ -22,9 +23,9 @@ from sysid.prediction.effect_terms import (
     split_channel,
     values_of,
 )
-from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
-from sysid.prediction.force_balance.state_observer import observed_friction
+from sysid.prediction.force_balance.state_observer import observed_motion
 from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     Onsets,
@@ -56,14 +57,12 @@ def predict_balance(
 ) -> dict[str, np.ndarray]:
     """Predicted channels (n,) of a force balance, filtered as the measured ones are."""
     if at is None or any(_needs_neighbours(e) for e in effects):
-        full_filter = _sensed_balance(balance, effects, values)
-        return (
-            full_filter
-            if at is None
-            else {channel: values_there[at[channel]] for channel, values_there in full_filter.items()}
-        )
-    terms = _terms(balance, effects, values)
-    out = {balance.force_channel: _force_at(balance, effects, values, terms, at[balance.force_channel])}
+        every = _sensed_balance(balance, effects, values)
+        return every if at is None else {channel: found[at[channel]] for channel, found in every.items()}
+    terms, channel = _terms(balance, effects, values), balance.force_channel
+    out = {channel: _total_at(balance, effects, values, terms, at[channel])}
+    if channel == "position":
+        out[channel] = balance.inputs["pull_position"][at[channel]] - out[channel] / values["rig.pull_stiffness"]
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values, at["position"])
     if balance.stick_phases is not None:
@@ -99,16 +98,29 @@ def _terms(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Value
     return _Terms(level, axis_force(balance, effects, values))
 
 
+def friction_along(
+    motion: Simulation, balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
+) -> np.ndarray:
+    """Friction (n,) along an observer's motion, N: elements yield smoothly in its integration, but ideally along it."""
+    if not any(e.has_presliding and e.friction_state.springs is not None for e in effects):
+        return motion.friction
+    acceleration, own = np.gradient(motion.velocity, balance.step), balance.axis
+    axis = make_axis(own.time, motion.position, motion.velocity, acceleration, own.load, own.temperature, 0.0)
+    along = replace(balance, axis=axis, observer=None, stick_fraction=None)
+    return _friction(along, effects, values, _terms(along, effects, values))[0]
+
+
 def _friction(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Force against the motion (n,) for the filter `complementary_filter`, and the event-resolved part of it for the
     filter `full_filter`, N."""
-    if balance.observer is not None:
-        return np.zeros(balance.size), observed_friction(balance, effects, values)
+    if balance.observer is not None and effects:
+        motion = observed_motion(balance, effects, values)
+        return np.zeros(balance.size), friction_along(motion, balance, effects, values)
+    core = next((e for e in effects if e.friction_state is not None), None)
     level, forces = terms.level, terms.forces
     axis, _ = friction_axis(balance, effects, values)
-    core = next((e for e in effects if e.friction_state is not None), None)
     if core is None:
         return forces, None
     if core.has_presliding or balance.stick_fraction is None:
@@ -265,34 +277,23 @@ def _stick_displacement(
     return moved
 
 
-def _force_at(
+def _total_at(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
 ) -> np.ndarray:
-    """The force channel (k,) at some samples, where nothing works on the filtered signal."""
+    """Force (k,) that the motion requires at some samples, N, filtered."""
     friction, resolved_friction = _friction(balance, effects, values, terms)
     total = balance.complementary_filter.at(friction, index)
     if resolved_friction is not None:
         assert balance.full_filter is not None
-        total += balance.full_filter.at(resolved_friction, index)
-    if balance.acceleration is not None:
-        total += values.get("rig.mass", 0.0) * balance.acceleration[index]
-    if balance.force_channel == "position":
-        return balance.inputs["pull_position"][index] - total / values["rig.pull_stiffness"]
-    return total
+        total = total + balance.full_filter.at(resolved_friction, index)
+    return total if balance.acceleration is None else total + values.get("rig.mass", 0.0) * balance.acceleration[index]
 
 
 def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
     """Every channel (n,), with the effects of drive, structure and sensors. A delay of the logged motion is inverted on
     the force that it requires: delaying the logged force would attenuate the signal to be explained."""
     terms = _terms(balance, effects, values)
-    friction, resolved_friction = _friction(balance, effects, values, terms)
-    every = np.arange(balance.size)
-    total = balance.complementary_filter.at(friction, every)
-    if resolved_friction is not None:
-        assert balance.full_filter is not None
-        total = total + balance.full_filter.at(resolved_friction, every)
-    if balance.acceleration is not None:
-        total = total + values.get("rig.mass", 0.0) * balance.acceleration
+    total = _total_at(balance, effects, values, terms, np.arange(balance.size))
     out: dict[str, np.ndarray] = {}
     channel = balance.force_channel
     if channel == "position":

@@ -48,12 +48,13 @@ class VelocityAgreement(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StateObserver:
-    """Bandwidth, rad/s; velocity v_m (n,), m/s; and friction at the first row, N
-    (`sysid.prediction.force_balance.state_observer`)."""
+    """Bandwidth, rad/s; velocity v_m (n,), m/s; friction at the first row, N; and friction in the integration less that
+    of the model (n,), N (`sysid.prediction.force_balance.state_observer`)."""
 
     bandwidth: float
     velocity: np.ndarray
     friction: float
+    yields: np.ndarray | float = 0.0
 
 
 @dataclass(eq=False, kw_only=True)
@@ -107,12 +108,12 @@ class ForceBalanceRecord(PreparedRecord):
 
     @property
     def settled_from(self) -> int:
-        """First row after the first reversal; of a driven mass, and of one stroke, after a part of the travel at the
-        latest."""
+        """First row after the first reversal; of a driven mass, which may turn at rest, and of one stroke, after a part
+        of the travel."""
         turns = np.flatnonzero(np.diff(self.axis.direction))
-        slid = int(np.searchsorted(self.axis.travelled, STROKE_START * np.ptp(self.axis.position)))
-        first = int(turns[0]) + 1 if turns.size else slid
-        return min(first, slid) if self.stick_fraction is not None else first
+        if turns.size and self.stick_fraction is None:
+            return int(turns[0]) + 1
+        return int(np.searchsorted(self.axis.travelled, STROKE_START * np.ptp(self.axis.position)))
 
     def scales(self) -> dict[str, float]:
         axis, force = self.axis, self.force

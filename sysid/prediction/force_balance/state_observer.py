@@ -14,7 +14,7 @@ Source: Ljung, System Identification (1999), sections 4.3 and 7.5 (prediction wi
 Aerosp. Electron. Syst. 20 (1984) 174 (steady gains of position and velocity).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +23,7 @@ from sim.effects.catalogue import Model as SimulatedModel
 from sim.effects.effect import Effect
 from sim.effects.friction.viscous import EFFECT as DAMPER
 from sim.integration.drive import Drive
+from sim.integration.simulate import Simulation, simulate
 from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, StateObserver
 
@@ -45,45 +46,39 @@ def can_be_observed(effects: Sequence[Effect]) -> bool:
 
 
 def observed(
-    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, friction: float, passes: int
+    balance: ForceBalanceRecord,
+    effects: Sequence[Effect],
+    values: Values,
+    first: float,
+    passes: int,
+    ideal_friction: Callable[[Simulation, ForceBalanceRecord], np.ndarray],
 ) -> ForceBalanceRecord:
-    """The record with the state observer of a model, of this `friction` (N) at first; v_m converges in some `passes`.
-
-    Raises:
-        InputError: an effect that cannot be integrated.
-        SimulationError: the integration failed.
-    """
+    """The record with the state observer of a model, whose friction is `first` (N) at the first row; v_m converges in
+    some `passes`, and so does the difference of the friction in the integration from the `ideal_friction` along it."""
     observer, position = balance.observer, balance.raw_position
     assert position is not None
     if observer is None:
         bandwidth = float(np.sqrt(balance.acceleration_noise / max(balance.position_noise, 1e-300)))
-        observer = StateObserver(min(bandwidth, HIGHEST / balance.step), balance.axis.velocity, friction)
+        observer = StateObserver(min(bandwidth, HIGHEST / balance.step), balance.axis.velocity, first)
     found = replace(balance, observer=observer, stick_phases=None, half_width_variant=None)
     for _ in range(passes):
-        x, v, _ = _integrated(found, effects, values)
-        late = smoothed(position - x, SMOOTHING * observer.bandwidth * balance.step)
-        observer = replace(observer, velocity=v + np.gradient(late, balance.step))
+        motion = observed_motion(found, effects, values)
+        late = smoothed(position - motion.position, SMOOTHING * observer.bandwidth * balance.step)
+        velocity = motion.velocity + np.gradient(late, balance.step)
+        observer = replace(observer, velocity=velocity, yields=motion.friction - ideal_friction(motion, balance))
         found = replace(found, observer=observer)
     return found
 
 
-def observed_friction(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """Force (n,) against the motion of a driven mass without its inertia, N, along the observer's motion."""
-    return _integrated(balance, effects, values)[2] if effects else np.zeros(balance.size)
-
-
-def _integrated(
-    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity and friction of the observer, each (n,)."""
-    from sim.integration.simulate import simulate
-
+def observed_motion(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> Simulation:
+    """The observer's motion under a model, and the force against it without its inertia."""
     observer, axis, mass = balance.observer, balance.axis, values["rig.mass"]
     assert observer is not None and balance.applied is not None and balance.raw_position is not None
     stiffness, damping = mass * observer.bandwidth**2, np.sqrt(2.0) * mass * observer.bandwidth
-    # A straight line from row to row is a dt^2/12 above an accelerated motion, on average.
-    position = balance.raw_position - balance.step / 12.0 * np.gradient(observer.velocity)
-    force = balance.applied + stiffness * position + damping * observer.velocity
+    force = balance.applied + observer.yields + stiffness * balance.raw_position + damping * observer.velocity
+    # A straight line from row to row is above a curved motion, by a twelfth of its second difference on average.
+    change = np.gradient(observer.velocity)
+    force -= (stiffness * balance.step * change + damping * np.gradient(change)) / 12.0
     rates = np.append(np.diff(force) / np.diff(axis.time), 0.0)
     core = next((effect for effect in effects if effect.friction_state is not None), None)
     laws = [*(values_of(effect, values) for effect in effects), DAMPER.values_type(damping)]
@@ -100,7 +95,7 @@ def _integrated(
         tolerance=TOLERANCE,
         most_steps=MOST_STEPS * balance.size,
     )
-    return run.position, run.velocity, run.friction - damping * run.velocity
+    return replace(run, friction=run.friction - damping * run.velocity)
 
 
 def _first_state(core: Effect | None, observer: StateObserver, values: Values) -> np.ndarray | None:
