@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -16,6 +17,7 @@ from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from stagecad.consent import give_consent, require_consent
+from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.names import is_identifier
@@ -23,10 +25,12 @@ from stagecad.parameters.own_code import own_code
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.dimension import Datum
     from stagecad.parameters.machine import DeclaredPart
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
+VALUES: dict[str, Any] = {"TREATMENT": "anodised", "PART_NUMBER": "A-1", "SYMMETRIC": "xy", "TURNED": 1}
+VALUES |= {"NOTES": ("Two off, alike.",), "VIEWS": ("front", "top")}
+"""Values that a part may state, with examples."""
 
 
 def run_file(path: Path, trust: bool, what: str) -> ModuleType:
@@ -65,10 +69,20 @@ class OwnDefinition:
         found = getattr(self.module, name)
         return partial(self._called, found) if callable(found) else found
 
-    def _called(self, function: Any, design: Any) -> Any:
+    def _called(self, function: Any, *arguments: Any) -> Any:
         """Result of a function of the file."""
         with own_code(self.path):
-            return function(design)
+            return function(*arguments)
+
+    def _items(self, word: str, design: Any, *kinds: type) -> tuple[Any, ...]:
+        """The items that a function of the file gives; none where it has no such function."""
+        with own_code(self.path):
+            found = getattr(self.module, word, lambda design: ())(design)
+            items = tuple(found) if isinstance(found, Iterable) and not isinstance(found, str) else (found,)
+        if not all(isinstance(one, kinds) for one in items):
+            names = " or ".join(kind.__name__ for kind in kinds)
+            raise InputError(f"{self.path}: {word}(design) must return {names} objects")
+        return items
 
     def build(self, design: Any) -> Any:
         """The one valid solid that the file builds, mm."""
@@ -77,21 +91,28 @@ class OwnDefinition:
     def material(self, design: Any) -> str:
         """Name of its material."""
         name = self._called(self.module.material, design)
-        if name not in design.materials:
+        if not isinstance(name, str) or name not in design.materials:
             raise InputError(f"{self.path}: material '{name}' is not in [materials]")
         return name
 
     def datums(self, design: Any) -> dict[str, Datum]:
         """Its datums; none where the file declares none."""
-        return self._called(self.module.datums, design) if hasattr(self.module, "datums") else {}
+        found = self._called(self.module.datums, design) if hasattr(self.module, "datums") else {}
+        if not isinstance(found, dict) or not all(isinstance(one, Datum) for one in found.values()):
+            raise InputError(f"{self.path}: datums(design) must return Datum objects by name: named(Datum(...), ...)")
+        return found
 
     def dimensions(self, design: Any) -> tuple[Any, ...]:
         """Its dimensions."""
-        return tuple(self._called(self.module.dimensions, design))
+        return self._items("dimensions", design, Dimension)
 
     def requirements(self, design: Any) -> tuple[Any, ...]:
         """Its requirements on faces; none where the file states none."""
-        return tuple(self._called(self.module.requirements, design)) if hasattr(self.module, "requirements") else ()
+        return self._items("requirements", design, DatumFeature, GeometricTolerance, SurfaceTexture)
+
+    def notes(self, design: Any) -> tuple[str, ...]:
+        """Of its sheet."""
+        return self._items("notes", design, str) or tuple(getattr(self.module, "NOTES", ()))
 
     def description(self, design: Any) -> str:
         """In words: as declared, or the first line of the file."""
@@ -109,6 +130,11 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
     for word in REQUIRED:
         if not hasattr(module, word):
             raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
+    for word, example in VALUES.items():
+        found = getattr(module, word, example)
+        kind = tuple | list if isinstance(example, tuple) else type(example)
+        if not isinstance(found, kind) or not (kind in (str, int) or all(isinstance(one, str) for one in found)):
+            raise InputError(f"{path}: {word} = {found!r}; write it like {example!r}")
     name = module.NAME
     if not is_identifier(name) or name in names:
         raise InputError(

@@ -88,6 +88,38 @@ def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, capsys, c
     assert "own.py" in err and ("SystemExit: 0" in err or "BaseException: own" in err)
 
 
+WRONG = {
+    "material": ("[]", "5", "design", "None", "'no-such'"),
+    "datums": ("None", "5", "[]", "{'a': 1}", "design"),
+    "dimensions": ("None", "5", "'x'", "[None]", "(one for one in (1,))", "design"),
+    "requirements": ("None", "5", "'x'", "[None]", "float('nan')"),
+    "notes": ("None", "5", "[1]"),
+    "build": ("5()", "None", "5", "'x'", "lambda: 1"),
+}
+"""What a function of an own part must not return."""
+STATED = [
+    "NAME = 5",
+    "PARAMETERS = 5",
+    "VIEWS = 'top'",
+    "NOTES = (1,)",
+    "TREATMENT = None",
+    "TURNED = 'x'",
+    "build = 5",
+]
+
+
+@pytest.mark.parametrize(
+    "line", [*STATED, *(f"def {word}(design): return {one}" for word, wrong in WRONG.items() for one in wrong)]
+)
+def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: Path, capsys, line: str) -> None:
+    assert run(["new", "part", "box"]) == 0
+    Path("box.py").write_text(Path("box.py").read_text() + f"\n{line}\n")
+    capsys.readouterr()
+    assert run(["drawings", "--part", "box.py", "--trust"]) == 2
+    said = capsys.readouterr().err.strip().splitlines()
+    assert "box.py: " in said[-1], said
+
+
 HOSTILE = [
     "../UP",
     "/tmp/ABS",
@@ -156,9 +188,9 @@ def test_no_name_leads_to_another_folder(name: str) -> None:
 def test_results_of_two_experiments_of_one_name_are_kept_apart(folder: Path, tmp_path: Path, capsys) -> None:
     from tests.sysid.slide import SIGN, slide
 
-    for place in ("a/rig", "b/rig", "build/rig", "../rig"):
+    for place in ("a/rig", "b/rig", "build/rig", "../x/rig", "../y/rig", "../x/rig"):
         slide(Path(place), 1.3 * SIGN, '"coulomb"', held_out=True)
         assert run(["look", place]) == 0
     capsys.readouterr()
-    found = {str(path) for path in Path("build").rglob("look.png")}
-    assert found == {"build/a/rig/look.png", "build/b/rig/look.png", "build/rig/look.png"}
+    found = {str(path.parent) for path in Path("build").rglob("look.png")}
+    assert found == {"build/a/rig", "build/b/rig", "build/rig", "build/rig_2", "build/rig_3"}

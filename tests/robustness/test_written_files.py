@@ -14,8 +14,8 @@ from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench.cli import run
 from workbench.cli.dispatch import COMMANDS as EVERY
 
-LEFT_OUT = {"effects", "calc", "docs", "workbench", "diff"}
-"""Commands that write no files, that serve until they are ended, or (`diff`) that draw for minutes."""
+LEFT_OUT = {"effects", "calc", "docs", "workbench"}
+"""Commands that write no files, or that serve until they are ended."""
 COMMANDS = {
     "params": ("params --write new.toml", {"new.toml"}),
     "new experiment": ("new experiment other rig/fit.csv --kind velocity-drive", {"other"}),
@@ -39,8 +39,9 @@ COMMANDS = {
     "parts": ("parts magnet piezo", set()),
     "drawings": ("drawings magnet tooth_bar", set()),
     "make": ("make --no-simulations", set()),
+    "diff": ("diff thesis other.toml", set()),
 }  # fmt: skip
-LONG = ("make", "drawings", "parts", "demo", "suggest", "optimize", "diagnose")
+LONG = ("make", "diff", "drawings", "parts", "demo", "suggest", "optimize", "diagnose")
 HOSTILE = "../../UP /tmp/ABS =cmd <b>"
 """Name of a row of a catalogue, and title of the drawings."""
 
@@ -53,10 +54,9 @@ def test_every_command_that_writes_is_tried() -> None:
 def test_nothing_else_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     work = tmp_path / "outer" / "work"
     slide(work / "rig", 1.3 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
-    (work / "stage.toml").write_text(
-        'extends = "thesis"\n[hardware]\npiezos = "piezos.csv"\n'
-        f"[piezo]\nrow = '{HOSTILE}'\n[drawing]\ntitle = {{value = '{HOSTILE}', origin = 'assumed: any'}}\n"
-    )
+    stage = f"extends = 'thesis'\n[hardware]\npiezos = 'piezos.csv'\n[piezo]\nrow = '{HOSTILE}'\n"
+    (work / "other.toml").write_text(stage)
+    (work / "stage.toml").write_text(f"{stage}[drawing]\ntitle = {{value = '{HOSTILE}', origin = 'assumed: any'}}\n")
     (work / "piezos.csv").write_text(PIEZOS.replace("long stroke", HOSTILE))
     monkeypatch.chdir(work)
     words, own = COMMANDS[name]

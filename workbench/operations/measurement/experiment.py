@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -14,8 +15,9 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from stagecad.consent import store_consent
-from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_named
 from stagecad.parameters.names import file_stem
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.experiment.experiment import load_experiment, trust_experiment
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from workbench.figures.plot import Plot
     from workbench.operations.design import Design
 
+OWNERS = ".experiments"
+"""Folder beside the results of experiments that are elsewhere: the path of each, under the name of its results."""
 Setting = str | float | Mapping[str, Any]
 """A start (`"1.2 N"`, `"1.2 +- 0.1 N"`, `0.8`), or a table with `start`, `low`, `high`, `fixed`."""
 
@@ -523,13 +527,20 @@ def results_key(out: str | Path, experiment: Path, working: Path | None = None) 
     """Folder of an experiment's results relative to that of all results, `out`.
 
     Its path in `out`, else in the working folder, so that `a/rig` and `b/rig` have results of their own; its last name
-    if it is elsewhere.
+    if it is elsewhere, with a number where that has the results of another. A note says whose results they are.
     """
     folder = experiment.resolve()
-    for base in (Path(out).resolve(), (working or Path.cwd()).resolve()):
-        if base in folder.parents:
-            return folder.relative_to(base)
-    return Path(folder.name)
+    bases = [one for one in (Path(out).resolve(), (working or Path.cwd()).resolve()) if one in folder.parents]
+    first = name = folder.relative_to(bases[0]) if bases else Path(folder.name)
+    wanted, number = b"" if bases else os.fsencode(folder), 1
+    while True:
+        note = Path(out) / OWNERS / name
+        if wanted and not (note.exists() or (Path(out) / name).exists()):
+            atomic_write_bytes(note, wanted)
+        if (read_named(note) if note.is_file() else b"") == wanted:
+            return name
+        number += 1
+        name = first.with_name(f"{first.name}_{number}")
 
 
 def named_files(folder: str | Path) -> tuple[tuple[str, ...], bool]:
