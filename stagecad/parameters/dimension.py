@@ -6,7 +6,7 @@ them up, the assembly mates the datums. Millimetres and degrees, in part coordin
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 Point = tuple[float, float, float]
 
@@ -39,6 +39,7 @@ chord between its two points. `pitch_circle`: diameter of the circle on which `c
 """
 
 View = Literal["top", "bottom", "front", "back", "left", "right", "section", "iso", "any"]
+VIEWS = get_args(View)
 """The preferred view of a dimension: `top` looks down z, `front` along +y (x to the right), `right` along -x."""
 
 
@@ -107,6 +108,12 @@ class Dimension:
     major: float = 0.0
 
     def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind) or self.view not in VIEWS or self.table not in ("", *VIEWS):
+            raise ValueError(
+                f"dimension '{self.name}': no kind '{self.kind}', or no view '{self.view}', '{self.table}'"
+            )
+        if not all(isinstance(text, str) for text in (self.name, self.parameter, self.note, self.feature)):
+            raise ValueError(f"dimension '{self.name}': name, parameter, note and feature are texts")
         if bool(self.parameter) == bool(self.derived_from):
             raise ValueError(f"dimension '{self.name}': comes from one parameter, or is derived from some")
         if self.kind in ("linear", "depth", "pitch", "sag") and len(self.points) != 2:

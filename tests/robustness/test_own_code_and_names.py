@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stagecad import Experiment, InputError
+from stagecad.parameters.dimension import Dimension
 from stagecad.parameters.names import file_stem, identifier
 from workbench.cli import run
 
@@ -88,10 +89,14 @@ def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, capsys, c
     assert "own.py" in err and ("SystemExit: 0" in err or "BaseException: own" in err)
 
 
+DIMENSIONS = [
+    f"[Dimension('a', {kind}, 1.0, 'box.length', ((0, 0, 0), (1, 0, 0)), (1, 0, 0){field})]"
+    for kind, field in (("''", ""), *(("'linear'", f", {one}") for one in ("note=5", "view='up'", "table='up'")))
+]
 WRONG = {
     "material": ("[]", "5", "design", "None", "'no-such'"),
     "datums": ("None", "5", "[]", "{'a': 1}", "design"),
-    "dimensions": ("None", "5", "'x'", "[None]", "(one for one in (1,))", "design"),
+    "dimensions": ("None", "5", "'x'", "[None]", "(one for one in (1,))", "design", *DIMENSIONS),
     "requirements": ("None", "5", "'x'", "[None]", "float('nan')"),
     "notes": ("None", "5", "[1]"),
     "build": ("5()", "None", "5", "'x'", "lambda: 1"),
@@ -113,7 +118,7 @@ STATED = [
 )
 def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: Path, capsys, line: str) -> None:
     assert run(["new", "part", "box"]) == 0
-    Path("box.py").write_text(Path("box.py").read_text() + f"\n{line}\n")
+    Path("box.py").write_text(Path("box.py").read_text() + f"\nfrom {Dimension.__module__} import Dimension\n{line}\n")
     capsys.readouterr()
     assert run(["drawings", "--part", "box.py", "--trust"]) == 2
     said = capsys.readouterr().err.strip().splitlines()
