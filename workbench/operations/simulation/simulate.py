@@ -472,9 +472,9 @@ def simulate_into(
     if not formats:
         raise InputError("--format none: the records of an EXPERIMENT are its only result; allowed: csv, parquet, both")
     place = find_experiment(experiment)
-    folder = out / "simulate" / results_key(out, place.folder)
     stated = Experiment.load(place.path, design)
     simulated = SimulatedRecords(stated, simulate_records(stated.problem, motion=motion), seed)
+    folder = out / "simulate" / results_key(out, place.folder)
     return simulated.write(folder, formats, "its own inputs" if motion is None else motion.name)
 
 
