@@ -28,7 +28,7 @@ PUBLIC = (
 ORDER = (
     *PUBLIC,
     *("dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run", "maxwell_slip", "elasto_plastic"),
-    "rate_and_state",
+    *("rate_and_state", "second_order_dahl"),
 )
 """Effect names in the order in which they are listed."""
 

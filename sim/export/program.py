@@ -232,7 +232,7 @@ def _friction(program: Program, effect: Effect) -> None:
         return
     step = getattr(steps, f"{model.name}_step", None)
     if step is None:
-        raise InputError(f"export: the friction state model '{model.name}' has no step; it cannot be exported")
+        raise InputError(f"export: effect '{effect.name}': its friction state model has no step; it cannot be exported")
     state = program.state(steps.STATES.get(step.__name__, "force of the bristles, N"))
     known = {
         "z": state,

@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 15262,
     "designcalc": 10704,
-    "sim": 12634,
+    "sim": 12709,
     "sysid": 20260,
     "drawings": 12030,
     "workbench": 15556,

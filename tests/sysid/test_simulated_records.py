@@ -96,7 +96,7 @@ TIP_NOISE = {"tip_x": 2e-9, "tip_y": 2e-9}
 PRESLIDING = frozenset(
     ("presliding", "presliding:maxwell_slip", "presliding:dahl", "presliding:lugre", "presliding:lugre_causal")
     + ("dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run", "maxwell_slip")
-    + ("elasto_plastic", "rate_and_state")
+    + ("elasto_plastic", "rate_and_state", "second_order_dahl")
 )
 """Bristles of a driven mass that stretch by a hundred times the noise of the position: while it sticks, the balance
 takes the mass as at rest, and the spread of the displacement by that of the sensor alone."""

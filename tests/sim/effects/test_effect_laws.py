@@ -233,6 +233,36 @@ def test_rate_and_state_friction_in_steady_sliding_is_where_its_state_rests(spee
     assert core.sliding(np.array(1.3), np.array(0.0), p) == pytest.approx(0.0, abs=1e-15)
 
 
+def test_the_second_order_model_overshoots_along_the_path_at_every_speed():
+    """From rest: (1 + o)(1 - exp(-x/(r s))) - o (1 - exp(-x/s)), with its peak where both slopes are equal."""
+    p = values("second_order_dahl", stiffness=1e5, ratio=0.3, overshoot=0.5)
+    x = np.linspace(0.0, 2e-4, 4001)
+    peaks = []
+    for speed in (1e-4, 1e-2):
+        force = find("second_order_dahl").friction_state.along_record(
+            x, np.full(4001, speed), x / speed, np.ones(4001), p
+        )
+        way = x - x[0] + x[1]
+        expected = 1.5 * -np.expm1(-way / 3e-6) - 0.5 * -np.expm1(-way / 1e-5)
+        assert np.abs(force - expected)[1:].max() < 2e-2
+        assert force[-1] == pytest.approx(1.0, abs=1e-6)
+        peaks.append(force.max())
+    at = math.log(1.5 / 0.5 / 0.3) / (1 / 3e-6 - 1 / 1e-5)
+    peak = 1.5 * -math.expm1(-at / 3e-6) - 0.5 * -math.expm1(-at / 1e-5)
+    assert peaks == pytest.approx([peak, peak], rel=1e-3) and peak > 1.1
+
+
+def test_the_seven_parameter_model_is_a_sum_of_effects():
+    """Armstrong-Helouvry's force in steady sliding, Fc + Fv |v| + Fs/(1 + (v/vs)^2), with a lag and ageing besides."""
+    parts = ["presliding", "viscous", "stribeck:rational", "frictional_lag", "dwell_strengthening:kato"]
+    model = compose(parts, {"stribeck:rational.exponent": 2.0, "stribeck:rational.velocity": 2e-3})
+    v = np.array([1e-4, 2e-3, 0.1])
+    axis = Axis(*[0.0 * v] * 2, v, *[0.0 * v] * 6, np.ones(3))
+    p = model.parameters()
+    slip = p["presliding.force"] + p["stribeck:rational.force"] / (1.0 + (v / 2e-3) ** 2)
+    assert model.level(axis) + model.other_force(axis) == pytest.approx(slip + p["viscous.coefficient"] * v)
+
+
 def test_contacts_age_while_they_only_stretch():
     """Ten seconds of 0.1 um at 10 Hz, slip from 10 um: the age of ten seconds at rest, 1 + 0.015 ln(1001), where the
     ageing by the velocity of the body would leave 1.083."""

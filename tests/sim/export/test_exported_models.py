@@ -14,8 +14,11 @@ from sim.export.files import Exported, files_of
 from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.errors import InputError
 
-HISTORY = {"bristle_damping", "bristle_damping:spread", "frictional_lag", "dwell_strengthening:fading"}
-"""Effects that need a history of the motion: refused by name."""
+HISTORY = {
+    *("bristle_damping", "bristle_damping:spread", "frictional_lag", "dwell_strengthening:fading"),
+    "second_order_dahl",
+}
+"""Effects that need a history of the motion, or of two parts: refused by name."""
 NAMES = [law.name for effect in library().values() for law in (effect, *effect.variants)]
 FORCES = [name for name in NAMES if find(name).acts_on not in ("drive", "piezo", "sensor") and not find(name).is_mode]
 
