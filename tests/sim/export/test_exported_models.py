@@ -1,5 +1,6 @@
 """Exported models give the program's forces on motions not seen before, in each language that runs here."""
 
+import ctypes
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from sim.export.files import Exported, files_of
 from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.errors import InputError
 
+COMPILER = shutil.which("cc") or shutil.which("gcc")
 HISTORY = {
     *("bristle_damping", "bristle_damping:spread", "frictional_lag", "dwell_strengthening:fading"),
     "second_order_dahl",
@@ -76,19 +78,39 @@ def _program(effects: list[Effect], values: dict[str, float]):
     return program_of("friction_model", effects, values, {})
 
 
+def _in_c(program, folder: Path, motion: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Force (n,) along a motion of the step function in C, compiled by the compiler of this system."""
+    time, position, velocity, load, temperature = motion
+    for file, text in files_of(Exported(program, 1.5, ("a test",)), "c").items():
+        (folder / file).write_text(text, encoding="utf-8")
+    library_file = folder / "friction_model.so"
+    words = [str(COMPILER), "-std=c99", "-O2", "-fPIC", "-shared", "friction_model.c", "-o", str(library_file), "-lm"]
+    subprocess.run(words, cwd=folder, check=True, capture_output=True)
+    loaded = ctypes.CDLL(str(library_file))
+    state = (ctypes.c_double * max(len(program.states), 1))()
+    loaded.friction_model_step.restype = ctypes.c_double
+    loaded.friction_model_start(state, ctypes.c_double(position[0]), ctypes.c_double(velocity[0]))
+    rows = zip(np.diff(time, prepend=time[0]), position, velocity, np.gradient(velocity, time), load, temperature)
+    return np.array([loaded.friction_model_step(state, *map(ctypes.c_double, row)) for row in rows])
+
+
 @pytest.mark.parametrize("name", FORCES)
-def test_each_effect_gives_the_force_of_the_program(name: str) -> None:
+def test_each_effect_gives_the_force_of_the_program(name: str, tmp_path: Path) -> None:
     if name in HISTORY:
         with pytest.raises(InputError, match=f"effect '{name}'"):
             _program([find(name)], {})
         return
     names = [name] if find(name).friction_state is not None else ["coulomb", name]
     model = compose(names)
-    function = ForceFunction(_program(list(model.effects), model.parameters()).source)
+    program = _program(list(model.effects), model.parameters())
+    function = ForceFunction(program.source)
     for seed in (1, 2):
         motion = _motion(seed)
         expected = _by_the_model(model, motion)
         np.testing.assert_allclose(function(*motion), expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+    if COMPILER is not None:
+        found = _in_c(program, tmp_path, motion)
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
 
 
 def _combinations() -> list[list[str]]:
@@ -103,7 +125,6 @@ def _combinations() -> list[list[str]]:
 
 
 def test_combinations_in_c_and_python(tmp_path: Path) -> None:
-    compiler = shutil.which("cc") or shutil.which("gcc")
     for number, names in enumerate(_combinations()):
         model = compose(names)
         program = _program(list(model.effects), model.parameters())
@@ -111,25 +132,25 @@ def test_combinations_in_c_and_python(tmp_path: Path) -> None:
         expected = _by_the_model(model, motion)
         found = ForceFunction(program.source)(*motion)
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)), err_msg=str(names))
-        if compiler is not None:
-            _run_c(program, tmp_path / str(number), compiler)
+        if COMPILER is not None:
+            _run_c(program, tmp_path / str(number))
+            found = _in_c(program, tmp_path / str(number), motion)
+            np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
 
 
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler is at hand")
 def test_each_friction_state_model_in_c(tmp_path: Path) -> None:
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no C compiler is at hand")
     for number, name in enumerate(name for name in FORCES if name not in HISTORY and find(name).friction_state):
         model = compose([name, "viscous"])
-        _run_c(_program(list(model.effects), model.parameters()), tmp_path / str(number), compiler)
+        _run_c(_program(list(model.effects), model.parameters()), tmp_path / str(number))
 
 
-def _run_c(program, folder: Path, compiler: str) -> None:
+def _run_c(program, folder: Path) -> None:
     folder.mkdir()
     for file, text in files_of(Exported(program, 1.5, ("a test",)), "c").items():
         (folder / file).write_text(text, encoding="utf-8")
     flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused", "-DFRICTION_MODEL_SELF_TEST"]
-    words = [compiler, *flags, "friction_model.c", "-o", "check", "-lm"]
+    words = [str(COMPILER), *flags, "friction_model.c", "-o", "check", "-lm"]
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     ran = subprocess.run([str(folder / "check")], capture_output=True, text=True, check=False)
