@@ -121,6 +121,17 @@ def until(page: Any, holds: Callable[[], bool]) -> None:
         page.wait_for_timeout(20)
 
 
+def faults_of_access(page: Any) -> list[Any]:
+    """Rules of accessibility that the page breaks as it is shown now, in light and in dark."""
+    axe = pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python")
+    page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
+    found = []
+    for theme in ("dark", "light"):
+        page.evaluate("(theme) => { document.documentElement.dataset.theme = theme; }", theme)
+        found += page.evaluate("async () => (await axe.run()).violations.map((one) => [one.id, one.nodes[0].html])")
+    return found
+
+
 @contextmanager
 def chromium(*flags: str) -> Iterator[Any]:
     """A headless Chromium, with further flags."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from served_page import NEEDS_CHROMIUM, Browser, chromium, looking, serving, until
+from served_page import NEEDS_CHROMIUM, Browser, chromium, faults_of_access, looking, serving, until
 
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.history import read_history
@@ -433,10 +433,7 @@ def test_a_narrow_window_has_every_control_and_axe_finds_no_fault(browser: Brows
         page.set_viewport_size({"width": width, "height": 800})
         page.wait_for_timeout(200)
         assert page.evaluate(OUTSIDE) == [], width
-    axe = pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python")
-    page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
-    faults = page.evaluate("async () => (await axe.run()).violations.map((one) => [one.id, one.nodes[0].html])")
-    assert faults == []
+    assert faults_of_access(page) == []
 
 
 def test_a_bare_number_takes_the_unit_of_its_field(browser: Browser) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from served_page import NEEDS_CHROMIUM, Browser, chromium, looking, serving, until
+from served_page import NEEDS_CHROMIUM, Browser, chromium, faults_of_access, looking, serving, until
 
 pytestmark = NEEDS_CHROMIUM
 
@@ -38,6 +38,7 @@ def test_an_empty_folder_has_three_doors_and_the_demo(launched: Any, tmp_path: P
         page = browser.page
         page.goto(address)
         until(page, lambda: page.locator(".door h2").count() == 3)
+        assert faults_of_access(page) == []
         page.get_by_role("button", name="Try the demo").click()
         page.locator(".experiment[data-name=demo]").wait_for()
         until(page, lambda: page.url.endswith("#measurement/demo"))
@@ -72,6 +73,7 @@ def test_records_of_the_folder_are_seen_and_cut_before_the_fit(rig: Browser) -> 
     create = dialog.locator(".actions .main")
     opened = int(re.search(r"(\d+) open", create.inner_text())[1])  # type: ignore[index]
     assert opened == dialog.locator(".question:visible").count() > 0
+    assert faults_of_access(page) == []
     create.click()
     dialog.get_by_role("alert").filter(has_text=re.compile(r"\w")).wait_for()
     dialog.get_by_role("button", name="Take all as proposed").click()
@@ -100,6 +102,7 @@ def test_models_over_one_record_their_maps_and_the_address(rig: Browser) -> None
     page.locator(".verdict b", has_text="stribeck is missing").wait_for()
     chosen = page.get_by_label("model whose residual is shown")
     until(page, lambda: chosen.input_value() == "stribeck")
+    assert faults_of_access(page) == []
     of_candidate = page.locator(".map figcaption").all_inner_texts()
     page.locator(".candidate:not(.named) input.tick").first.check()
     legend = page.locator(".overlay .legend button")
@@ -198,6 +201,7 @@ def test_a_search_shows_its_best_design_and_ends_by_its_time(rig: Browser) -> No
     start.click()
     page.locator(".best p", has_text="requirements met").wait_for()
     page.locator(".optimum .verdict", has_text="out of time").wait_for()
+    assert faults_of_access(page) == []
     # The first search loads what the process needs.
     (job,) = (one for one in page.request.get(f"{rig.address}api/jobs").json() if one["task"] == "optimize")
     assert job["ended"] - job["began"] < 15.0 + 3.0 and time.monotonic() - began < 60.0

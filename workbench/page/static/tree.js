@@ -18,6 +18,13 @@ export class PartTree {
     this.element.hidden = !this.element.hidden;
     this.button.setAttribute('aria-pressed', String(!this.element.hidden));
     localStorage.setItem(KEPT, this.element.hidden ? 'closed' : 'open');
+    this.makeRoom();
+  }
+
+  /** The machine stands beside the tree, where there is room for both. */
+  makeRoom() {
+    const { offsetLeft, offsetWidth, parentElement } = this.element;
+    this.view.keepFree(offsetWidth && parentElement.clientWidth > 2 * offsetWidth ? offsetLeft + offsetWidth : 0);
   }
 
   /** The parts of a result of the job `solids`. */
@@ -26,10 +33,11 @@ export class PartTree {
     for (const { part } of instances) counts.set(part, (counts.get(part) ?? 0) + 1);
     this.rows = new Map([...counts].map(([name, count]) => [name, this.row(name, count, parts[name])]));
     fill(this.list, [...this.rows.values()].map(({ element }) => element));
-    fill(this.element, h('div', { class: 'tree-head' }, h('b', {}, 'machine'), h('span', { class: 'dim' }, `${counts.size} parts, ${instances.length} pieces`), h('button', { class: 'small', onclick: () => this.view.showOnly(null) }, 'Show all')),
+    fill(this.element, h('div', { class: 'tree-head' }, h('b', {}, 'machine'), h('span', { class: 'dim' }, `${counts.size} parts`), h('button', { class: 'small', title: 'Show all parts', onclick: () => this.view.showOnly(null) }, 'All')),
       counts.size > MANY ? this.filter : null, this.list);
     this.mark();
     this.narrow();
+    this.makeRoom();
   }
 
   row(name, count, part) {

@@ -61,6 +61,7 @@ export class View3d {
     this.instances = [];
     this.selected = this.hovered = null;
     this.measuring = false;
+    this.inset = 0;
     this.picked = [];
     this.hidden = new Set();
     this.ray = new THREE.Raycaster();
@@ -346,7 +347,7 @@ export class View3d {
     if (!this.box || this.box.isEmpty()) return;
     const sphere = this.extent().getBoundingSphere(new THREE.Sphere());
     const half = (this.camera.fov / 2) * Math.PI / 180;
-    const across = 2 * Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
+    const across = 2 * Math.min(half, Math.atan((Math.tan(half) * (this.place.clientWidth - this.inset)) / this.place.clientHeight));
     const distance = sphere.radius / Math.sin(across / 2);
     const from = VIEWS[view] ? new THREE.Vector3(...VIEWS[view]) : this.camera.position.clone().sub(this.controls.target);
     this.controls.target.copy(sphere.center);
@@ -364,8 +365,16 @@ export class View3d {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.camera.setViewOffset(width, height, -this.inset / 2, 0, width, height);
     this.render();
+  }
+
+  /** Keep so many pixels on the left free of the machine, for what stands there. */
+  keepFree(pixels) {
+    if (pixels === this.inset) return;
+    this.inset = pixels;
+    this.resize();
+    if (this.box) this.look('');
   }
 
   draw() {
