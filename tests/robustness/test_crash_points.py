@@ -17,6 +17,8 @@ from sysid.experiment.experiment import find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
 from tests.robustness.crashing import DONE, KILLED, RAISED, run_until
 from workbench.operations.measurement.demonstration import free_folder, fresh_copy
+from workbench.page.machine_session import MachineSession
+from workbench.page.project import Project
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="needs fork")
 
@@ -165,6 +167,30 @@ def test_a_demonstration_leaves_what_it_did_not_make(tmp_path: Path) -> None:
         load_experiment(fresh_copy(free_folder(folder / "demo")))
 
     assert every_point(folder, prepare, lambda: fresh_copy(free_folder(folder / "demo")), check) >= 5
+
+
+@pytest.mark.parametrize("way", [every_point, full_disk])
+def test_a_commit_and_a_save_of_the_page(tmp_path: Path, way: Callable[..., int]) -> None:
+    """The next server has the changes before or after, and the file is whole or not there."""
+    folder = tmp_path / "project"
+    steps = [{}, {"stage.thickness": "13 mm"}, {"stage.thickness": "14 mm"}]
+
+    def act() -> None:
+        session = MachineSession(Project(folder, Path("build")))
+        session.commit(steps[2])
+        session.save("mine")
+
+    def check(number: int) -> None:
+        session = MachineSession(Project(folder, Path("build")))
+        assert session.changes in (steps[0] if session.file else steps[1], steps[2])
+        if (folder / "mine.toml").exists():
+            assert load_design(folder / "mine.toml", rules=False).entry("stage.thickness").text == "14 mm"
+        else:
+            session.commit(steps[2])
+            assert session.save("mine") == "mine.toml"
+
+    prepare = lambda: MachineSession(Project(folder, Path("build"))).commit(steps[1])  # noqa: E731
+    assert way(folder, prepare, act, check) >= 6
 
 
 def test_the_cache_gives_whole_artefacts(tmp_path: Path) -> None:

@@ -62,6 +62,7 @@ CASES = {
     "new machine": Case("new machine other", may_refuse=True),
     "new effect": Case("new effect other", may_refuse=True),
     "params": Case("params --write new.toml --set stage.length=240.{n:03d}mm", may_refuse=True),
+    "look": Case("look rig --json out.json"),
     "compare": Case("compare rig --json out.json"),
     "diagnose": Case("diagnose rig --json out.json"),
     "suggest": Case("suggest rig --json out.json"),
