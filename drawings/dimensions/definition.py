@@ -407,6 +407,8 @@ class _StatedPart(_Part):
                     return d.name
             return self._by_vertices(surface) or self._notes.defines(_middle(surface))
         if surface.kind == "CYLINDER":
+            if slanting := self._slanting(surface):
+                return slanting
             for d in self._circles:
                 centre, _ = d.points
                 if d.direction is None or not _parallel(surface, d.direction):
@@ -419,6 +421,15 @@ class _StatedPart(_Part):
                 on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and min(off, step - off) < 1e-3
                 if placed and on:
                     return f"{d.name}, equally spaced"
+        return ""
+
+    def _slanting(self, surface: Surface) -> str:
+        """A hole at an angle: by the angle, and the levels of the point where its axis meets the face."""
+        for d in self._slopes:
+            if d.kind == "angle" and all(surface.off_axis(point) < NEAR for point in d.points):
+                levels = [self.levels[name].located_by(dot(d.points[0], unit)) for name, unit in AXES.items()]
+                if all(levels):
+                    return "; ".join(dict.fromkeys((d.name, *levels)))
         return ""
 
     def _is_floor(self, surface: Surface, d: Dimension) -> bool:

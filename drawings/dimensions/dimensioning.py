@@ -253,7 +253,12 @@ class _Builder:
             case "linear" | "depth" | "pitch":
                 return abs(dot(along, eye)) < SQUARE
             case "angle":
-                return abs(abs(eye[2]) - 1) < SQUARE
+                first, second = dimension.points
+                step = (second[0] - first[0], second[1] - first[1], second[2] - first[2])
+                slanting = (
+                    abs(dot(step, eye)) < SQUARE and abs(step[2] * along[2]) + abs(along[2]) + abs(step[2]) > 1e-9
+                )
+                return abs(dot(along, eye)) < SQUARE and (slanting or abs(abs(eye[2]) - 1) < SQUARE)
             case "pitch_circle":
                 return self._is_circle(view, dimension)
             case "radius":

@@ -235,6 +235,15 @@ def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: Dim
         elif end == first:
             sink = (2 * wide, 2 * math.degrees(math.atan(abs(cone.taper))))
     ordered = chain if first == 0 else chain[::-1]
+    if along_of(axis) is None:
+        # Its mouth is an ellipse: it begins where the axis meets the face.
+        corners = sorted(ordered[0].face.vertices, key=lambda vertex: dot(vertex, into))
+        planes = [s for s in verifier.surfaces if s.kind == "PLANE" and any(map(s.holds, corners[:1]))]
+        open_faces = [s for s in planes if abs(dot(s.axis, axis)) > 0.1]
+        if open_faces:
+            plane = open_faces[0]
+            gap = [o - a for o, a in zip(plane.origin, on_axis, strict=True)]
+            start = sum(g * n for g, n in zip(gap, plane.axis, strict=True)) / dot(axis, plane.axis)
     steps = tuple((s.radius, abs((s.high if first == 0 else s.low) - start)) for s in ordered)
     used = [s.face for s in ordered] + [tip[0] for tip in tips.values()]
     return Hole(moved(on_axis, axis, start), into, steps, tuple(used), all(open_ends), sink)

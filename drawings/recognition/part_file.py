@@ -102,12 +102,12 @@ def part_text(name: str, source: str, proposal: Proposal, material: str = "steel
     notes = ["PROPOSED by stagecad from the solid: a designer has to check dimensions and tolerances."]
     if proposal.open:
         notes.append(f"Faces without dimensions: by the model {name}_ap242.step.")
-    parameters = {one.key: one.value for one in proposal.dimensions}
+    parameters = {one.key: _value_text(one) for one in proposal.dimensions}
     return PART.format(
         name=name,
         source=source,
         questions="".join(f"\n- {line}" for line in asked) + "\n",
-        parameters="".join(f"    {key!r}: {_value_text(value)},\n" for key, value in parameters.items()),
+        parameters="".join(f"    {key!r}: {text},\n" for key, text in parameters.items()),
         views=proposal.views,
         notes=tuple(notes),
         material=material,
@@ -116,8 +116,11 @@ def part_text(name: str, source: str, proposal: Proposal, material: str = "steel
     )
 
 
-def _value_text(value: float) -> str:
-    """A length as a parameter: in the general class of one decimal, whatever decimals it needs."""
+def _value_text(one: Proposed) -> str:
+    """A length as a parameter, in the general class of one decimal, whatever decimals it needs; an angle in degrees."""
+    value = one.value
+    if one.method == "angle":
+        return repr(f"{value:.9g} deg")
     if abs(value - round(value, 1)) < 1e-6:
         return repr(f"{value:.1f} mm")
     return repr({"value": f"{value:.9f}".rstrip("0") + " mm", "tolerance": "X.X"})

@@ -130,6 +130,9 @@ class _Builder:
                 self._pitch_circle(f"pitch circle {number}", centre, group)
                 for name, at in self._across(head.into, centre):
                     self._levels[name].append(_Level(at, (centre,), self._view_of(head), AXIS))
+            elif self._view_of(head) == "section":
+                for count, hole in enumerate(group, start=1):
+                    self._slanting(f"angle {number}" if count == 1 else f"angle {number}.{count}", hole)
             else:
                 for hole in group:
                     for name, at in self._across(hole.into, hole.mouth):
@@ -138,7 +141,24 @@ class _Builder:
 
     def _view_of(self, hole: Hole) -> str:
         """View from the side of the mouth of a hole; the section for a slanting one."""
-        return VIEW_OF.get(tidy(negative(hole.into)), "front")
+        return VIEW_OF.get(tidy(negative(hole.into)), "section")
+
+    def _slanting(self, name: str, hole: Hole) -> None:
+        """Angle of a hole against the face that it begins in, and the levels of the point where its axis meets it."""
+        mouth, into = tidy(hole.mouth), hole.into
+        planes = [s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, into)) > 0.1]
+        begins = [s for s in planes if abs(dot(s.origin, s.axis) - dot(mouth, s.axis)) < NEAR and along_of(s.axis)]
+        if sum(abs(a) < 1e-6 for a in into) != 1 or not begins:
+            return
+        normal = AXES[along_of(begins[0].axis) or "z"]
+        start = next(unit for unit in AXES.values() if unit != normal and abs(dot(unit, into)) > 1e-6)
+        start = start if dot(start, into) > 0 else negative(start)
+        end = tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
+        angle = math.degrees(math.acos(dot(start, into)))
+        self.add("angle", name, angle, mouth, end, start, view="section")
+        for axis, at in self._across(normal, mouth):
+            view = "section" if abs(dot(AXES[axis], into)) > 1e-6 else VIEW_OF.get(tidy(negative(into)), "top")
+            self._levels[axis].append(_Level(at, (mouth,), view, AXIS))
 
     def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
         return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
@@ -146,7 +166,7 @@ class _Builder:
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)
         common: dict[str, Any] = {"view": view, "count": count, "feature": name}
-        along = tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
+        along = positive(hole.into)
         last = len(hole.steps) - 1
         start = 0.0
         for number, (radius, end) in reversed(list(enumerate(hole.steps))):
@@ -173,7 +193,11 @@ class _Builder:
         """A point of the axis, and a direction from it to a point that is on the face of a step."""
         for part in (0.5, 0.2, 0.8, 0.05, 0.95):
             at = moved(mouth, into, span[0] + part * (span[1] - span[0]))
-            for unit in (*AXES.values(), *map(negative, AXES.values())):
+            # Of a slanting hole the wall is touched in the plane of its section.
+            across = [
+                cross(into, unit) for unit in AXES.values() if abs(dot(unit, into)) < 1e-6 and along_of(into) is None
+            ]
+            for unit in (*across, *AXES.values(), *map(negative, AXES.values())):
                 if abs(dot(unit, into)) < 1e-6:
                     point = moved(at, unit, radius)
                     if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
@@ -584,7 +608,7 @@ def _extremes(surface: Surface) -> list[Point]:
 
 
 def _tapped(drill: float) -> str:
-    """Designation of the metric coarse, else the unified coarse thread with a tap drill; empty for none."""
-    coarse = sorted(threads().values(), key=lambda one: "coarse" not in one.source)
-    usual = (one for one in coarse if "coarse" in one.source or one.name.startswith("unc"))
-    return next((one.designation for one in usual if abs(one.tap_drill - drill) < 0.01), "")
+    """Designation of the metric coarse thread with a tap drill, for a diameter in inches of the unified one; or empty."""
+    inches = abs(10 * drill - round(10 * drill)) > 1e-3
+    usual = (one for one in threads().values() if ("coarse" in one.source or (inches and one.name.startswith("unc"))))
+    return next((one.designation for one in usual if abs(one.tap_drill - drill) < (0.1 if inches else 0.01)), "")

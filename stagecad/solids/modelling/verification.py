@@ -304,8 +304,22 @@ class DimensionVerifier:
             if surface.kind == kind and (axis is None or abs(abs(_dot(surface.axis, axis)) - 1) < 1e-9):
                 yield surface
 
+    def slanting_mouth(self, surface: Surface, point: Point) -> Point | None:
+        """Where the axis of a slanting hole through a point meets the plane face there; None for any other."""
+        if surface.kind != "CYLINDER" or max(map(abs, surface.axis)) > 1 - 1e-9 or surface.off_axis(point) > NEAR:
+            return None
+        for plane in self._of("PLANE"):
+            across = _dot(surface.axis, plane.axis)
+            if abs(_dot(_minus(point, plane.origin), plane.axis)) < NEAR and abs(across) > 0.1:
+                reach = _dot(_minus(plane.origin, surface.origin), plane.axis) / across
+                return moved(surface.origin, surface.axis, reach)
+        return None
+
     def _axis_place(self, point: Point, along: Point) -> float | None:
         """Coordinate along `along` of a round feature's axis that passes the point, or of a crown's middle."""
+        for surface in self._of("CYLINDER"):
+            if abs(_dot(surface.axis, along)) > 1e-9 and (mouth := self.slanting_mouth(surface, point)):
+                return _dot(mouth, along)
         for surface in (*self._of("CYLINDER"), *self._of("CONE")):
             if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return _dot(surface.origin, along)
@@ -320,7 +334,8 @@ class DimensionVerifier:
         Otherwise of the middle between the outermost such planes, if the point lies there.
         """
         at = _dot(point, along)
-        levels = [
+        mouths = (self.slanting_mouth(surface, point) for surface in self._of("CYLINDER", along))
+        levels = [_dot(mouth, along) for mouth in mouths if mouth] + [
             end
             for surface in self._of("CYLINDER", along)
             if surface.off_axis(point) < NEAR
@@ -338,7 +353,12 @@ class DimensionVerifier:
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point) -> float:
-        """Angle at the axis through `vertex` between `along` and the axis through `point`, both upright, degrees."""
+        """Angle at the axis through `vertex` between `along` and the axis through `point`, both upright; or between
+        `along` and a slanting axis through both points; degrees."""
+        for surface in self._of("CYLINDER"):
+            if max(map(abs, surface.axis)) < 1 - 1e-9 and max(map(surface.off_axis, (vertex, point))) < NEAR:
+                sign = math.copysign(1.0, _dot(_minus(point, vertex), surface.axis))
+                return math.degrees(math.acos(sign * _dot(surface.axis, along)))
         step = [0.0, 0.0]
         for index, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))):
             ends = self._axis_place(vertex, axis), self._axis_place(point, axis)
