@@ -158,7 +158,12 @@ class _Builder:
         if d.kind != "diameter" or self._is_circle(view, d) or self._outlined(view, d):
             return view
         others = [one for one in self.views if not one.clip and one.projection.name != "iso"]
-        return next((one for one in others if not self._is_circle(one, d) and self._outlined(one, d)), view)
+        found = next((one for one in others if not self._is_circle(one, d) and self._outlined(one, d)), None)
+        if found is None:
+            self.elsewhere.append(
+                f"'{d.name}': its outline is not seen in the view '{view.name}'; declare another view"
+            )
+        return found or view
 
     def _outlined(self, view: View, d: Dimension) -> bool:
         """Whether lines of the part are drawn at both ends of a diameter that is seen from the side."""

@@ -1,6 +1,6 @@
 """Sheet plan of a part that states none: the views in which its dimensions are seen, at the largest usual scale.
 
-Top, front and right view and a picture, more views where a declaration names them, and a section through the points of
+Front view and picture, and the views that declarations name, else the top view; and a section through the points of
 each declaration that asks for one. `VIEWS` in the file of a part, or `sheets.toml`, add others; `front section` is the
 front view cut through the origin, `front hidden` one with hidden lines.
 """
@@ -23,7 +23,7 @@ PICTURE = 90.0
 """Greatest size of the picture on the sheet, mm."""
 LETTERS = "ABCDEFGH"
 BASE = ("top", "front", "right")
-"""Views of every part that is not turned."""
+"""The usual views; those that no declaration names are left out, but for the front view and one more."""
 
 
 def chosen_plan(
@@ -43,7 +43,8 @@ def chosen_plan(
     asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
     how = {view.partition(" ")[0]: view.partition(" ")[2] for view in stated}
     stated = tuple(how)
-    wanted = [view for view in ALIGNED if view in stated or (view in BASE and not stated) or view in asked]
+    base = () if stated else ("front",) if set(asked) - {"front"} else BASE[:2]
+    wanted = [view for view in ALIGNED if view in (*stated, *base, *asked)]
     if "front" not in wanted and len(wanted) > 1:
         wanted = ["front", *wanted]
     origin = (0.0, 0.0, 0.0)

@@ -176,7 +176,10 @@ def test_a_view_that_a_declaration_names_is_drawn(tmp_path: Path) -> None:
 
 def test_a_dimension_that_its_view_does_not_show_is_reported(tmp_path: Path) -> None:
     hits = hits_of(tmp_path, "fx_shaft")
-    assert hits == ["'head' is declared for the view 'front', which does not show it: it is in 'right'"]
+    assert hits == ["'head': its outline is not seen in the view 'front'; declare another view"]
+    # Where a view that others declare shows it, it is there, and this is said.
+    beside = hits_of(tmp_path, "fx_shaft", ('NAME = "fx_shaft"', 'NAME = "fx_shaft"\nVIEWS = ("front", "right")'))
+    assert beside == ["'head' is declared for the view 'front', which does not show it: it is in 'right'"]
     wrong = hits_of(tmp_path, "fx_shaft", ('view="bottom"', 'view="top"'))
     assert "'thread drill' is not seen in the view 'top'" in wrong or any("is not seen in" in hit for hit in wrong)
 
