@@ -26,7 +26,7 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
 ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
@@ -458,7 +458,7 @@ class _StatedPart(_Part):
 
     def _joins(self, surface: Surface) -> str:
         if surface.kind == "SPHERE":
-            names = [self.levels[name].located_by(dot(surface.origin, unit)) for name, unit in AXES.items()]
+            names = [self._ball_level(surface, name) for name in AXES]
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
         if surface.kind == "CYLINDER" and not is_fillet(surface, self._surfaces):
             return ""
@@ -468,6 +468,13 @@ class _StatedPart(_Part):
         if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
             return self._notes.defines(_middle(surface))
         return super()._joins(surface)
+
+    def _ball_level(self, surface: Surface, name: str) -> str:
+        """What gives the middle of a ball along an axis, or its outermost point there."""
+        middle = dot(surface.origin, AXES[name])
+        tips = (moved(surface.origin, AXES[name], side * surface.radius) for side in (1.0, -1.0))
+        levels = [middle, *(dot(tip, AXES[name]) for tip in tips if surface.holds(tip))]
+        return next(filter(None, map(self.levels[name].located_by, levels)), "")
 
     def _cone(self, surface: Surface) -> str:
         """A drill point below a depth, a countersink, or a cone between diameters at located levels."""

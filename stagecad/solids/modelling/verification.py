@@ -182,6 +182,12 @@ class DimensionVerifier:
         """All vertices of the solid."""
         return tuple(vertex.toTuple() for vertex in self.solid.Vertices())
 
+    @cached_property
+    def _straight_edges(self) -> list[tuple[Point, ...]]:
+        """Ends of the straight edges of the solid."""
+        straight = (edge for edge in self.solid.Edges() if edge.geomType() == "LINE")
+        return [tuple(vertex.toTuple() for vertex in edge.Vertices()) for edge in straight]
+
     def measure(self, dimension: Dimension) -> float | None:
         """Value of a dimension on the solid, mm (degrees; a number for slope and count).
 
@@ -350,6 +356,11 @@ class DimensionVerifier:
         for vertex in self.vertices:
             if math.dist(vertex, point) < NEAR:
                 return _dot(vertex, along)
+        for start, end in self._straight_edges:
+            # Any point of an edge that is square to the direction.
+            square = abs(_dot(_minus(end, start), along)) < NEAR
+            if square and abs(math.dist(start, point) + math.dist(point, end) - math.dist(start, end)) < NEAR:
+                return _dot(start, along)
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point) -> float:
