@@ -86,13 +86,13 @@ def _sentences(design: Any, mate: Mate, figures: dict[str, Figure]) -> list[str]
         return [f"Set up {name}: all other parts are put on it."]
     offset, turn = placed_values(design, mate)
     on, datum = mate.on
-    each = " of each of its places" if mate.is_pattern else ""
-    found = [f"Put the {mate.datum} of {name} on the {datum.replace('*', 'N')}{each} of {on.replace('_', ' ')}."]
+    each = "each" if mate.is_pattern else "the"
+    found = [f"Put the {mate.datum} of {name} on {each} {datum.replace('*', 'N')} of {on.replace('_', ' ')}."]
     shifts = []
     for axis, length in zip(("x", "y", "its normal"), offset, strict=True):
         if length:
-            figures[f"{mate.name}_{axis}"] = Figure(f"{length:g} mm", CALCULATED)
-            shifts.append(f"{length:g} mm along {axis}")
+            figures[f"{mate.name}_{axis}"] = Figure(f"{round(length, 3):g} mm", CALCULATED)
+            shifts.append(f"{round(length, 3):g} mm along {axis}")
     if turn:
         figures[f"{mate.name}_turn"] = Figure(f"{turn:g}°", CALCULATED)
         shifts.append(f"turned by {turn:g}°")

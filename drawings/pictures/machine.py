@@ -145,8 +145,10 @@ def _trail(
     middle = _middle(shape)
     start, end = instance.exploded.point(middle), instance.frame.point(middle)
     alone = all(other.part in views.moving for other in instances)
+    carrier = next((other for other in instances if other.name == instance.carrier), None)
     if instance.part in views.carried and (alone or instance.part != views.moving[0]):
         carrier = next(other for other in instances if other.part == views.moving[0])
+    if carrier is not None:
         end = add(end, subtract(carrier.exploded.shift, carrier.frame.shift))
     return start, end
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fnmatch import fnmatchcase
@@ -93,6 +94,7 @@ def put_together(
 ) -> tuple[Instance, ...]:
     """Place every instance by its mate, given the datums of each kind of part; errors as `assemble`."""
     found: dict[str, Instance] = {}
+    behind: Counter[tuple[str, str]] = Counter()  # parts that are on each datum already
     for one in declaration.mates:
         if not one.datum:
             found[one.name] = Instance(one.name, one.part, UNMOVED, UNMOVED)
@@ -106,8 +108,10 @@ def put_together(
         for name, datum in _seats(one, datums, parent.part, f"{place}.on"):
             seat = _seat(datum, offset, turn)
             frame = mate(child, parent.frame, seat)
-            away = scaled(parent.frame.direction(seat.normal), _EXPLODED)
-            found[name] = Instance(name, one.part, frame, mate(child, parent.exploded, seat).shifted(away))
+            behind[one.on[0], datum.name] += 1
+            away = scaled(parent.frame.direction(seat.normal), behind[one.on[0], datum.name] * _EXPLODED)
+            exploded = mate(child, parent.exploded, seat).shifted(away)
+            found[name] = Instance(name, one.part, frame, exploded, carrier=parent.name)
     return tuple(found.values())
 
 

@@ -26,6 +26,7 @@ class Instance:
         frame: position in the assembly.
         exploded: position in the exploded view.
         compression: of a spring, relative to its installed length at mid-adjustment, mm.
+        carrier: name of the instance that it is put on, which in the exploded view is elsewhere too; empty for none.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Instance:
     frame: Frame
     exploded: Frame
     compression: float = 0.0
+    carrier: str = ""
 
     @property
     def shape(self) -> str:
