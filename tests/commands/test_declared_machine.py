@@ -68,6 +68,26 @@ def test_ball_screw_slide_of_three_parts(slide: None, capsys: pytest.CaptureFixt
     assert [one["kind"] for one in found["interference"]].count("clash") == 1
 
 
+def test_mirror_mount_with_standard_parts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(EXAMPLES / "mirror_mount", "mount")
+    monkeypatch.chdir("mount")
+    found = _document(capsys, "parts", "--trust")
+    pairs = {frozenset((one["first"], one["second"])): one["kind"] for one in found["interference"]}
+    assert "clash" not in pairs.values()
+    threads = {pair for pair, kind in pairs.items() if kind == "thread engagement"}
+    plate, screws = "back_plate", ("adjuster_1", "adjuster_2", "foot_screws_1", "foot_screws_2")
+    assert threads == {*(frozenset((plate, screw)) for screw in screws), frozenset(("front_plate", "clamp_screw"))}
+    rows = Path("build/parts/bill_of_materials.csv").read_text("utf-8").splitlines()
+    assert any("ISO 4762 - M4 x 12,2," in row for row in rows) and any("ISO 4026 - M3 x 12,1," in row for row in rows)
+    assert stagecad(["drawings", "--lint", "--out", "sheets"]) == 0
+    assert "lint: 0 hits on 6 sheets" in capsys.readouterr().out
+    # Every kind of part has a balloon on the assembly sheet.
+    text = Path("sheets/assembly.dxf").read_text("utf-8")
+    assert all(f"\n{item}\n" in text for item in range(1, 8))
+
+
 def test_checks_sweeps_tolerances_and_searches(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
     (check,) = _document(capsys, "check", "--trust")
     assert check["verdict"] == "passes"

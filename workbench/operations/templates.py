@@ -139,6 +139,7 @@ EXAMPLES = {
     "reciprocating_tribometer": "Presliding and slip over 0.24 mm of stroke, a public record",
     "two_axis_stage": "A machine of one's own: two slides at right angles",
     "ball_screw_slide": "A machine of one's own, with a part and a check in Python",
+    "mirror_mount": "A machine of one's own: five parts with sheets, screws by designation",
     "improved_stage": "The stage of the thesis as the optimisation improves it",
 }
 """What each packaged example shows."""
