@@ -378,6 +378,35 @@ def two_way_block() -> W:
     return body.faces(">Z").workplane(origin=(0, 0, 30)).pushPoints([(8, 8), (42, 8), (8, 32), (42, 32)]).hole(5, 12)
 
 
+def angled_holes() -> W:
+    body = W("XY").box(80, 50, 30, centered=(True, True, False))
+    for at, lean, turn, radius, deep in ((20, 30, 0, 4, 60), (-20, 45, -90, 2.5, 25)):
+        drill = cq.Solid.makeCylinder(radius, deep + 20, cq.Vector(0, 0, -deep))
+        drill = drill.rotate((0, 0, 0), (0, 1, 0), lean).rotate((0, 0, 0), (0, 0, 1), turn)
+        body = body.cut(W(drill.translate((at, 0, 30))))
+    return body
+
+
+def ledged_housing() -> W:
+    body = W("XY").box(120, 90, 45, centered=(True, True, False)).edges("|Z").fillet(8)
+    body = body.cut(W("XY").workplane(offset=8).rect(96, 66).extrude(45).edges("|Z").fillet(5))
+    body = body.cut(W("XY").workplane(offset=33).rect(106, 76).extrude(45).edges("|Z").fillet(5))
+    body = body.faces(">Z").workplane(origin=(0, 0, 45)).rect(108, 78, forConstruction=True).vertices().hole(4.2, 14)
+    body = body.cut(W("YZ").workplane(offset=48).center(0, 22).circle(9).extrude(20))
+    return body.cut(W("XZ").workplane(offset=33).center(-25, 22).circle(6).extrude(20))
+
+
+def ball_socket() -> W:
+    body = W("XY").circle(20).extrude(30).cut(W("XY").workplane(offset=30).sphere(12))
+    return body.faces("<Z").workplane().hole(8.5, 12)
+
+
+def unified_stud() -> W:
+    stud = W("XY").circle(25.4).extrude(30).faces(">Z").workplane().circle(12.7).extrude(50.8)
+    stud = stud.cut(W("XY").workplane(offset=30).circle(13).circle(10.8).extrude(9.5)).faces(">Z").edges().chamfer(1.6)
+    return stud.faces("<Z").workplane().polarArray(19.05, 45, 360, 4).hole(7.9375)
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -388,6 +417,6 @@ PARTS: dict[str, Callable[[], W]] = {
         spring_seat, tube_flange, blind_flange, square_flange, stepped_bushing, tapered_hub, v_pulley, crank_arm,
         lens_cell, mirror_plate, optical_post, rail, dowel_plate, t_slot_table, u_channel, ribbed_bracket, knob,
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
-        two_way_block,
+        two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud,
     )
 }  # fmt: skip

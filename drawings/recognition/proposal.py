@@ -35,7 +35,8 @@ from stagecad.solids.modelling.verification import DimensionVerifier, Surface, m
 
 ANOTHER_VIEW = 25.0
 """Cost of each less usual view, mm."""
-FACE, AXIS = "face", "axis"
+FACE, AXIS, MOUTH = "face", "axis", "mouth"
+"""Kinds of level: of a face, of the axis of a round feature, of the mouth of a slanting hole, seen in one view only."""
 
 
 @dataclass(frozen=True)
@@ -156,9 +157,9 @@ class _Builder:
         end = tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
         angle = math.degrees(math.acos(dot(start, into)))
         self.add("angle", name, angle, mouth, end, start, view="section")
+        view = self.lines.open_view(normal, mouth)
         for axis, at in self._across(normal, mouth):
-            view = "section" if abs(dot(AXES[axis], into)) > 1e-6 else VIEW_OF.get(tidy(negative(into)), "top")
-            self._levels[axis].append(_Level(at, (mouth,), view, AXIS))
+            self._levels[axis].append(_Level(at, (mouth,), view, MOUTH))
 
     def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
         return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
@@ -402,7 +403,7 @@ class _Builder:
             if rows and abs(level.at - rows[-1].at) < NEAR:
                 last = rows[-1]
                 view = last.view or level.view
-                kind = FACE if FACE in (last.kind, level.kind) else AXIS
+                kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
                 points, equal = (*last.points, *level.points), last.of | level.of
                 rows[-1] = replace(last, points=points, view=view, kind=kind, of=equal)
             else:
@@ -557,7 +558,7 @@ class _Builder:
 
     def _shown(self, level: _Level, view: str) -> list[tuple[float, Point]]:
         """Points of a level in a view with their costs; the axes of holes in the view along them."""
-        if level.kind == AXIS and level.view == view:
+        if level.kind != FACE and level.view == view:
             return [(0.0, point) for point in level.points[:8]]
         costs = [(self.lines.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
         return sorted((cost, point) for cost, point in costs if cost is not None)[:8]
@@ -608,7 +609,7 @@ def _extremes(surface: Surface) -> list[Point]:
 
 
 def _tapped(drill: float) -> str:
-    """Designation of the metric coarse thread with a tap drill, for a diameter in inches of the unified one; or empty."""
+    """Designation of the metric coarse thread with a tap drill, for a drill in inches of the unified one; or empty."""
     inches = abs(10 * drill - round(10 * drill)) > 1e-3
     usual = (one for one in threads().values() if ("coarse" in one.source or (inches and one.name.startswith("unc"))))
     return next((one.designation for one in usual if abs(one.tap_drill - drill) < (0.1 if inches else 0.01)), "")

@@ -22,7 +22,7 @@ from workbench.operations.proposed_part import draw_file
 
 FREE_FORM = ("bspline", "revolution", "extrusion")
 """Kinds of face that no dimension defines: the sheet says that the model does."""
-QUICK = ("plate", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut")
+QUICK = ("plate", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut", "angled_holes")
 
 
 @cache
