@@ -89,7 +89,7 @@ class Levels:
         ]
         several = [d for d in several if d not in rows_of_equal]
         self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
-        # Others may repeat what follows: for reference, of a hole table, the depth of a hole, derived of a packaged part.
+        # Others may repeat what follows: for reference, of a hole table, depths of holes, derived of packaged parts.
         repeats = [d for d in own if d.reference or d.table or d.kind == "depth" or (d.derived_from and not strict)]
         first = [d for d in own if d not in repeats]
         self.superfluous = _closing(first, feature_at)
