@@ -22,7 +22,9 @@ from drawings.recognition.visible import (
     VIEW_OF,
     VisibleLines,
     cross,
+    extremes,
     negative,
+    on_outline,
     positive,
     proposed_datums,
     tidy,
@@ -339,7 +341,7 @@ class _Builder:
             # A chamfer of a hole is not seen from the side.
             face, along = max(faces, key=lambda one: one[0].kind == "PLANE" or one[0].outward)
             view = self._chamfer_view(face, along)
-            point = _on_outline(face, view) if face.kind == "CONE" else middle_of_face(face)
+            point = on_outline(face, view) if face.kind == "CONE" else middle_of_face(face)
             count = {"count": len(faces)} if len(faces) > 1 else {}
             self.add("chamfer", f"chamfer {number}", leg, tidy(point), along, view=view, **count)
 
@@ -359,7 +361,7 @@ class _Builder:
             name = along_of(surface.axis) if surface.kind == "PLANE" else None
             if name is not None:
                 at = dot(surface.origin, AXES[name])
-                points = (*surface.vertices, *_extremes(surface))
+                points = (*surface.vertices, *extremes(surface))
                 self._levels[name].append(_Level(at, points or (tidy(middle_of_face(surface)),)))
         for surface in self.features.spheres:
             for name, unit in AXES.items():
@@ -569,17 +571,6 @@ class _Builder:
         return round(abs(step[0] * v - step[1] * u), 3)
 
 
-def _on_outline(cone: Surface, view: str) -> Point:
-    """A point of a conical chamfer where a view shows its outline."""
-    levels = [dot(vertex, cone.axis) for vertex in cone.vertices]
-    radii = [cone.off_axis(vertex) for vertex in cone.vertices]
-    middle = (min(levels) + max(levels)) / 2
-    foot = moved(cone.origin, cone.axis, middle - dot(cone.origin, cone.axis))
-    across = cross(PROJECTIONS[view].towards_eye, cone.axis)
-    sides = (moved(foot, across, side * (min(radii) + max(radii)) / 2) for side in (1.0, -1.0))
-    return next((point for point in sides if cone.holds(tidy(point))), middle_of_face(cone))
-
-
 def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
     """The longest row of three or more equally spaced levels of equal features."""
     found: list[_Level] = []
@@ -588,23 +579,6 @@ def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
         steps = [b.at - a.at for a, b in pairwise(equal)]
         if len(equal) > max(2, len(found)) and max(steps) - min(steps) < NEAR:
             found = equal
-    return found
-
-
-def _extremes(surface: Surface) -> list[Point]:
-    """Ends of the outline of a plane face from the side: outermost points of its circles along the axes of the part."""
-    found = []
-    for edge in surface.face.Edges():
-        if edge.geomType() == "CIRCLE":
-            centre = edge.arcCenter().toTuple()
-            radius: float = edge.radius()  # pyright: ignore[reportAttributeAccessIssue]
-            found += [
-                tidy(moved(centre, unit, side * radius))
-                for unit in AXES.values()
-                if abs(dot(unit, surface.axis)) < 1e-6
-                for side in (-1.0, 1.0)
-                if surface.holds(moved(centre, unit, side * radius))
-            ]
     return found
 
 

@@ -168,3 +168,31 @@ def proposed_datums(
 
 def _across(axis: Point) -> list[Point]:
     return [unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6]
+
+
+def on_outline(cone: Surface, view: str) -> Point:
+    """A point of a conical chamfer where a view shows its outline."""
+    levels = [dot(vertex, cone.axis) for vertex in cone.vertices]
+    radii = [cone.off_axis(vertex) for vertex in cone.vertices]
+    middle = (min(levels) + max(levels)) / 2
+    foot = moved(cone.origin, cone.axis, middle - dot(cone.origin, cone.axis))
+    across = cross(PROJECTIONS[view].towards_eye, cone.axis)
+    sides = (moved(foot, across, side * (min(radii) + max(radii)) / 2) for side in (1.0, -1.0))
+    return next((point for point in sides if cone.holds(tidy(point))), middle_of_face(cone))
+
+
+def extremes(surface: Surface) -> list[Point]:
+    """Ends of the outline of a plane face from the side: outermost points of its circles along the axes of the part."""
+    found = []
+    for edge in surface.face.Edges():
+        if edge.geomType() == "CIRCLE":
+            centre = edge.arcCenter().toTuple()
+            radius: float = edge.radius()  # pyright: ignore[reportAttributeAccessIssue]
+            found += [
+                tidy(moved(centre, unit, side * radius))
+                for unit in AXES.values()
+                if abs(dot(unit, surface.axis)) < 1e-6
+                for side in (-1.0, 1.0)
+                if surface.holds(moved(centre, unit, side * radius))
+            ]
+    return found
