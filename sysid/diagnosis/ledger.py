@@ -61,9 +61,8 @@ class Evidence:
     fit: Transfer  # the same on the records of the fit
     # the same with the roles of the records exchanged; none where there are blocks enough
     exchanged: Transfer | None = None
-    # gain of the best free curve of its own coordinates on top of S, over that of the largest effect of S that has the
-    # coordinate
-    form: float = 0.0
+    form: float = 0.0  # gain of the best free curve of its coordinates on S, over that of the largest effect with one
+    similar: bool = False  # whether a larger effect of S, of another name, has one of its coordinates
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
     implausible: str = ""  # reason why its values are implausible; empty if they are not
@@ -151,7 +150,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
         (e.before > NEAR_NOISE_LOSS, "what is left without it is noise, as far as its level is known"),
         (
-            e.own_share >= (LEAST_OWN_SHARE if known else 0.5),
+            e.own_share >= (LEAST_OWN_SHARE if known and not e.similar else 0.5),
             f"it removes only {100 * e.own_share:.0f} % of what is left without it",
         ),
         (not half or e.margin >= 0.3, "another effect in its place explains nearly as much"),
@@ -181,8 +180,7 @@ class _Set:
 
     @cached_property
     def refuted_by(self) -> str:
-        """Free curve that explains clearly more than the set, as text; where most is explained, one of a coordinate of
-        the effects themselves is a matter of their form."""
+        """Free curve that explains clearly more than the set, as text; one of their own is then a matter of form."""
         own = {name for effect in self.model.added for name in effect.coordinates}
         excess = self.search.reference.held_out.loss - self.noise
         for curve in self.search.curves:
@@ -215,6 +213,11 @@ class _Set:
             exchanged=self._exchanged(below) if few else None,
             form=self._form(effect),
             floor=self.floor(below, model, model),
+            similar=any(
+                public_name(e.name) != public_name(effect.name) and self._gain(e) > gain.loss
+                for e in model.added
+                if set(e.coordinates) & set(effect.coordinates)
+            ),
             implausible=_implausible(model.fitted, effect),
         )
 
@@ -225,10 +228,7 @@ class _Set:
 
     def _form(self, effect: Effect) -> float:
         """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the largest
-        effect of the same coordinate: what a curve adds is the error of the form of that one.
-
-        The curve of its first coordinate counts even where that does not recur: another law of it is no less likely.
-        """
+        effect of the same coordinate; its first coordinate counts even where that does not recur."""
         own = (self.recurring & set(effect.coordinates)) | set(effect.coordinates[:1])
         whole = self.model.held_out
         largest = {q: max(self._gain(e) for e in self.model.added if q in e.coordinates) for q in own}

@@ -30,6 +30,8 @@ WEAK = Transfer(1.0, 1.0, 5.0)
         ({"own_share": 0.2}, 0.95, "possible"),
         ({"own_share": 0.4}, 0.95, "established"),
         ({"own_share": 0.4}, 0.7, "possible"),
+        ({"own_share": 0.4, "similar": True}, 0.95, "possible"),
+        ({"own_share": 0.6, "similar": True}, 0.95, "established"),
         ({"before": 1.05}, 0.95, "possible"),
         ({"form": 0.11}, 0.95, "possible"),
         ({"form": 0.08}, 0.95, "established"),
