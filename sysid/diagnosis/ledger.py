@@ -62,7 +62,7 @@ class Evidence:
     # the same with the roles of the records exchanged; none where there are blocks enough
     exchanged: Transfer | None = None
     form: float = 0.0  # gain of the best free curve of its coordinates on S, over that of the largest effect with one
-    similar: bool = False  # whether a larger effect of S, of another name, has one of its coordinates
+    similar: bool = False  # whether a larger effect of S has one of its coordinates; false for one with copies in S
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
     implausible: str = ""  # reason why its values are implausible; empty if they are not
@@ -213,11 +213,8 @@ class _Set:
             exchanged=self._exchanged(below) if few else None,
             form=self._form(effect),
             floor=self.floor(below, model, model),
-            similar=any(
-                public_name(e.name) != public_name(effect.name) and self._gain(e) > gain.loss
-                for e in model.added
-                if set(e.coordinates) & set(effect.coordinates)
-            ),
+            similar=model.families.count(public_name(effect.name)) == 1
+            and any(self._gain(e) > gain.loss for e in model.added if set(e.coordinates) & set(effect.coordinates)),
             implausible=_implausible(model.fitted, effect),
         )
 
