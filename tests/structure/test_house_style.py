@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15299,
     "designcalc": 10704,
     "sim": 12709,
-    "sysid": 20260,
+    "sysid": 20242,
     "drawings": 12101,
     "workbench": 15557,
 }
