@@ -120,8 +120,9 @@ def find_interferences(
     design: Any,
     positions: Iterable[Position] | None = None,
     measure: Measure | None = None,
+    untracked: Any = None,
 ) -> list[Interference]:
-    """All pairs closer than `NEAR`, at each position."""
+    """All pairs closer than `NEAR`, at each position; `untracked`: the design itself where `design` is a proxy."""
     measure = measure or (lambda places: _measured(places, parts, design))
     places = list(_close_places(parts, design, positions))
     pairs: dict[frozenset[str], list[_Place]] = {}
@@ -137,7 +138,7 @@ def find_interferences(
         if place.at_rest and distance is None and pair in awaited:
             awaited.remove(pair)
             distance = values[pair].clearance
-        kind = _kind(place.one.part, place.two.part, volume, distance, design)
+        kind = _kind(place.one.part, place.two.part, volume, distance, untracked or design)
         if kind is not None:
             found.append(
                 Interference(place.one.name, place.two.name, kind, place.travel, place.height, volume, distance)
@@ -202,7 +203,7 @@ def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], d
     def make(tracked: Any, made: Path) -> None:
         with kernel_errors(ASSEMBLY, design):
             measure = partial(_stored_values, store, parts, tracked)
-            found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure)]
+            found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure, untracked=design)]
         (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
     return store.make(NAME, design, _modules(design), make, _contents(parts, design))

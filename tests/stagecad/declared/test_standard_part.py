@@ -11,7 +11,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_parts
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.assembly.interference import find_interferences
+from stagecad.solids.assembly.interference import stored_interferences
 from stagecad.solids.modelling.registry import CLASH, THREAD
 
 STEEL = 7.85e-3
@@ -50,12 +50,15 @@ MACHINE = """extends = "thesis"
 [machine]
 description = "a screw in a block"
 [machine.parts]
-block = {file = "block.py"}
+plate = {file = "block.py"}
 screw = {part = "ISO 4762 M5x12"}
 [machine.mates]
-block = {}
-screw = {datum = "seat", on = "block.hole"}
+plate = {}
+screw = {datum = "seat", on = "plate.hole"}
 """
+
+
+PACKAGED = 'bar_screw", parameters = {"screws.bar.length" = "12 mm"}, description = "of the packaged machine'
 
 
 @pytest.mark.parametrize(("text", "grams"), [("608", 12.0), ("6204", 106.0), ("6001", 21.0), ("6305", 230.0)])
@@ -101,12 +104,19 @@ def test_what_cannot_be_ordered_is_refused_in_one_line(text: str, says: str) -> 
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("hole", "kind"), [("design.thread('m5').tap_drill", THREAD), ("3.0", CLASH)])
-def test_a_screw_in_its_tapped_hole_is_no_clash(hole: str, kind: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("hole", "screw", "kind"),
+    [
+        ("design.thread('m5').tap_drill", "ISO 4762 M5x12", THREAD),
+        ("design.thread('m5').tap_drill", PACKAGED, THREAD),
+        ("3.0", "ISO 4762 M5x12", CLASH),
+    ],
+)
+def test_a_screw_in_its_tapped_hole_is_no_clash(hole: str, screw: str, kind: str, tmp_path: Path) -> None:
     (tmp_path / "block.py").write_text(BLOCK.replace("HOLE", hole))
-    (tmp_path / "stage.toml").write_text(MACHINE)
+    (tmp_path / "stage.toml").write_text(MACHINE.replace("ISO 4762 M5x12", screw))
     give_consent((tmp_path / "block.py",))
     design = load_design(tmp_path / "stage.toml")
-    parts = build_parts(ArtefactStore(), ["block", "screw"], design, isolate=False)
-    (found,) = find_interferences(parts, design)
-    assert found.kind == kind
+    parts = build_parts(ArtefactStore(), ["plate", "screw"], design, isolate=False)
+    (found,) = stored_interferences(ArtefactStore(), parts, design).document("interferences.json")
+    assert found["kind"] == kind
