@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12709,
     "sysid": 20242,
     "drawings": 12101,
-    "workbench": 15557,
+    "workbench": 15560,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

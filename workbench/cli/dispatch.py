@@ -5,6 +5,7 @@ Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or
 """
 
 import errno
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -151,6 +152,8 @@ def run_line(arguments: Sequence[str]) -> int:
             raise
         return _refused("there is not enough memory; give shorter records, or fewer of them")
     except (SystemExit, BrokenPipeError) as error:
+        if "_STAGECAD_COMPLETE" in os.environ:
+            return 0  # a shell has asked for the completion of a word
         # Rich ends the program where its reader has gone.
         if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
             return _refused("Python code of your own ended the program (sys.exit); it must return")
