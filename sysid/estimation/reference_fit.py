@@ -84,7 +84,7 @@ GAINS_HOLD = 3.0
 a wrong model has an error of its force beside that noise, and stays along the measured motion."""
 
 CLEARLY_LOWER = 0.9
-"""Ratio of the errors below which the fit along the observer's motion is preferred."""
+"""Ratio of the errors below which the fit along the observer's motion is preferred, or where it is at the noise."""
 
 
 def reported_fit(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
@@ -150,7 +150,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
         except (InputError, SimulationError):
             continue
         error = _over_all_noise(fitted.model, along.fit_records)
-        if error < min(CLEARLY_LOWER * least, GAINS_HOLD):
+        if error < min(max(CLEARLY_LOWER * least, AT_THE_NOISE), GAINS_HOLD):
             best, least = (along, reference_fit(along, fitted, laws=laws)), error
     return best
 
