@@ -169,7 +169,7 @@ def test_a_demonstration_leaves_what_it_did_not_make(tmp_path: Path) -> None:
     assert every_point(folder, prepare, lambda: fresh_copy(free_folder(folder / "demo")), check) >= 5
 
 
-@pytest.mark.parametrize("way", [every_point, full_disk])
+@pytest.mark.parametrize("way", [pytest.param(every_point, marks=pytest.mark.slow), full_disk])
 def test_a_commit_and_a_save_of_the_page(tmp_path: Path, way: Callable[..., int]) -> None:
     """The next server has the changes before or after, and the file is whole or not there."""
     folder = tmp_path / "project"
