@@ -217,6 +217,14 @@ def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: Dim
     # The mouth is the wider open end; of two equal ones that towards the eye of the top, front or right view.
     radii = [chain[0].radius, chain[-1].radius]
     upward = is_usual(axis)
+    if all(open_ends):
+        # A hole in a wall of a hollow part begins at its outside.
+        reach = [verifier.size * part / 40 for part in range(1, 40)]
+        free = [
+            not any(verifier.is_inside(moved(on_axis, axis, ends[end] + side * by)) for by in reach)
+            for end, side in ((0, -1.0), (1, 1.0))
+        ]
+        upward = free[1] if free[0] != free[1] else upward
     first = (
         1
         if open_ends[1] and (not open_ends[0] or radii[1] > radii[0] + NEAR or (radii[1] > radii[0] - NEAR and upward))
