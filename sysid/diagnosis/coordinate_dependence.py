@@ -246,9 +246,9 @@ def _remainder(residual: np.ndarray, predicted: np.ndarray) -> np.ndarray:
 def _monotonic_in_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:
     """Whether Spearman's rank correlation of a coordinate with time is large."""
     values, time = coordinates[name], coordinates["time"]
-    one, other = (np.argsort(np.argsort(v)) for v in (values, time))
+    ranks = np.array([np.argsort(np.argsort(v)) for v in (values, time)])
     varies = np.ptp(values) > 0.0 and np.ptp(time) > 0.0
-    return bool(varies and abs(np.corrcoef(one, other)[0, 1]) > MONOTONIC_IN_TIME)
+    return bool(varies and abs(np.corrcoef(ranks)[0, 1]) > MONOTONIC_IN_TIME)
 
 
 def _cross_validated(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:
