@@ -248,7 +248,7 @@ def _monotonic_in_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool
     values, time = coordinates[name], coordinates["time"]
     ranks = np.array([np.argsort(np.argsort(v)) for v in (values, time)])
     varies = np.ptp(values) > 0.0 and np.ptp(time) > 0.0
-    return bool(varies and abs(np.corrcoef(ranks)[0, 1]) > MONOTONIC_IN_TIME)
+    return bool(varies and abs(np.corrcoef(ranks).ravel()[1]) > MONOTONIC_IN_TIME)
 
 
 def _cross_validated(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:
