@@ -37,6 +37,8 @@ FORM_ERROR = 0.08
 NEAR_NOISE_LOSS = 1.25
 """Loss without an effect up to which it is not established, and the search ends: the error beside the noise is at most
 half of it (1 + 0.5^2), as small as that of the level of an estimated noise."""
+KNOWN_NOISE_LOSS = 1.1
+"""The same where the level of the noise is known."""
 
 WELL_EXPLAINED = 0.75
 """Part of the excess that a set removes up to which the significance of its effects has to be twice as large: more than

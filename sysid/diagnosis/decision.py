@@ -19,7 +19,6 @@ from sysid.diagnosis.ledger import Entry, Ledger
 from sysid.diagnosis.model_search import ModelSearch, without_added
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import ResidualWeights, blocks, huber_square, weighted_residual
-from sysid.noise.estimate import Noise
 from sysid.prediction.prepared_record import PreparedRecord
 
 
@@ -159,7 +158,7 @@ def _alone(search: ModelSearch, entry: Entry, ledger: Ledger) -> Candidate:
 def noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     """What is known of the noise level; `added` has the names of the effects that were added to the stated model."""
     problem, base = search.problem, search.base
-    known = all(_is_known(problem.noise[c]) for c in problem.fit_records[0].measured if c in problem.noise)
+    known = problem.noise_is_known
     richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
     held = _contributions(search, base.fitted, added, problem.validate_records, base.weights)
     fit = _contributions(search, base.fitted, added, problem.fit_records, base.fitted.weights)
@@ -170,14 +169,6 @@ def noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     losses = [(float(np.mean(huber_square(r))), evenness(r, block)) for r, block in scaled]
     adequate_loss, even = max(losses, default=(1.0, 1.0))
     return NoiseLevel(1.0 if known else min(1.0, max(richest, NOISE_FACTOR**-2)), adequate_loss, even)
-
-
-def _is_known(noise: Noise) -> bool:
-    """Whether the level of a noise is known: stated, or mostly that of rounding.
-
-    The rounding error of a smooth force is a function of the motion itself, so a rich model may leave less.
-    """
-    return noise.source == "given" or (noise.quantisation_step or 0.0) ** 2 / 12.0 >= 0.5 * noise.value**2
 
 
 def _contributions(

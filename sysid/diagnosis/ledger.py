@@ -25,6 +25,7 @@ from sysid.diagnosis.constants import (
     CURVE_MARGIN,
     EACH_Z,
     FORM_ERROR,
+    KNOWN_NOISE_LOSS,
     LEAST_GAIN,
     LEAST_OWN_SHARE,
     MOST_AMPLITUDE,
@@ -63,6 +64,7 @@ class Evidence:
     exchanged: Transfer | None = None
     form: float = 0.0  # gain of the best free curve of its coordinates on S, over that of the largest effect with one
     similar: bool = False  # whether a larger effect of S has one of its coordinates; false for one with copies in S
+    near_noise: float = NEAR_NOISE_LOSS  # loss that is noise, as far as its level is known
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
     implausible: str = ""  # reason why its values are implausible; empty if they are not
@@ -125,14 +127,14 @@ class Ledger:
         return tuple(entry for entry in self.entries if entry.state == "established")
 
 
-def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:
-    """State of an effect, and its reason as text.
+def near_noise_loss(search: ModelSearch) -> float:
+    """Loss of a model that is noise, as far as its level is known."""
+    return KNOWN_NOISE_LOSS if search.problem.noise_is_known else NEAR_NOISE_LOSS
 
-    Args:
-        evidence: of the effect.
-        explained: part of the excess that its set removes, T.
-        refuted_by: free curve that explains clearly more than the set, as text; empty for none.
-    """
+
+def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:
+    """State of an effect, and its reason as text, by its evidence, by T of its set, and by the free curve that explains
+    clearly more than the set, as text; empty for none."""
     e, half, known = evidence, explained < 0.5, explained >= WELL_EXPLAINED
     strict = 1.0 if e.own_share >= 0.5 and known else 2.0
     largest, form = (1.5, 0.5 * MOST_FORM_ERROR) if half else (MOST_AMPLITUDE, MOST_FORM_ERROR)
@@ -148,7 +150,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         ),
         (e.form <= form, f"a free curve of its coordinate gains {100 * e.form:.0f} % more: its law is another"),
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
-        (e.before > NEAR_NOISE_LOSS, "what is left without it is noise, as far as its level is known"),
+        (e.before > e.near_noise, "what is left without it is noise, as far as its level is known"),
         (
             e.own_share >= (LEAST_OWN_SHARE if known and not e.similar else 0.5),
             f"it removes only {100 * e.own_share:.0f} % of what is left without it",
@@ -208,6 +210,7 @@ class _Set:
             share=gain.loss / max(search.reference.held_out.loss - self.noise, gain.loss, 1e-9),
             own_share=gain.loss / max(below.held_out.loss - min(self.noise, model.held_out.loss), 1e-9),
             before=below.held_out.loss,
+            near_noise=near_noise_loss(search),
             held=gain.transfer,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
@@ -273,17 +276,10 @@ class _Set:
 
 
 def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
-    """The ledger of a stated model.
-
-    Args:
-        search: models.
-        noise: loss of a complete model.
-        added: names of the effects of the stated model that were added to it before.
-        recurring: coordinates whose values recur.
-    """
+    """The ledger of a stated model; the arguments are the fields of `_Set`."""
     whole = _Set(search, noise, tuple(added), search.stated, recurring)
     whole, entries = _judged_set(whole, _selected(whole, search.ranked))
-    if not whole.model.added and search.reference.held_out.loss > NEAR_NOISE_LOSS:
+    if not whole.model.added and search.reference.held_out.loss > near_noise_loss(search):
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.
         other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
         if other.model.added:
@@ -320,7 +316,7 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
 def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
     """The model with the set of effects found by forward selection, which begins with one of the candidates `first`."""
     search, model = whole.search, whole.search.stated
-    while len(model.added) < MOST_EFFECTS and model.held_out.loss > NEAR_NOISE_LOSS:
+    while len(model.added) < MOST_EFFECTS and model.held_out.loss > near_noise_loss(search):
         options = [c for c in (search.step(model) if model.added else first) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         if not options:

@@ -74,6 +74,11 @@ class Noise:
     without_quantisation: float | None = None
 
     @property
+    def is_known(self) -> bool:
+        """Whether the level is known: stated, or mostly that of rounding, of which a rich model may leave less."""
+        return self.source == "given" or (self.quantisation_step or 0.0) ** 2 / 12.0 >= 0.5 * self.value**2
+
+    @property
     def autocorrelation(self) -> float:
         """Autocorrelation at a lag of one sample."""
         return (1.0 - self.spectrum.white) * self.spectrum.correlation

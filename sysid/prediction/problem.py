@@ -53,6 +53,11 @@ class Problem:
         return RIG_MODELS[self.kind]
 
     @property
+    def noise_is_known(self) -> bool:
+        """Whether the level of the noise of every measured channel is known."""
+        return all(self.noise[c].is_known for c in self.fit_records[0].measured if c in self.noise)
+
+    @property
     def form(self) -> str:
         """Form of the residual."""
         return self.rig.form

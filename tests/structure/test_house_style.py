@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15300,
     "designcalc": 10704,
     "sim": 12709,
-    "sysid": 20242,
+    "sysid": 20241,
     "drawings": 12109,
     "workbench": 15560,
 }
