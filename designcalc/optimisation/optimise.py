@@ -136,7 +136,7 @@ def optimise(
         if not run.best.satisfied:
             run.compromise()
     evaluator.most = evaluator.deadline = None
-    outcome.evaluations = evaluator.count
+    outcome.evaluations, evaluator.progress = evaluator.count, lambda done: None  # rounding below is no search
     best = run.best
     if best.satisfied:
         assert best.evaluation is not None

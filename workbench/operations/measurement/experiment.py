@@ -365,7 +365,7 @@ class Experiment(Result):
 
     def has_report(self, out: str | Path) -> bool:
         """Whether there is a report of earlier results below `out`."""
-        return (self.results_in(out) / "report.html").is_file()
+        return Path(out).is_dir() and (self.results_in(out) / "report.html").is_file()
 
     @property
     def in_files(self) -> bool:
