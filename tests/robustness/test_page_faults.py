@@ -13,7 +13,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from stagecad.parameters.errors import InputError
-from workbench.page.jobs import Job, JobRunner
+from workbench.page.jobs import SCHEMA, Job, JobRunner
 from workbench.page.project import Project
 from workbench.page.security import Guard, allowed_hosts
 from workbench.page.server import create_app
@@ -183,7 +183,7 @@ def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient,
 
 
 JOB = {
-    "schema": 1,
+    "schema": SCHEMA,
     "number": 7,
     "lane": "simulation",
     "task": "simulate",
@@ -218,7 +218,9 @@ def test_a_job_that_is_not_one_is_left_out(client: TestClient, folder: Path, tex
         assert again.get("/api/jobs").json() == []
 
 
-@pytest.mark.parametrize("data", [b"{", b"\xff\xfe", b"[" * 100_000, b"\x93NUMPY"])
+@pytest.mark.parametrize(
+    "data", [b"{", b"\xff\xfe", b"[" * 100_000, b"\x93NUMPY"], ids=["cut", "bytes", "deep", "array"]
+)
 def test_damaged_results_of_a_job_are_said(folder: Path, data: bytes) -> None:
     kept_job(folder, json.dumps(JOB), **{"result.json": data, "curves_0.npy": data})
     with TestClient(create_app(Project(folder, Path("build"))), raise_server_exceptions=False) as again:

@@ -101,8 +101,8 @@ PRESLIDING = frozenset(
 """Bristles of a driven mass that stretch by a hundred times the noise of the position: while it sticks, the balance
 takes the mass as at rest, and the spread of the displacement by that of the sensor alone."""
 
-DRIVEN_PRESLIDING = frozenset(("presliding", "presliding:maxwell_slip", "maxwell_slip"))
-"""Those under a known force: the noise along the motion covers the smooth laws; these have corners."""
+DRIVEN_PRESLIDING = frozenset(("presliding", "presliding:maxwell_slip", "maxwell_slip", "second_order_dahl"))
+"""Those under a known force: the noise along the motion covers the smooth laws of first order; three have corners."""
 
 BENCHES = {
     "velocity-drive": Bench("velocity-drive", "", FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),

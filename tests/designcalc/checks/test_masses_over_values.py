@@ -55,6 +55,7 @@ def test_whole_numbers_have_their_own_solids() -> None:
     assert made == list(range(20))
 
 
+@pytest.mark.slow
 def test_the_stage_between_solids_weighs_what_its_solid_weighs() -> None:
     values = np.linspace(11.0, 13.0, 9).tolist()
     made: list[int] = []

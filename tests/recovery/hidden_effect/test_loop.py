@@ -110,12 +110,10 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate(
         assert _over_noise(found["before"]) == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "rig,effect,seed",
-    [
-        pytest.param("velocity-drive", "UNKNOWN_floor_vibration", 31, marks=pytest.mark.slow),
-        ("spring-pull", "UNKNOWN_cubic_spring", 34),
-    ],
+    [("velocity-drive", "UNKNOWN_floor_vibration", 31), ("spring-pull", "UNKNOWN_cubic_spring", 34)],
 )
 def test_an_effect_of_no_library_is_called_unexplained_and_located(
     cli: Cli, tmp_path, rig: str, effect: str, seed: int
