@@ -99,6 +99,7 @@ def test_lengths_that_many_rules_tie_together_are_found_by_their_remedies() -> N
     assert not violations(load_design(None, ["stage.travel=300 mm", *texts]))
 
 
+@pytest.mark.slow
 def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
     """A light stage against a stiff one: with the sag, which both allow, three requirements."""
     freed = ["stage.thickness=10 mm:30 mm"]

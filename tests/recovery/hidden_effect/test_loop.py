@@ -55,7 +55,7 @@ def _over_noise(stage: dict[str, Any]) -> float:
     "rig,effect,seed",
     [
         pytest.param("velocity-drive", "viscous", 1, marks=pytest.mark.slow),
-        ("velocity-drive", "stribeck", 2),
+        pytest.param("velocity-drive", "stribeck", 2, marks=pytest.mark.slow),
         pytest.param("velocity-drive", "load_dependent_friction", 3, marks=pytest.mark.slow),
         pytest.param("velocity-drive", "cable_spring", 4, marks=pytest.mark.slow),
         pytest.param("spring-pull", "magnetic_cogging", 5, marks=pytest.mark.slow),
@@ -189,7 +189,14 @@ def test_with_the_lag_or_delay_added_what_is_left_is_noise(tmp_path, effect: str
     assert found == pytest.approx(case.key["truth"][effect], abs=1e-4)
 
 
-@pytest.mark.parametrize("effect,law", [("sensor_delay", ""), ("sensor_lag", ""), ("sensor_drift", ":power")])
+@pytest.mark.parametrize(
+    "effect,law",
+    [
+        pytest.param("sensor_delay", "", marks=pytest.mark.slow),
+        pytest.param("sensor_lag", "", marks=pytest.mark.slow),
+        ("sensor_drift", ":power"),
+    ],
+)
 def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, effect: str, law: str) -> None:
     case = make_case(Plan("spring-pull", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(5))
     case.write(tmp_path)

@@ -48,6 +48,7 @@ def test_notches_allow_a_larger_rate_and_remove_the_resonance():
     assert np.abs(lean[-1000:]).max() < 1e-3 * np.abs(lean[:20]).max()
 
 
+@pytest.mark.slow
 def test_voltages_of_the_inverse_give_the_stretch_in_the_simulated_stack():
     machine = with_ample_amplifier(example())
     machine = replace(machine, piezo=replace(machine.piezo, creep=0.0))

@@ -47,6 +47,7 @@ def test_one_part_whose_construction_crashes_is_refused(crashing: Path) -> None:
     assert (caught.value.part, caught.value.reason) == ("tip", CRASHED)
 
 
+@pytest.mark.slow
 def test_an_assembly_whose_construction_crashes_is_refused(crashing: Path, machine: BuiltMachine, store) -> None:
     own, design = ArtefactStore(crashing / "cache"), machine.design
     shutil.copytree(store.folder / "reads", own.folder / "reads", ignore=shutil.ignore_patterns(".*"))

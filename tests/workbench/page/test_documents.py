@@ -104,6 +104,7 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
     _compared(every, _command(tmp_path, "add", "rig", "--all"))
 
 
+@pytest.mark.slow
 def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder / "rig", tmp_path / "rig")
     found = _job(client, "/api/experiment/rig/suggest")["document"]

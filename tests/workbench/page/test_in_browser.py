@@ -208,6 +208,7 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     _expected(browser)
 
 
+@pytest.mark.slow
 def test_requirements_that_contradict_each_other_are_drawn_over_each_other(browser: Browser) -> None:
     """A light stage against a stiff one, over its thickness: no design, the Pareto front, and what to relax."""
     page = browser.page

@@ -138,6 +138,7 @@ def test_margins_that_come_again_clear_no_message_but_their_own(browser: Browser
     browser.errors = [text for text in browser.errors if "422" not in text]
 
 
+@pytest.mark.slow
 def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     page = _experiments(browser)
     for name in ("one", "two", "one"):

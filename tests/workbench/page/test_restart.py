@@ -31,6 +31,7 @@ def _descendants(process: int) -> set[int]:
     return found - {process}
 
 
+@pytest.mark.slow
 def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Path) -> None:
     folder = tmp_path / "project"
     force = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY

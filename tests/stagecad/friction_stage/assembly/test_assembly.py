@@ -160,6 +160,7 @@ def test_measures_on_the_parts_are_the_designs(machine: BuiltMachine, design: De
     assert measures.pad_area == pytest.approx(area * 1e-6, rel=0.02)
 
 
+@pytest.mark.slow
 def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     machine: BuiltMachine, design, store, tmp_path
 ) -> None:
