@@ -65,6 +65,7 @@ print(ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(found.address)(3.0), fo
 """
 
 
+@pytest.mark.slow
 def test_a_damaged_kernel_is_compiled_again(tmp_path: Path) -> None:
     """Machine code with flipped bytes would end the process as it runs."""
     program = tmp_path / "program.py"

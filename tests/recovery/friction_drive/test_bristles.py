@@ -42,6 +42,7 @@ def test_slips_of_a_bristled_tip_on_rigid_pads_add_up_to_where_the_generator_has
 
 
 @pytest.mark.parametrize("slip", [np.inf, 3.5])
+@pytest.mark.slow
 def test_without_bristles_it_is_the_pass_in_closed_form(slip):
     truth = Truth(pads=1.3, stiffness=8e6, damping=300.0, mass=2.5)
     rest, tip, _ = _driven("sawtooth", truth)

@@ -14,6 +14,7 @@ def _over_noise(by_channel: dict[str, ChannelMisfit]) -> float:
     return by_channel["position"].over_noise
 
 
+@pytest.mark.slow
 def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_mass_is_known(tmp_path):
     truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
     found = diagnose(tmp_path)

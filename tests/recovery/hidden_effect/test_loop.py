@@ -61,7 +61,7 @@ def _over_noise(stage: dict[str, Any]) -> float:
         pytest.param("spring-pull", "magnetic_cogging", 5, marks=pytest.mark.slow),
         pytest.param("spring-pull", "direction_asymmetry", 6, marks=pytest.mark.slow),
         pytest.param("force-drive", "constant_bias", 7, marks=pytest.mark.slow),
-        ("force-drive", "temperature_dependent_friction", 8),
+        pytest.param("force-drive", "temperature_dependent_friction", 8, marks=pytest.mark.slow),
         ("actuator-tip", "gain_mismatch", 9),
         ("actuator-tip", "piezo_creep", 10),
     ],

@@ -108,7 +108,7 @@ def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], str]:
 
 
 @pytest.mark.parametrize("kind", ["velocity-drive", "force-drive", "spring-pull"])
-@pytest.mark.parametrize("frozen", [False, True])
+@pytest.mark.parametrize("frozen", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_log_at_rest_in_most_rows_is_evaluated(tmp_path: Path, kind: str, frozen: bool) -> None:
     columns, known = _mostly_at_rest(kind)
     if frozen:

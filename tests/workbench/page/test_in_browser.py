@@ -131,6 +131,7 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
     _expected(browser)
 
 
+@pytest.mark.slow
 def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     page = browser.page
     browser.with_solids()
@@ -385,6 +386,7 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     _expected(browser)
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_not_needed_is_removed_by_a_button(browser: Browser, folder: Path) -> None:
     page = browser.page
     (folder / "axis").mkdir()

@@ -10,7 +10,7 @@ from served_page import NEEDS_CHROMIUM, Browser, chromium, looking, serving, unt
 
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
-pytestmark = NEEDS_CHROMIUM
+pytestmark = [NEEDS_CHROMIUM, pytest.mark.slow]
 FORCE = 1.3 * SIGN + 20.0 * VELOCITY
 FIELDS = """() => [...document.querySelectorAll('#simulation .row input[type=text]')]
   .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.value)"""
@@ -138,7 +138,6 @@ def test_margins_that_come_again_clear_no_message_but_their_own(browser: Browser
     browser.errors = [text for text in browser.errors if "422" not in text]
 
 
-@pytest.mark.slow
 def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     page = _experiments(browser)
     for name in ("one", "two", "one"):

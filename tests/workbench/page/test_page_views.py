@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from served_page import NEEDS_CHROMIUM, Browser, chromium, faults_of_access, looking, serving, until
 
-pytestmark = NEEDS_CHROMIUM
+pytestmark = [NEEDS_CHROMIUM, pytest.mark.slow]
 
 
 @pytest.fixture(scope="module")

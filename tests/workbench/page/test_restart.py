@@ -104,6 +104,7 @@ def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Pat
     assert not [path for path in folder.rglob("*") if path.name.startswith(".") and path.suffix != ".lock"]
 
 
+@pytest.mark.slow
 def test_a_page_that_is_used_while_the_server_is_away_says_so(tmp_path: Path) -> None:
     server, address = started(tmp_path, "--port", "0")
     try:

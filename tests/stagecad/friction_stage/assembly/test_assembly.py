@@ -217,6 +217,7 @@ def test_without_buffers_or_irons_there_are_no_end_stops(overrides: tuple[str, .
     assert not set(OF_END_STOPS) & set(part_names(load_design(overrides=overrides)))
 
 
+@pytest.mark.slow
 def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
     plain = load_design(overrides=("teeth.fitted=false",))
     machine = build_machine(plain, store)

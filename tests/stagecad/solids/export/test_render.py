@@ -68,6 +68,7 @@ def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
     assert np.all(below.max(axis=-1) > 110)
 
 
+@pytest.mark.slow
 def test_works_without_a_display_and_repeats(cube: Mesh) -> None:
     program = """
 import sys, cadquery as cq
