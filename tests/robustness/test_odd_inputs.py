@@ -105,6 +105,7 @@ main()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX system")
+@pytest.mark.slow
 def test_solids_and_sheets_of_a_user_without_a_home_folder(tmp_path: Path) -> None:
     program = tmp_path / "nobody.py"
     program.write_text(NOBODY)

@@ -197,6 +197,7 @@ def test_with_the_lag_or_delay_added_what_is_left_is_noise(tmp_path, effect: str
         ("sensor_drift", ":power"),
     ],
 )
+@pytest.mark.slow
 def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, effect: str, law: str) -> None:
     case = make_case(Plan("spring-pull", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(5))
     case.write(tmp_path)

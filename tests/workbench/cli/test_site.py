@@ -70,6 +70,7 @@ def test_reference_pages_of_commands_and_parameters() -> None:
     assert "| `stage.thickness` | 12 mm |" in conf.parameters_page()
 
 
+@pytest.mark.slow
 def test_a_link_to_nowhere_and_a_page_that_is_not_there_are_errors(tmp_path: Path) -> None:
     root = tmp_path / "root"
     for folder in ("docs", "examples"):

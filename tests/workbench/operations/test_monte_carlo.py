@@ -18,6 +18,7 @@ def drawn(capsys, folder, *words):
     return json.loads(out)
 
 
+@pytest.mark.slow
 def test_the_tips_ellipse_spreads_as_its_two_lengths_say(capsys, tmp_path):
     """semi-major = 2 s sin(phase/2) h/D: relative deviations add by squares, of an even spread reach/sqrt 3."""
     document = drawn(capsys, tmp_path, "tip", "--draws", "300", "--no-figures")

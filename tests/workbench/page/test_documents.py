@@ -118,6 +118,7 @@ def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> 
     assert all((folder / "build" / "rig" / "suggest" / Path(row["file"]).name).is_file() for row in found)
 
 
+@pytest.mark.slow
 def test_optimisation(client: TestClient, folder: Path) -> None:
     """Only the thickness is free, and a rule is violated, so that no solids are required."""
     text = re.sub(r',\s*free = "[^"]*"', "", packaged_text())
