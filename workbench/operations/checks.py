@@ -413,7 +413,7 @@ class Chains(Result):
 
     def lines(self) -> list[Line]:
         """Limits of each chain, and the share of each dimension."""
-        rows: list[list[str]] = []
+        rows = [] if self.chains else [["none is declared", "", "", ""]]
         for chain in self.chains:
             limits = [f"{shown(low, 'm')} to {shown(high, 'm')}" for low, high in (chain.worst_case, chain.statistical)]
             rows.append([chain.name, shown(chain.nominal, "m"), *limits])
