@@ -101,7 +101,6 @@ def test_outside_the_range_is_said(call, words):
 FEET = tuple((x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05))
 
 
-@pytest.mark.slow
 def test_a_rigid_body_on_its_feet_turns_by_their_mean_slopes():
     """Of the free stage with 1 kg, 26 mm high: against Ritz's plate in Legendre polynomials, which lie above the modes,
     and on elements of half the size. The same inertia on the slopes under the feet had no limit: its third, fifth and

@@ -4,7 +4,6 @@ import re
 from itertools import pairwise
 
 import pytest
-from test_procedure import made, rows, thesis
 
 from drawings.annotations.annotation import Balloon
 from drawings.annotations.primitives import SMALL_HEIGHT, Stroke, Text, text_width
@@ -16,6 +15,7 @@ from drawings.sheets.sheet import Sheet, wrapped
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.view import PROJECTIONS, Segment, View, view_box
 from tests.drawings.drawn import document_of
+from tests.drawings.friction_stage.procedure.test_procedure import made, rows, thesis
 
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())
 

@@ -26,7 +26,6 @@ def held(machine, duration: float) -> np.ndarray:
     return np.full((round(duration / STEP), len(machine.actuators), 3), machine.piezo.bias)
 
 
-@pytest.mark.slow
 def test_nothing_moves_without_voltage():
     machine = example()
     run = drive_stage(machine, rest_with_load(machine, 0.03, 4.0), held(machine, 0.02), STEP)

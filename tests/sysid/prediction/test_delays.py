@@ -58,7 +58,6 @@ def test_no_delay_explains_a_force_unrelated_to_the_motion(tmp_path: Path, effec
         assert unchanged or f"{key} is at its upper bound" in str(implausible(grown, [effect]))
 
 
-@pytest.mark.slow
 def test_nothing_is_named_for_a_force_unrelated_to_the_motion(tmp_path: Path) -> None:
     assert diagnose(unrelated(tmp_path)).effect is None
 

@@ -54,7 +54,6 @@ def test_step_repeats_to_the_byte_in_one_process(solid: cq.Solid) -> None:
         assert f"PRODUCT('{name}','{name}'".encode() in first
 
 
-@pytest.mark.slow
 def test_step_repeats_to_the_byte_in_another_process(solid: cq.Solid) -> None:
     here = step_bytes("pair", pair(), {"bracket": solid.wrapped})
     program = (
