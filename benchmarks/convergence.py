@@ -25,7 +25,8 @@ from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from sim.effects.catalogue import compose
 from sim.experiments.friction_models import Friction
 from sim.experiments.limit_cycles import cycle
-from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, flexible_machine
+from sim.friction_stage.bending_modes import BENDING_MODES
+from sim.friction_stage.stage_machine import driven_alone, flexible_machine
 from sim.integration import drive
 from sim.integration.simulate import simulate
 from sim.stage.constants import STEP

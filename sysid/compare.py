@@ -15,25 +15,18 @@ from sysid.prediction.simulation_error import SimulationErrors, simulation_error
 
 @dataclass(frozen=True)
 class Comparison:
-    """A fitted model compared with its records.
+    """A fitted model compared with its records."""
 
-    Args:
-        problem, base: the identification problem and the fitted model.
-        fit, validate: misfit by channel on the records of the fit and the held-out ones.
-        maps: of the residual over every coordinate, largest explained share first.
-        simulation: errors of a free run, and of simulations over short horizons.
-        warnings: contradictions in the records, one line each.
-        seconds: run time.
-    """
-
+    # problem, base: the identification problem and the fitted model
     problem: Problem
     base: ReferenceFit
+    # fit, validate: misfit by channel on the records of the fit and the held-out ones
     fit: dict[str, ChannelMisfit]
     validate: dict[str, ChannelMisfit]
-    maps: tuple[ResidualMap, ...]
-    simulation: SimulationErrors
-    seconds: float
-    warnings: tuple[str, ...] = ()
+    maps: tuple[ResidualMap, ...]  # of the residual over every coordinate, largest explained share first
+    simulation: SimulationErrors  # errors of a free run, and of simulations over short horizons
+    seconds: float  # run time
+    warnings: tuple[str, ...] = ()  # contradictions in the records, one line each
 
 
 def compare(source: str | Path | Problem, design: DesignValues | None = None) -> Comparison:

@@ -28,29 +28,20 @@ IN_FULL = 6
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Which effect is missing from a model, and how certain that is.
+    """Which effect is missing from a model, and how certain that is."""
 
-    Args:
-        problem, base: the identification problem and the fitted model.
-        trials: every candidate effect, lowest held-out loss first; one variant per effect.
-        decision: the verdict, the effect named, and what these records cannot distinguish from it.
-        maps: of the residual of the base model.
-        before_fit, before_validate: misfit of the base model by channel, on the records of the fit and held out.
-        seconds: run time.
-        replacements: effects added earlier that should be removed or replaced.
-        warnings: contradictions in the records, one line each.
-    """
-
+    # problem, base: the identification problem and the fitted model
     problem: Problem
     base: ReferenceFit
-    trials: tuple[Candidate, ...]
-    decision: Decision
-    maps: tuple[ResidualMap, ...]
+    trials: tuple[Candidate, ...]  # every candidate effect, lowest held-out loss first; one variant per effect
+    decision: Decision  # the verdict, the effect named, and what these records cannot distinguish from it
+    maps: tuple[ResidualMap, ...]  # of the residual of the base model
+    # before_fit, before_validate: misfit of the base model by channel, on the records of the fit and held out
     before_fit: dict[str, ChannelMisfit]
     before_validate: dict[str, ChannelMisfit]
-    seconds: float
-    replacements: tuple[Replacement, ...] = ()
-    warnings: tuple[str, ...] = ()
+    seconds: float  # run time
+    replacements: tuple[Replacement, ...] = ()  # effects added earlier that should be removed or replaced
+    warnings: tuple[str, ...] = ()  # contradictions in the records, one line each
 
     @property
     def verdict(self) -> str:

@@ -36,27 +36,22 @@ from sysid.report import both_json, ledger_json, noise_json, parameter_unit, par
 
 @dataclass(frozen=True)
 class Addition:
-    """Result of adding effects to the model of an experiment.
+    """Result of adding effects to the model of an experiment."""
 
-    Args:
-        revision: as written.
-        problem, base: with the extended model.
-        before_fit, before_validate: misfit by channel of the model before.
-        after_fit, after_validate: misfit by channel of the extended model.
-        changed: parameters of the model before whose values left their intervals, with value before and after, SI.
-        seconds: run time.
-        experiment: with the extended model, where it is in memory; the file of another is changed.
-    """
-
-    revision: Revision
+    revision: Revision  # as written
+    # problem, base: with the extended model
     problem: Problem
     base: ReferenceFit
+    # before_fit, before_validate: misfit by channel of the model before
     before_fit: dict[str, ChannelMisfit]
     before_validate: dict[str, ChannelMisfit]
+    # after_fit, after_validate: misfit by channel of the extended model
     after_fit: dict[str, ChannelMisfit]
     after_validate: dict[str, ChannelMisfit]
+    # parameters of the model before whose values left their intervals, with value before and after, SI
     changed: dict[str, tuple[float, float]]
-    seconds: float
+    seconds: float  # run time
+    # with the extended model, where it is in memory; the file of another is changed
     experiment: Experiment | None = None
 
 

@@ -32,7 +32,7 @@ class Studies:
     dynamic: Sequence[DynamicBudget] = ()  # dynamic error budgets
 
 
-def _nothing(design: Design) -> tuple[str, ...]:
+def _nothing(design: Design) -> tuple[Any, ...]:
     return ()
 
 
@@ -44,13 +44,19 @@ def _no_values(r: DesignInputs) -> dict[str, float | None]:
     return {}
 
 
+def _present_masses(design: Design, base: Design, masses: Any) -> Any:
+    """Those of the present solids: a result is verified with its own."""
+    return masses
+
+
 @dataclass(frozen=True)
 class Subjects:
     """Checks of a kind of machine."""
 
     checks: Mapping[str, Callable[[Design], list[CheckFunction]]]  # of a design by subject, in the order of the report
-    chains: Callable[[Design], tuple[Chain, ...]]  # tolerance chains of a design
-    changed_masses: Callable[[Design, Design, Any], Any]  # masses of a design, given another one and that one's
+    chains: Callable[[Design], tuple[Chain, ...]] = _nothing  # tolerance chains of a design
+    # masses of a design, given another one and that one's
+    changed_masses: Callable[[Design, Design, Any], Any] = _present_masses
     mass_keys: tuple[str, ...] = ()  # beginnings of the keys that these masses depend on
     requirements: Mapping[str, str] = field(default_factory=dict)  # names that checks refer to, with their text
     not_made: tuple[str, ...] = ()  # subjects of alternatives that are not made: their tolerances do not matter

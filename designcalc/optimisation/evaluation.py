@@ -74,19 +74,12 @@ class OutOfBudgetError(Exception):
 
 @dataclass
 class Evaluator:
-    """Evaluates points of the unit cube of the free parameters.
+    """Evaluates points of the unit cube of the free parameters."""
 
-    Args:
-        variations: of the design.
-        free: parameters.
-        masses: of the present solids; None estimates them from plain volumes.
-        safety: part of its limit by which a check must pass, so that small errors of the masses do no harm.
-    """
-
-    variations: Variations
-    free: Sequence[Free]
-    masses: Masses | None = None
-    safety: float = 0.0
+    variations: Variations  # of the design
+    free: Sequence[Free]  # parameters
+    masses: Masses | None = None  # of the present solids; None estimates them from plain volumes
+    safety: float = 0.0  # part of its limit by which a check must pass, so that small errors of the masses do no harm
     count: int = 0
     # Every evaluated design that violates no rule, or of which all checks were run
     archive: list[Evaluation] = field(default_factory=list)

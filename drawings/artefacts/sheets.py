@@ -372,8 +372,8 @@ def write_sheet(sheet: Sheet, folder: Path) -> dict[str, Any]:
     """Write the four files of a sheet; returns the fields of its `BuiltSheet`."""
     from drawings.export.drawing_model import drawing_model
     from drawings.export.dxf import dxf_bytes, dxf_document
-    from drawings.export.lint import lint
     from drawings.export.pdf import pdf_bytes, png_bytes, svg_bytes
+    from drawings.lint import lint
     from drawings.sheets.sheet import scale_text
 
     drawing = drawing_model(sheet)

@@ -21,7 +21,7 @@ import numpy as np
 
 from drawings.views.view import Projection, Segment
 from stagecad.parameters.dimension import Point
-from stagecad.solids.export.mesh import Mesh, triangulated
+from stagecad.solids.export.tessellation import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 
 if TYPE_CHECKING:

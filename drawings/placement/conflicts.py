@@ -3,7 +3,7 @@
 A text must not touch anything; a line must not pass through a text; lines may cross lines at a cost. A leader ends on a
 line of the part, alone, clear of datum triangles, dimension lines and other leaders; that of a diameter or radius on an
 arc of this radius. Placement asks for the conflicts of each candidate while the sheet grows, lint for those of a
-finished sheet (`drawings.export.lint`).
+finished sheet (`drawings.lint`).
 """
 
 import math

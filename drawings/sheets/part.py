@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import cadquery as cq
     from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
 
-    from stagecad.solids.export.mesh import Mesh
+    from stagecad.solids.export.tessellation import Mesh
 
 
 WIDEST_MOUTH = 1.4

@@ -21,17 +21,11 @@ SIGNS = (
 
 @dataclass(frozen=True)
 class Exported:
-    """What is written.
+    """What is written."""
 
-    Args:
-        program: the step.
-        mass: kg; zero where it is not known.
-        about: lines on the origin of the model.
-    """
-
-    program: Program
-    mass: float
-    about: tuple[str, ...]
+    program: Program  # the step
+    mass: float  # kg; zero where it is not known
+    about: tuple[str, ...]  # lines on the origin of the model
 
     @property
     def comments(self) -> list[str]:

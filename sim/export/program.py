@@ -52,27 +52,17 @@ def sign(x):
 
 @dataclass
 class Program:
-    """The step of a model as Python source.
+    """The step of a model as Python source."""
 
-    Args:
-        name: of the model.
-        parameters: value by name in the program.
-        comments: text behind each parameter.
-        functions: source of each function, in order of definition.
-        states: meaning of each entry of the state.
-        starts: value of each at the first row, in terms of its position and velocity.
-        body: lines of the step.
-        left_out: effects that are no force on the axis, and where they act.
-    """
-
-    name: str
-    parameters: dict[str, float] = field(default_factory=dict)
-    comments: dict[str, str] = field(default_factory=dict)
-    functions: dict[str, str] = field(default_factory=dict)
-    states: list[str] = field(default_factory=list)
+    name: str  # of the model
+    parameters: dict[str, float] = field(default_factory=dict)  # value by name in the program
+    comments: dict[str, str] = field(default_factory=dict)  # text behind each parameter
+    functions: dict[str, str] = field(default_factory=dict)  # source of each function, in order of definition
+    states: list[str] = field(default_factory=list)  # meaning of each entry of the state
+    # value of each at the first row, in terms of its position and velocity
     starts: list[str] = field(default_factory=list)
-    body: list[str] = field(default_factory=list)
-    left_out: list[str] = field(default_factory=list)
+    body: list[str] = field(default_factory=list)  # lines of the step
+    left_out: list[str] = field(default_factory=list)  # effects that are no force on the axis, and where they act
 
     def state(self, meaning: str, start: str = "0.0") -> str:
         """A further entry of the state, as written in the step; `start` is its value at the first row."""
@@ -341,13 +331,9 @@ class _Law(ast.NodeTransformer):
 
 @dataclass(frozen=True)
 class ForceFunction:
-    """Force of a model along a motion, N, as the exported step computes it.
+    """Force of a model along a motion, N, as the exported step computes it."""
 
-    Args:
-        source: of the Python module.
-    """
-
-    source: str
+    source: str  # of the Python module
 
     def __call__(
         self,

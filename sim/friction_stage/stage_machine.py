@@ -11,7 +11,6 @@ from designcalc.friction_stage.physics.body import moving_body, with_ballast
 from designcalc.friction_stage.physics.loads import gravity, load, moved_mass, preload
 from designcalc.friction_stage.physics.pads import mean_film, pad_positions
 from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
-from designcalc.friction_stage.physics.stage_plate import bending_modes
 from designcalc.friction_stage.physics.teeth import magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
@@ -23,18 +22,11 @@ from designcalc.friction_stage.physics.tip_dynamics import (
     sway,
     sway_limit,
 )
-from sim.stage.machine import Bending, Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
+from sim.friction_stage.bending_modes import BENDING_MODES, bending
+from sim.stage.machine import Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
 from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-
-BENDING_MODES = 40
-"""Natural ones of the plate, up to some 15 kHz; residual modes complete them. Speeds with 40 and with 60 agree within
-half a percent (docs/convergence.md)."""
-
-HIGHEST_MODE = 24e3
-"""Hz: modes above have their stiffness alone, with the mass that brings them down to it, as the step of the simulation
-would have to be shorter. The static deflection remains exact, and an impact of 0.1 ms hardly excites them."""
 
 
 def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
@@ -89,7 +81,7 @@ def flexible_machine(design: Design, masses: BodyMasses, modes: int = BENDING_MO
         sway_play=play,
         sway_stop=stop,
     )
-    return dataclasses.replace(machine, stage=dataclasses.replace(machine.stage, bending=_bending(r, modes)), tip=tip)
+    return dataclasses.replace(machine, stage=dataclasses.replace(machine.stage, bending=bending(r, modes)), tip=tip)
 
 
 def driven_alone(design: Design, machine: StageMachine) -> StageMachine:
@@ -107,26 +99,13 @@ def driven_by_three(design: Design, machine: StageMachine, masses: BodyMasses) -
     stage = machine.stage
     if design.teeth.fitted:
         added = r("preload.force") / gravity(r)
-        bending = _bending(r, BENDING_MODES, added) if len(stage.bending.frequencies) else stage.bending
-        stage = dataclasses.replace(_as_stage(with_ballast(body, added)), bending=bending)
+        modes = bending(r, BENDING_MODES, added) if len(stage.bending.frequencies) else stage.bending
+        stage = dataclasses.replace(_as_stage(with_ballast(body, added)), bending=modes)
     return dataclasses.replace(machine, stage=stage, actuators=np.array(design.derived.actuator_places) * 1e-3)
 
 
 def _as_stage(body: MassProperties) -> Stage:
     return Stage(mass=body.mass, centre=np.array(body.centre_of_mass), inertia=np.array(body.inertia))
-
-
-def _bending(r: DesignInputs, count: int, added: float | None = None) -> Bending:
-    modes = bending_modes(r, count, added)
-    frequency = np.minimum(modes.frequency, HIGHEST_MODE)
-    # Of unit modal mass: the deflection phi^2/omega^2 under a static force is kept.
-    shapes = modes.shapes * (frequency / modes.frequency)
-    return Bending(
-        frequency,
-        r("stage.damping_ratio"),
-        np.ascontiguousarray(np.moveaxis(shapes, 2, 0)),
-        -0.5 * np.array([r("stage.length"), r("stage.width")]),
-    )
 
 
 def _stage(r: DesignInputs) -> Stage:

@@ -12,16 +12,12 @@ from sim.stage.statics import Rest
 
 @dataclass(frozen=True)
 class StageRun:
-    """A simulated motion; arrays over time have shape (n,) unless said otherwise, SI.
+    """A simulated motion; arrays over time have shape (n,) unless said otherwise, SI."""
 
-    Args:
-        machine, rest: the simulated machine and its initial state.
-        rows: as the kernel writes them, shape (n, columns).
-    """
-
+    # machine, rest: the simulated machine and its initial state
     machine: StageMachine
     rest: Rest
-    rows: np.ndarray
+    rows: np.ndarray  # as the kernel writes them, shape (n, columns)
 
     @property
     def time(self) -> np.ndarray:

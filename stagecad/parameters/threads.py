@@ -11,20 +11,14 @@ from stagecad.parameters.errors import InputError, nearest
 
 @dataclass(frozen=True)
 class Thread:
-    """A screw thread; lengths in mm.
+    """A screw thread; lengths in mm."""
 
-    Args:
-        name: as parts write it: `m8`, `m8x1`, `unc_3_8`, `g_1_4`.
-        designation: on a sheet: `M8x1.25`.
-        source: standard of the sizes.
-    """
-
-    name: str
-    designation: str
+    name: str  # as parts write it: `m8`, `m8x1`, `unc_3_8`, `g_1_4`
+    designation: str  # on a sheet: `M8x1.25`
     major: float
     pitch: float
     tap_drill: float
-    source: str
+    source: str  # standard of the sizes
 
 
 @cache

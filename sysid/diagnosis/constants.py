@@ -44,9 +44,6 @@ WELL_EXPLAINED = 0.75
 """Part of the excess that a set removes up to which the significance of its effects has to be twice as large: more than
 a quarter is unknown, and may be mimicked."""
 
-TIE = 0.03
-"""Largest loss of gain, over the gain, by another effect in the place of one that is indistinguishable from it."""
-
 CURVE_MARGIN = 0.07
 """Part of the excess by which a free curve must exceed a set of effects to refute it."""
 

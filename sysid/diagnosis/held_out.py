@@ -21,10 +21,10 @@ from sysid.diagnosis.transfer import Transfer, transfer
 from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import huber_weights, jacobian, robust_scale
 from sysid.estimation.misfit import ResidualWeights, blocks, huber_square
+from sysid.prediction.force_balance.force_noise import residual_noise
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord
-from sysid.prediction.sensors import residual_noise
 from sysid.signals.trimmed_rms import trimmed_rms
 
 LINEAR_ROLES = ("amplitude", "level")

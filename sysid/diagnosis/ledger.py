@@ -35,11 +35,11 @@ from sysid.diagnosis.constants import (
     NEAR_NOISE_LOSS,
     STEP_GAIN,
     STEP_Z,
-    TIE,
     WELL_EXPLAINED,
 )
 from sysid.diagnosis.coordinate_dependence import explained_variance
 from sysid.diagnosis.model_search import ModelSearch
+from sysid.diagnosis.ties import simplest, ties
 from sysid.diagnosis.transfer import Transfer, transfer
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import implausible
@@ -337,40 +337,20 @@ def is_step(model: Candidate, larger: Candidate) -> bool:
     return larger.implausible is None and clear
 
 
-def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
-    """The simplest of the candidates whose gain over a model hardly differs from the largest."""
-    best = min(options, key=lambda c: c.loss)
-    tied = [c for c in options if is_tied(c, best, model.loss - best.loss)]
-    # In one direction of motion a friction that depends on the position is the same as a force.
-    return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.loss))
-
-
-def is_tied(other: Candidate, best: Candidate, gained: float) -> bool:
-    """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
-    behind = other.loss - best.loss
-    return behind <= 0.1 * TIE * gained or (behind <= TIE * gained and other.held_out.gain_of(best.held_out).z < STEP_Z)
-
-
 def _judged(whole: _Set, effect: Effect) -> Entry | None:
     evidence = whole.evidence(effect)
     if evidence is None:
         return None
     state, reason = judge(evidence, whole.explained, whole.refuted_by)
-    ties: tuple[str, ...] = ()
+    tied: tuple[str, ...] = ()
     if state == "established" and (evidence.share >= LEAST_OWN_SHARE or whole.explained < 0.5):
         rivals = whole.rivals(effect)
         behind = [(c.held_out.loss - whole.model.held_out.loss) / evidence.gain for c in rivals]
         evidence = replace(evidence, margin=min(behind, default=np.inf))
         state, reason = judge(evidence, whole.explained, whole.refuted_by)
-        # One with more parameters that gains no more contains this effect.
-        model = whole.model
-        simple = [
-            c for c in rivals if c.parameter_count <= model.parameter_count or c.held_out.loss < model.held_out.loss
-        ]
-        tied = [c for c in simple if is_tied(c, model, evidence.gain)]
-        ties = tuple(dict.fromkeys(public_name(c.added[-1].name) for c in tied))[:2]
+        tied = ties(rivals, whole.model, evidence.gain)
     below = whole.search.without(whole.model, effect.name)
-    return Entry(effect, state, reason, whole.model, evidence, ties, below)
+    return Entry(effect, state, reason, whole.model, evidence, tied, below)
 
 
 def _implausible(fitted: FittedModel, effect: Effect) -> str:

@@ -72,23 +72,14 @@ class RankedMotion:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """Ranked motions for the next experiment.
+    """Ranked motions for the next experiment."""
 
-    Args:
-        problem: the diagnosed problem.
-        diagnosis: of the present model, or, if no effect is missing, of the model without its last effect.
-        competing: names of the effects compared, best first.
-        motions: best first, the space-filling one last.
-        inseparable: models that no motion discriminates from the first.
-        revisited: the effect added last, if it is compared with its alternatives.
-    """
-
-    problem: Problem
-    diagnosis: Diagnosis
-    competing: tuple[str, ...]
-    motions: tuple[RankedMotion, ...]
-    inseparable: tuple[str, ...] = ()
-    revisited: str | None = None
+    problem: Problem  # the diagnosed problem
+    diagnosis: Diagnosis  # of the present model, or, if no effect is missing, of the model without its last effect
+    competing: tuple[str, ...]  # names of the effects compared, best first
+    motions: tuple[RankedMotion, ...]  # best first, the space-filling one last
+    inseparable: tuple[str, ...] = ()  # models that no motion discriminates from the first
+    revisited: str | None = None  # the effect added last, if it is compared with its alternatives
 
 
 def suggest(
@@ -195,9 +186,8 @@ def _distance_after_refit(
 
 def _independent(problem: Problem, record: PreparedRecord, step: float) -> float:
     """Root of the number of independent samples per sample, `step` (s) apart."""
-    own = record.step
     colour = max((n.autocorrelation for n in problem.noise.values()), default=0.0)
-    apart = max(own * (1.0 + colour) / max(1.0 - colour, 1e-3), record.filter_width)
+    apart = max(record.step * (1.0 + colour) / max(1.0 - colour, 1e-3), record.filter_width)
     return float(np.sqrt(step / apart))
 
 

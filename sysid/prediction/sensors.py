@@ -63,30 +63,6 @@ def ahead_of_motion(
     return signal
 
 
-RINGING = 2000
-"""Samples over which the response of a mode to the noise of one sample is followed."""
-
-
-def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> float:
-    """Standard deviation of the force channel's residual, with the acceleration's noise taken through the modes of the
-    model, which part of the mass does not follow, and through the inverse of its delays, as the force is. A balance
-    scored in the position delays the pull instead."""
-    noise, of_force = balance.noise[balance.force_channel], balance.force_channel != "position"
-    modes = [effect for effect in effects if effect.is_mode]
-    delays = any(delays_motion(balance, effect) for effect in effects)
-    if balance.full_filter is None or not of_force or not (delays or modes):
-        return noise
-    kernel = balance.full_filter.kernel(2)
-    taken = np.pad(kernel, (kernel.size, kernel.size + RINGING * bool(modes)))
-    for effect in modes:
-        p = values_of(effect, values)
-        assert effect.signal is not None
-        taken = taken + getattr(p, "mass_ratio", 1.0) * (effect.signal(taken, balance.step, p) - taken)
-    gain = float(np.linalg.norm(ahead_of_motion(balance, effects, values, taken)) / np.linalg.norm(kernel))
-    own = values.get("rig.mass", 0.0) * balance.acceleration_noise
-    return float(np.sqrt(noise**2 + max(gain**2 - 1.0, -1.0) * min(own, noise) ** 2))
-
-
 def sensor_input(
     output: np.ndarray, channel: str, effects: Sequence[Effect], values: Values, step: float, late: bool = True
 ) -> np.ndarray:

@@ -5,6 +5,7 @@ import numpy as np
 from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.checks.formula_check import FormulaCheck
 from designcalc.drive.friction_drive import tip_force_limit
+from designcalc.friction_stage.checks.preload import preload_and_acceleration
 from designcalc.friction_stage.physics.loads import load_centre, preload_ratio
 from designcalc.friction_stage.physics.pads import pad_positions
 from designcalc.friction_stage.quantities import stated
@@ -85,19 +86,6 @@ def acceleration(key: str, label: str) -> FormulaCheck:
         f"({{load.weight*(requirements.{key}/drive.friction/environment.gravity - 1)}})",
         requirement="Table 1: acceleration",
     )
-
-
-preload_and_acceleration = stated(
-    "acceleration of 1 G with the required preload",
-    "drive.friction*(1 + preload.ratio)*environment.gravity >= requirements.acceleration",
-    ("preload.ratio", "requirements.acceleration/drive.friction/environment.gravity - 1", True),
-    source="the tip presses at most with weight and preload",
-    proposal="ask for more preload "
-    "({load.weight*(requirements.acceleration/drive.friction/environment.gravity - 1)}), and magnets that give it",
-    thesis="a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3",
-    requirement="Table 1: acceleration",
-)
-"""Two requirements that exclude each other, whatever the magnets really pull."""
 
 
 def tip_over(r: DesignInputs) -> Check:

@@ -1,23 +1,24 @@
-"""Magnetic teeth: position of the chosen ones on the map, preload, saturation, and relief of the pads."""
-
-import math
+"""Magnetic teeth: position of the chosen ones on the map, saturation, and relief of the pads."""
 
 import numpy as np
-from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.drive.magnetic_teeth import teeth_field
-from designcalc.friction_stage.physics.teeth import CIRCUITS, MagnetCircuit, attraction, circuit, magnets, tooth_field
+from designcalc.friction_stage.checks.preload import attraction_as_preload, attraction_beyond_preload
+from designcalc.friction_stage.physics.teeth import MAGNETS, tooth_field
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 
-_MAGNETS = "finite elements in the cross-section of magnet, irons and bar, leakage included; virtual work"
 _FIELD = "field of one cell by mode matching (K_x = -d2W/dx2, K_z = d2W/de2)"
 
 
 def checks(design: Design) -> list[CheckFunction]:
     """Every check of the teeth; none where no teeth are fitted."""
-    return [ratio, lateral, preload, preload_share, saturation, against_pads] if design.teeth.fitted else []
+    return (
+        [ratio, lateral, attraction_as_preload, attraction_beyond_preload, saturation, against_pads]
+        if design.teeth.fitted
+        else []
+    )
 
 
 def ratio(r: DesignInputs) -> Check:
@@ -56,48 +57,10 @@ def lateral(r: DesignInputs) -> Check:
     )(r)
 
 
-preload = stated(
-    "attraction of the magnets as preload",
-    "load.magnets >= preload.force",
-    source=_MAGNETS + ": F = -u^T (dP/de) u/2 of both pockets",
-    proposal="a smaller gap, a longer iron, or a stronger magnet",
-    note="gap flux density {flux.gap}",
-)
-
-
-def preload_share(r: DesignInputs) -> Check:
-    pull, wanted = attraction(r), r("preload.force")
-    gap = gap_for(circuit(r), 1.2 * wanted) if r.advise and wanted > 0 and pull > 1.5 * wanted else None
-    return stated(
-        "attraction of the magnets beyond the required preload",
-        "load.magnets <= 1.5*preload.force",
-        ("teeth.gap", "gap.of_preload", True),
-        ("preload.force", "load.magnets/1.2", False),
-        given={"gap.of_preload": (gap or 0.0, "m"), "share.of_leakage": (magnets(r).leakage, "")},
-        source=_MAGNETS + "; friction grows with the preload",
-        proposal="a wider gap, smaller magnets, none (teeth.fitted = false), or require the preload that they give",
-        note="{100*share.of_leakage} % of the magnets' flux leaks past the bars; every check takes this pull as the "
-        "preload",
-    )(r)
-
-
-def gap_for(one: MagnetCircuit, pull: float) -> float | None:
-    """Gap at which the magnets pull as much as `pull`, m; none up to five pitches."""
-
-    def excess(logarithm: float) -> float:
-        return CIRCUITS * one.forces(0.4, gap=math.exp(logarithm)).attraction / pull - 1
-
-    low, high = math.log(one.section.gap), math.log(5 * one.section.pitch)
-    if excess(low) < 0 or excess(high) > 0:
-        return None
-    # To 1 % of the gap, which suffices for a proposal.
-    return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-2).root))
-
-
 saturation = stated(
     "flux density in the teeth",
     "flux.gap*teeth.pitch/teeth.width <= 0.8*teeth.saturation",
-    source=_MAGNETS + "; all flux of a pitch gathered in its tooth",
+    source=MAGNETS + "; all flux of a pitch gathered in its tooth",
     proposal="wider teeth, or a thinner magnet",
 )
 
@@ -105,6 +68,6 @@ saturation = stated(
 against_pads = stated(
     "negative stiffness of the teeth against the pads'",
     "stiffness.teeth <= stiffness.pads/10",
-    source=_MAGNETS + "; pads as crowned contacts",
+    source=MAGNETS + "; pads as crowned contacts",
     proposal="a wider gap",
 )

@@ -25,6 +25,10 @@ class MagnetCircuit:
         return magnet_forces(section, self.length, self.remanence, self.recoil_permeability, refinement)
 
 
+MAGNETS = "finite elements in the cross-section of magnet, irons and bar, leakage included; virtual work"
+"""How the forces of the magnets are found."""
+
+
 def circuit(r: DesignInputs) -> MagnetCircuit:
     """One of the two magnetic circuits of the design."""
     section = MagnetSection(

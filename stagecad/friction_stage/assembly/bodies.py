@@ -27,20 +27,13 @@ CARRIED = (*MOVING, "mirror")
 
 @dataclass(frozen=True)
 class Measures:
-    """Dimensions for checks and simulation, measured on the built parts; SI.
+    """Dimensions for checks and simulation, measured on the built parts; SI."""
 
-    Attributes:
-        pad_area: of all pads together, m^2.
-        piezo_spacing: D, between the seats of piezos 1 and 2 in the tip, m.
-        tip_height: h, from those seats to the apex, m.
-        bolt_spacing: between the first two screws of a way, m.
-        way_length, way_width, way_height: of the rail's box, m.
-    """
-
-    pad_area: float
-    piezo_spacing: float
-    tip_height: float
-    bolt_spacing: float
+    pad_area: float  # of all pads together, m^2
+    piezo_spacing: float  # D, between the seats of piezos 1 and 2 in the tip, m
+    tip_height: float  # h, from those seats to the apex, m
+    bolt_spacing: float  # between the first two screws of a way, m
+    # way_length, way_width, way_height: of the rail's box, m
     way_length: float
     way_width: float
     way_height: float

@@ -21,15 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SocketCapScrew:
-    """One kind of screw as a part (`stagecad.solids.modelling.part.Part`).
+    """One kind of screw as a part (`stagecad.solids.modelling.part.Part`)."""
 
-    Args:
-        NAME: of the part.
-        key: of its table below `screws` in the parameter file.
-    """
-
-    NAME: str
-    key: str
+    NAME: str  # of the part
+    key: str  # of its table below `screws` in the parameter file
 
     def _table(self, design: Design) -> Any:
         return getattr(design.screws, self.key)

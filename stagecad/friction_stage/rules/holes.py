@@ -22,22 +22,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Hole:
-    """A hole as a straight cylinder, mm, base coordinates.
+    """A hole as a straight cylinder, mm, base coordinates."""
 
-    Args:
-        name: for messages.
-        keys: parameters that place it.
-        start, end: ends of its axis; equal in x and y for an upright hole, in y and z for one along the travel.
-        radius: of the cylinder.
-        own: pocket whose mechanism it belongs to; holes of one mechanism may intersect.
-    """
-
-    name: str
-    keys: tuple[str, ...]
+    name: str  # for messages
+    keys: tuple[str, ...]  # parameters that place it
+    # start, end: ends of its axis; equal in x and y for an upright hole, in y and z for one along the travel
     start: tuple[float, float, float]
     end: tuple[float, float, float]
-    radius: float
-    own: int = 0
+    radius: float  # of the cylinder
+    own: int = 0  # pocket whose mechanism it belongs to; holes of one mechanism may intersect
 
     @property
     def upright(self) -> bool:

@@ -30,7 +30,7 @@ from stagecad.solids.modelling.registry import part_source
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.solids.export.mesh import Mesh
+    from stagecad.solids.export.tessellation import Mesh
 
 FEW = 3
 """Up to so many parts are made in one process: starting others costs more than it saves."""
@@ -87,7 +87,7 @@ class BuiltPart:
 
     @cached_property
     def mesh(self) -> Mesh:
-        from stagecad.solids.export.mesh import load
+        from stagecad.solids.export.tessellation import load
 
         return load(self.entry.path("mesh.npz"))
 
@@ -171,8 +171,8 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
 
 
 def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
-    from stagecad.solids.export.mesh import mesh_of, save
     from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+    from stagecad.solids.export.tessellation import mesh_of, save
     from stagecad.solids.modelling.frame import PlacedShape
 
     shapes = [PlacedShape(name, name, colour)]

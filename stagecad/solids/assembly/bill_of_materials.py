@@ -15,42 +15,25 @@ HEADINGS = ("item", "part", "description", "part number", "quantity", "material"
 
 @dataclass(frozen=True)
 class Accessory:
-    """One kind of accessory; it has no solid.
+    """One kind of accessory; it has no solid."""
 
-    Attributes:
-        name: as in the parts list.
-        specification: for ordering.
-        quantity: in one machine.
-    """
-
-    name: str
-    specification: str
-    quantity: int
+    name: str  # as in the parts list
+    specification: str  # for ordering
+    quantity: int  # in one machine
 
 
 @dataclass(frozen=True)
 class Row:
-    """One kind of part.
+    """One kind of part."""
 
-    Attributes:
-        item: number in the list, counted from 1.
-        part: its name.
-        description: in words.
-        part_number: of the catalogue or of the drawing; empty without either.
-        quantity: in one machine.
-        material: designation for ordering.
-        mass: of one, kg.
-        purchased: whether it is bought.
-    """
-
-    item: int
-    part: str
-    description: str
-    part_number: str
-    quantity: int
-    material: str
-    mass: float
-    purchased: bool
+    item: int  # number in the list, counted from 1
+    part: str  # its name
+    description: str  # in words
+    part_number: str  # of the catalogue or of the drawing; empty without either
+    quantity: int  # in one machine
+    material: str  # designation for ordering
+    mass: float  # of one, kg
+    purchased: bool  # whether it is bought
 
 
 def bill_of_materials(

@@ -32,7 +32,7 @@ from stagecad.solids.modelling.registry import (
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.solids.export.mesh import Mesh
+    from stagecad.solids.export.tessellation import Mesh
 
 
 EXPLODED = f"{ASSEMBLY}_exploded"
@@ -138,7 +138,7 @@ def meshes_of(
     instances: Sequence[Instance], parts: Mapping[str, BuiltPart], shapes: Mapping[str, cq.Shape]
 ) -> dict[str, Mesh]:
     """The mesh of each `Instance.shape`; `shapes` is needed only for springs off their installed length."""
-    from stagecad.solids.export.mesh import mesh_of
+    from stagecad.solids.export.tessellation import mesh_of
 
     meshes: dict[str, Mesh] = {}
     for instance in instances:

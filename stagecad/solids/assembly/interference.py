@@ -55,23 +55,18 @@ TOUCHING = 1e-3
 
 @dataclass(frozen=True)
 class Interference:
-    """Two parts that touch, fit, overlap or are close to each other.
+    """Two parts that touch, fit, overlap or are close to each other."""
 
-    Attributes:
-        first, second: names of the instances.
-        kind: the intended relation; `CLASH` for a common volume that is not intended, or larger than intended.
-        travel, height: position of stage and height adjustment, -1 to 1.
-        common_volume: of the two solids, mm^3.
-        clearance: least distance, mm; 0 for contact or overlap. None if it was not measured: distances are slow, and
-            are measured for the first pair of two kinds of part at mid-travel and mid-height.
-    """
-
+    # first, second: names of the instances
     first: str
     second: str
-    kind: str
+    kind: str  # the intended relation; `CLASH` for a common volume that is not intended, or larger than intended
+    # travel, height: position of stage and height adjustment, -1 to 1
     travel: float
     height: float
-    common_volume: float
+    common_volume: float  # of the two solids, mm^3
+    # least distance, mm; 0 for contact or overlap. None if it was not measured: distances are slow, and are measured
+    # for the first pair of two kinds of part at mid-travel and mid-height.
     clearance: float | None
 
     @property
@@ -101,14 +96,10 @@ class _Place:
 
 @dataclass(frozen=True)
 class PairValues:
-    """Measured values of two kinds of part.
+    """Measured values of two kinds of part."""
 
-    Attributes:
-        volumes: common volume by `_Place.key`, mm^3.
-        clearance: least distance at the first place at rest without a common volume, mm; None if not measured.
-    """
-
-    volumes: Mapping[str, float]
+    volumes: Mapping[str, float]  # common volume by `_Place.key`, mm^3
+    # least distance at the first place at rest without a common volume, mm; None if not measured
     clearance: float | None
 
 

@@ -19,39 +19,23 @@ FAR = np.float32(np.inf)
 
 
 class ProjectedMesh(NamedTuple):
-    """Triangles and edges in picture coordinates.
+    """Triangles and edges in picture coordinates."""
 
-    Attributes:
-        points: (n, 3): column, row (both in pixels, rows downwards) and depth (same scale, nearer is smaller).
-        normals: (n, 3) unit, in view axes: right, up, towards the viewer.
-        triangles: (m, 3) indices.
-        colour_index: (m,) index of each triangle's colour.
-        edge_points: (k, 3) like `points`.
-        edge_ends: (e + 1,) index of each edge's first point in `edge_points`, and the end of the last.
-    """
-
-    points: np.ndarray
-    normals: np.ndarray
-    triangles: np.ndarray
-    colour_index: np.ndarray
-    edge_points: np.ndarray
-    edge_ends: np.ndarray
+    points: np.ndarray  # (n, 3): column, row (both in pixels, rows downwards) and depth (same scale, nearer is smaller)
+    normals: np.ndarray  # (n, 3) unit, in view axes: right, up, towards the viewer
+    triangles: np.ndarray  # (m, 3) indices
+    colour_index: np.ndarray  # (m,) index of each triangle's colour
+    edge_points: np.ndarray  # (k, 3) like `points`
+    edge_ends: np.ndarray  # (e + 1,) index of each edge's first point in `edge_points`, and the end of the last
 
 
 class Samples(NamedTuple):
-    """What is in front, by sample (h, w).
+    """What is in front, by sample (h, w)."""
 
-    Attributes:
-        depth: of the surface in front, infinite for the background.
-        facing: (h, w, 3) its normal, of any length.
-        paint: index of its colour, -1 for the background.
-        ink: not 0 where a line is.
-    """
-
-    depth: np.ndarray
-    facing: np.ndarray
-    paint: np.ndarray
-    ink: np.ndarray
+    depth: np.ndarray  # of the surface in front, infinite for the background
+    facing: np.ndarray  # (h, w, 3) its normal, of any length
+    paint: np.ndarray  # index of its colour, -1 for the background
+    ink: np.ndarray  # not 0 where a line is
 
 
 @numba.njit(cache=True)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stagecad.solids.export.mesh import Mesh
+from stagecad.solids.export.tessellation import Mesh
 from stagecad.solids.modelling.frame import PlacedShape
 
 SIZE = (1400, 1000)

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stagecad.solids.export.mesh import Mesh
+from stagecad.solids.export.tessellation import Mesh
 from stagecad.solids.modelling.frame import UNMOVED, Colour, Frame, PlacedShape
 
 if TYPE_CHECKING:

@@ -18,15 +18,10 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True)
 class Frame:
-    """Rigid transformation from a part's coordinates to the assembly's: x -> rotation x + shift.
+    """Rigid transformation from a part's coordinates to the assembly's: x -> rotation x + shift."""
 
-    Attributes:
-        rotation: three rows of three.
-        shift: mm.
-    """
-
-    rotation: Matrix = IDENTITY
-    shift: Vector = (0.0, 0.0, 0.0)
+    rotation: Matrix = IDENTITY  # three rows of three
+    shift: Vector = (0.0, 0.0, 0.0)  # mm
 
     def point(self, place: Vector) -> Vector:
         """A point of the part in coordinates of the assembly, mm."""
@@ -131,16 +126,9 @@ def colour_of(material: str) -> Colour:
 
 @dataclass(frozen=True)
 class PlacedShape:
-    """A shape in an assembly.
+    """A shape in an assembly."""
 
-    Attributes:
-        name: of this instance.
-        part: name of the shape; equal to `name` for a single part.
-        colour: sRGB, 0 to 1.
-        frame: position in the assembly.
-    """
-
-    name: str
-    part: str
-    colour: Colour
-    frame: Frame = UNMOVED
+    name: str  # of this instance
+    part: str  # name of the shape; equal to `name` for a single part
+    colour: Colour  # sRGB, 0 to 1
+    frame: Frame = UNMOVED  # position in the assembly

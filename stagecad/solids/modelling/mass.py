@@ -20,19 +20,13 @@ MM = 1e-3
 
 @dataclass(frozen=True)
 class Geometry:
-    """Volume properties of a solid, in millimetres and part coordinates.
+    """Volume properties of a solid, in millimetres and part coordinates."""
 
-    Attributes:
-        volume: mm^3.
-        centre: centre of volume, mm.
-        second_moments: inertia tensor about the centre for a density of 1 per mm^3, mm^5.
-        bounding_box: lowest and highest x, y, z; mm.
-    """
-
-    volume: float
-    centre: tuple[float, float, float]
+    volume: float  # mm^3
+    centre: tuple[float, float, float]  # centre of volume, mm
+    # inertia tensor about the centre for a density of 1 per mm^3, mm^5
     second_moments: tuple[tuple[float, float, float], ...]
-    bounding_box: tuple[tuple[float, float, float], tuple[float, float, float]]
+    bounding_box: tuple[tuple[float, float, float], tuple[float, float, float]]  # lowest and highest x, y, z; mm
 
     def as_json(self) -> dict[str, Any]:
         return asdict(self)

@@ -18,22 +18,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Instance:
-    """One instance of a part in the assembly.
+    """One instance of a part in the assembly."""
 
-    Attributes:
-        name: unique: the part's, with a number or side if there are several.
-        part: name of the part.
-        frame: position in the assembly.
-        exploded: position in the exploded view.
-        compression: of a spring, relative to its installed length at mid-adjustment, mm.
-        carrier: name of the instance that it is put on, which in the exploded view is elsewhere too; empty for none.
-    """
-
-    name: str
-    part: str
-    frame: Frame
-    exploded: Frame
-    compression: float = 0.0
+    name: str  # unique: the part's, with a number or side if there are several
+    part: str  # name of the part
+    frame: Frame  # position in the assembly
+    exploded: Frame  # position in the exploded view
+    compression: float = 0.0  # of a spring, relative to its installed length at mid-adjustment, mm
+    # name of the instance that it is put on, which in the exploded view is elsewhere too; empty for none
     carrier: str = ""
 
     @property

@@ -11,6 +11,7 @@ from sim.effects.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
+from sysid.prediction.force_balance.force_noise import Signal, acceleration_noise, force_noise
 from sysid.prediction.force_balance.measured_motion import velocity_agreement
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
@@ -31,20 +32,11 @@ from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import dilated, filled, longer_than
 
 
-class _Signal(NamedTuple):
-    """A signal (n,) with its gaps bridged, the mask (n,) of the gaps, and size and spectrum of its noise."""
-
-    values: np.ndarray
-    gap: np.ndarray
-    std: float
-    spectrum: NoiseSpectrum
-
-
 class _Motion(NamedTuple):
     """Inputs of the axis of a driven mass: time, position and its noise, gaps, load and temperature."""
 
     time: np.ndarray
-    position: _Signal
+    position: Signal
     missing: np.ndarray
     load: np.ndarray | None
     temperature: np.ndarray | None
@@ -78,9 +70,7 @@ def prepare_driven_mass(
 
     valid = _valid_rows(missing, width / step, reach)
     full = GaussianFilter(width, step, n)
-    acceleration_noise = position.std * full.noise_gain(2, position.spectrum)
-    inertia, signals = mass * acceleration_noise, (position, force)
-    measured, noises, inputs = _filtered_channels(channel, channels, signals, full, inertia, pull_stiffness)
+    measured, noises, inputs = _filtered_channels(channel, channels, (position, force), full, mass, pull_stiffness)
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
     own, rate = (position.std * prefilter.noise_gain(order, position.spectrum) for order in (0, 1))
     prepared = ForceBalanceRecord(
@@ -105,7 +95,7 @@ def prepare_driven_mass(
         timing_uncertainty=0.15 * step,
         inputs=inputs,
         applied=force.values,
-        acceleration_noise=acceleration_noise,
+        acceleration_noise=acceleration_noise(position, full),
         position_noise=position.std,
         prefiltered_noise=own,
         velocity_noise=rate,
@@ -131,24 +121,24 @@ def _valid_rows(missing: np.ndarray, width: float, reach: int) -> np.ndarray:
 def _filtered_channels(
     channel: str,
     channels: Mapping[str, np.ndarray],
-    signals: tuple[_Signal, _Signal],
+    signals: tuple[Signal, Signal],
     full: GaussianFilter,
-    inertia: float,
+    mass: float,
     pull_stiffness: float | None,
 ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, np.ndarray]]:
     """Filtered scored channels, the noise of their residuals, and filtered inputs of a spring-pull rig."""
     position, force = signals
-    own_force = force.std * full.noise_gain(0, force.spectrum)
-    measured, noises = {channel: full(force.values)}, {channel: float(np.hypot(own_force, inertia))}
+    measured, noises = {channel: full(force.values)}, {channel: force_noise(position, force, mass, full)}
     if "pull_position" not in channels or pull_stiffness is None:
         return measured, noises, {}
     inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
     own = position.std * full.noise_gain(0, position.spectrum)
     if channel == "position":
+        inertia = mass * acceleration_noise(position, full)
         return {channel: full(position.values)}, {channel: float(np.hypot(own, inertia / pull_stiffness))}, inputs
     if "position" in channels:
         measured["position"] = full(position.values)
-        noises["position"] = float(np.hypot(own, own_force / pull_stiffness))
+        noises["position"] = float(np.hypot(own, force.std * full.noise_gain(0, force.spectrum) / pull_stiffness))
     return measured, noises, inputs
 
 
@@ -167,17 +157,17 @@ def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, R
     return axis._replace(velocity=restored_kinks(smoothed, slip_phases) / step), resolved, slip_phases
 
 
-def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> _Signal | None:
+def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> Signal | None:
     """The measured position, or the integral of the measured velocity; none where neither is recorded."""
     if "position" in channels:
-        return _Signal(*filled(channels["position"]), noise["position"].value, noise["position"].spectrum)
+        return Signal(*filled(channels["position"]), noise["position"].value, noise["position"].spectrum)
     if "velocity" in channels:
         velocity, gap = filled(channels["velocity"])
-        return _Signal(integral(velocity, step), gap, noise["velocity"].value * step, NoiseSpectrum())
+        return Signal(integral(velocity, step), gap, noise["velocity"].value * step, NoiseSpectrum())
     return None
 
 
-def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], hold: str) -> _Signal:
+def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], hold: str) -> Signal:
     """The drive force at the rows."""
     force, gap = filled(channels["drive_force"])
     known = noise.get("drive_force")
@@ -187,12 +177,12 @@ def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise],
         force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
         gap = gap | np.concatenate([[False], gap[:-1]])
         std /= np.sqrt(2.0)
-    return _Signal(force, gap, std, spectrum)
+    return Signal(force, gap, std, spectrum)
 
 
 def _signals(
     channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float, stiffness: float | None, hold: str
-) -> tuple[str, _Signal, _Signal]:
+) -> tuple[str, Signal, Signal]:
     """Name of the scored channel, position and force of a driven body; of a body pulled by a spring, the position or
     the force may give the other."""
     position = _position(channels, noise, step)
@@ -207,16 +197,16 @@ def _signals(
         force = position._replace(values=stiffness * (pull - position.values), std=stiffness * position.std)
         return "position", position, force
     spring = noise["spring_force"]
-    force = _Signal(*filled(channels["spring_force"]), spring.value, spring.spectrum)
+    force = Signal(*filled(channels["spring_force"]), spring.value, spring.spectrum)
     if position is None:
-        position = _Signal(pull - force.values / stiffness, gap_pull, spring.value / stiffness, spring.spectrum)
+        position = Signal(pull - force.values / stiffness, gap_pull, spring.value / stiffness, spring.spectrum)
     return "spring_force", position, force
 
 
 def _filter_width(
     channels: Mapping[str, np.ndarray],
     noise: Mapping[str, Noise],
-    signals: tuple[_Signal, _Signal],
+    signals: tuple[Signal, Signal],
     step: float,
     mass: float,
 ) -> float:
@@ -235,7 +225,7 @@ FREE_MOTION = 1e-2
 """Noise of the acceleration over its rms that the filter of a free motion leaves: it has no force to compare with."""
 
 
-def _free_motion_width(position: _Signal, step: float) -> float:
+def _free_motion_width(position: Signal, step: float) -> float:
     """Width of the filter of a coast-down or a free oscillation, s: the least at which the acceleration's noise is a
     hundredth of its rms, else that of the least ratio, up to a fortieth of the record."""
     n, best, least = position.values.size, step, np.inf
@@ -256,7 +246,7 @@ def _scale(values: np.ndarray) -> float:
 
 
 def _require_motion(
-    record: Record, channel: str, force: _Signal, rows: tuple[int, int], step: float, width: float
+    record: Record, channel: str, force: Signal, rows: tuple[int, int], step: float, width: float
 ) -> None:
     """Refuse a spring that never pulls, and a record without rows between the ends that the filter needs."""
     if _scale(force.values) == 0.0 and channel != "drive_force":

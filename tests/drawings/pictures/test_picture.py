@@ -11,7 +11,7 @@ from drawings.pictures.scene import FINE, MANY_FACES, faces_of_view, faces_of_vi
 from drawings.views.projection import hidden_lines, project
 from drawings.views.section import HATCHES, different_hatches
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
-from stagecad.solids.export.mesh import triangulated
+from stagecad.solids.export.tessellation import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
 
 ISO = PROJECTIONS["iso"]

@@ -17,8 +17,8 @@ from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.primitives import SMALL_HEIGHT, Text
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.sheets import PICTURES, machine_size
-from drawings.export.lint import lint
 from drawings.friction_stage.sheets import ACROSS, ALONG, NOT_CUT, VIEWS
+from drawings.lint import lint
 from drawings.pictures.machine import machine_picture
 from drawings.pictures.picture import Picture
 from drawings.pictures.scene import scene_of

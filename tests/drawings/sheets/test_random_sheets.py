@@ -9,7 +9,7 @@ import pytest
 
 from drawings.artefacts.sheets import PICTURES, build_sheets
 from drawings.dimensions.definition import definition, notes_on_shape
-from drawings.export.lint import lint
+from drawings.lint import lint
 from drawings.sheets.part import part_sheets
 from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.friction_stage.parameters.derived import COMPUTED

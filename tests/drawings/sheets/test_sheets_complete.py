@@ -25,8 +25,8 @@ from drawings.annotations.annotation import (
 from drawings.annotations.primitives import ArcStroke, Text
 from drawings.dimensions.text import number, tolerance_text
 from drawings.export.drawing_model import drawing_model
-from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
+from drawings.lint import lint
 from drawings.views.segment_index import curve_points
 from drawings.views.view import Arc, View
 from stagecad.friction_stage.construction import MADE, part_definition

@@ -15,7 +15,8 @@ from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.pads import pad_positions, pad_spring_stiffness
 from designcalc.friction_stage.physics.stage_plate import give_at_tip, payload_feet
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
-from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, driven_by_three, flexible_machine
+from sim.friction_stage.bending_modes import BENDING_MODES
+from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
 from sim.stage.run import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_with_load

@@ -1,4 +1,4 @@
-"""Sliding bearing: loads, pressure, pv, friction, preload, stiffness."""
+"""Sliding bearing: loads, pressure, pv, friction, stiffness."""
 
 import math
 from collections.abc import Callable
@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs
+from designcalc.friction_stage.checks.preload import share_of_load
 from designcalc.friction_stage.physics.pads import film, heaviest_pad
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
@@ -23,7 +24,7 @@ def checks(design: Design) -> list[CheckFunction]:
         indentation,
         proportions,
         stiction,
-        preload,
+        share_of_load,
         normal,
         pitch,
         *([yaw] if design.teeth.fitted else []),
@@ -118,14 +119,6 @@ stiction = stated(
     proposal="run in for some thousand cycles; a filled PTFE grade whose static and dynamic friction are alike",
     thesis="thesis 2.3.2: PTFE with static within 10-20 % of dynamic friction",
     requirement="Table 1: resolution",
-)
-
-
-preload = stated(
-    "preload against the required share of the load",
-    "load.preload >= preload.ratio*load.weight",
-    source="thesis 2.3.2: 10 % of the applied load",
-    proposal="preload of {check.limit}",
 )
 
 

@@ -15,7 +15,7 @@ from drawings.annotations.annotation import (
     RadialDimension,
     SectionMark,
 )
-from drawings.export.lint import Hit, lint
+from drawings.lint import Hit, lint
 from drawings.placement.conflicts import CROSSES_LINE
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock

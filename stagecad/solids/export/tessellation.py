@@ -32,23 +32,14 @@ VOLUME_ERROR = 0.0028
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles face by face: normals are discontinuous at the edges of the solid and continuous within a face.
+    """Triangles face by face: normals are discontinuous at the edges of the solid and continuous within a face."""
 
-    Attributes:
-        vertices: (n, 3) float64, mm; points on an edge occur once for each adjacent face, bit for bit equal.
-        normals: (n, 3) unit, out of the material.
-        triangles: (m, 3) indices, counter-clockwise seen from outside.
-        faces: (m,) number of the solid's face of each triangle, from 0.
-        edge_points: (k, 3) points of the solid's sharp edges, mm.
-        edge_ends: (e + 1,) index of each edge's first point in `edge_points`, and the end of the last.
-    """
-
-    vertices: np.ndarray
-    normals: np.ndarray
-    triangles: np.ndarray
-    faces: np.ndarray
-    edge_points: np.ndarray
-    edge_ends: np.ndarray
+    vertices: np.ndarray  # (n, 3) float64, mm; points on an edge occur once for each adjacent face, bit for bit equal
+    normals: np.ndarray  # (n, 3) unit, out of the material
+    triangles: np.ndarray  # (m, 3) indices, counter-clockwise seen from outside
+    faces: np.ndarray  # (m,) number of the solid's face of each triangle, from 0
+    edge_points: np.ndarray  # (k, 3) points of the solid's sharp edges, mm
+    edge_ends: np.ndarray  # (e + 1,) index of each edge's first point in `edge_points`, and the end of the last
 
     @property
     def volume(self) -> float:
