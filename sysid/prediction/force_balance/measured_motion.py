@@ -38,8 +38,9 @@ CONTRADICTION = 0.05
 LATE_ROWS = 2.0
 """Lag in rows, between a logged velocity and the derivative of the position, above which the user is warned."""
 
-UNRELATED = 0.5
-"""Part of the derivative that no factor and lag explain, from which neither is stated."""
+UNRELATED, FOREIGN, WIDER = 0.5, 0.87, (4.0, 16.0)
+"""Part of the derivative that no factor and lag explain, from which neither is stated; that from which the two have
+nothing in common (a correlation of 0.5), and the wider filters at which they must not have either."""
 
 UNIT_FACTORS = {
     "degrees and radians": np.pi / 180.0,
@@ -200,6 +201,17 @@ def unknown_direction(record: ForceBalanceRecord) -> float:
     return float(np.mean(unknown))
 
 
+class _Lagged(NamedTuple):
+    """Derivative (m,) of a filtered position, the filtered velocity (m,) `late` rows after it, the least-squares factor
+    between them, and the part of the derivative that it leaves."""
+
+    rate: np.ndarray
+    velocity: np.ndarray
+    late: int
+    factor: float
+    part: float
+
+
 def velocity_agreement(
     channels: Mapping[str, np.ndarray], noise: Noise | None, step: float
 ) -> VelocityAgreement | None:
@@ -211,31 +223,42 @@ def velocity_agreement(
     if not {"position", "velocity"} <= channels.keys():
         return None
     position, velocity = filled(channels["position"])[0], filled(channels["velocity"])[0] * step
-    n = position.size
-    smooth = GaussianFilter(max(2.0, motion_filter_width(position, noise, 1.0)), 1.0, n)
-    reach = n // LONGEST_LAG
-    inside = slice(smooth.margin + reach, n - smooth.margin - reach)
-    rate, own, slope = smooth(position, 1)[inside], smooth(velocity), smooth(velocity, 1)[inside]
-    noise_of_rate = position_noise(noise) * smooth.noise_gain(1, noise.spectrum if noise is not None else WHITE)
-    if rate.size == 0 or np.std(rate) <= REST_SIGMAS * noise_of_rate or not own[inside].any():
+    width = max(2.0, motion_filter_width(position, noise, 1.0))
+    found = _lagged(position, velocity, noise, width)
+    if found is None:
         return None
-
-    def at(late: int) -> np.ndarray:
-        return own[inside.start + late : inside.stop + late]
-
-    products = np.array([abs(rate @ at(late)) / np.linalg.norm(at(late)) for late in range(-reach, reach + 1)])
-    late = int(np.argmax(products)) - reach
-    factor = float(rate @ at(late) / (at(late) @ at(late)))
-    residual = rate - factor * at(late)
-    if np.linalg.norm(residual) > UNRELATED * np.linalg.norm(rate):
-        return None
+    if found.part > UNRELATED:
+        # At a larger width the noise of either hides less of the motion.
+        others = (found, *(_lagged(position, velocity, noise, wider * width) for wider in WIDER))
+        return VelocityAgreement(0.0, np.nan) if all(one and one.part > FOREIGN for one in others) else None
     # Filtered rows are correlated over the width of the filter.
-    error = 3.0 * float(np.std(residual)) * np.sqrt(4.0 * smooth.width)
-    wrong_factor = abs(factor - 1.0) > CONTRADICTION + error / np.linalg.norm(at(late))
-    steep = float(np.linalg.norm(slope) / np.linalg.norm(own[inside]))
-    uncertain = error / (abs(factor) * np.linalg.norm(slope)) if factor != 0.0 and slope.any() else np.inf
-    wrong_time = abs(late) > LATE_ROWS + uncertain and abs(late) * steep > CONTRADICTION
-    return VelocityAgreement(factor, float(late)) if wrong_factor or wrong_time else None
+    error = 3.0 * found.part * float(np.std(found.rate)) * np.sqrt(4.0 * width)
+    size, slope = (float(np.linalg.norm(values)) for values in (found.velocity, np.gradient(found.velocity)))
+    uncertain = error / (abs(found.factor) * slope) if found.factor != 0.0 and slope > 0.0 else np.inf
+    wrong_factor = abs(found.factor - 1.0) > CONTRADICTION + error / size
+    wrong_time = abs(found.late) > LATE_ROWS + uncertain and abs(found.late) * slope > CONTRADICTION * size
+    return VelocityAgreement(found.factor, float(found.late)) if wrong_factor or wrong_time else None
+
+
+def _lagged(position: np.ndarray, velocity: np.ndarray, noise: Noise | None, width: float) -> _Lagged | None:
+    """Both at the lag of the largest correlation; none in a record that is too short or shows no motion."""
+    smooth = GaussianFilter(width, 1.0, position.size)
+    reach = position.size // LONGEST_LAG
+    inside = slice(smooth.margin + reach, position.size - smooth.margin - reach)
+    rate, own = smooth(position, 1)[inside], smooth(velocity)
+    noise_of_rate = position_noise(noise) * smooth.noise_gain(1, noise.spectrum if noise is not None else WHITE)
+    if rate.size < 2 or np.std(rate) <= REST_SIGMAS * noise_of_rate or not own[inside].any():
+        return None
+    around = own[smooth.margin : position.size - smooth.margin]
+    spectrum = np.fft.rfft(around) * np.conj(np.fft.rfft(rate, around.size))
+    energy = np.cumsum(np.pad(around, (1, 0)) ** 2)
+    # A lag at which hardly anything moves has no correlation.
+    norms = np.sqrt(np.maximum(energy[rate.size :] - energy[: -rate.size], 1e-9 * energy[-1]))
+    late = int(np.argmax(np.abs(np.fft.irfft(spectrum, around.size)[: norms.size]) / norms))
+    moved = around[late : late + rate.size]
+    factor = float(rate @ moved / (moved @ moved))
+    part = float(np.linalg.norm(rate - factor * moved) / np.linalg.norm(rate))
+    return _Lagged(rate, moved, late - reach, factor, part)
 
 
 def motion_warnings(records: Iterable[object]) -> list[str]:
@@ -251,7 +274,9 @@ def motion_warnings(records: Iterable[object]) -> list[str]:
                 f"{record.name}: the direction of motion is not known in {share:.0%} of the rows, where the velocity "
                 "is within its noise; give a velocity column, or a position with less noise"
             )
-        if other is not None:
+        if other is not None and np.isnan(other.late):
+            found.append(f"{record.name}: 'position' does not follow 'velocity'; one of the two columns is wrong")
+        elif other is not None:
             found.append(
                 f"{record.name}: the derivative of 'position' is {other.factor:.3g} times 'velocity', which is "
                 f"{other.late * record.step:.2g} s late; one of the two columns is wrong{_unit_factor(other.factor)}"

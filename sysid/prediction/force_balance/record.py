@@ -40,7 +40,8 @@ REST_SIGMAS = 5.0
 
 
 class VelocityAgreement(NamedTuple):
-    """Derivative of the position over the logged velocity: `factor`, and the rows by which the velocity is late."""
+    """Derivative of the position over the logged velocity: `factor`, and the rows by which the velocity is late, not a
+    number where the two have nothing in common."""
 
     factor: float
     late: float

@@ -131,8 +131,11 @@ def test_a_velocity_that_contradicts_the_position_is_reported(tmp_path, factor: 
         "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(time.size),
     }
     text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nposition = "1e-6 m"\n'
-    lines = motion_warnings(compare(_experiment(tmp_path, text, [columns, columns])).problem.fit_records)
-    assert bool(lines) is warned
+    # A position that does not come from this motion: a random walk.
+    walk = {**columns, "position [m]": 1e-4 * np.cumsum(rng.standard_normal(time.size))}
+    problem = compare(_experiment(tmp_path, text, [columns, walk])).problem
+    *lines, other = motion_warnings([*problem.fit_records, *problem.validate_records])
+    assert bool(lines) is warned and "'position' does not follow 'velocity'" in other
     if warned:
         assert f"{1.0 / factor:.3g} times 'velocity'" in lines[0] or late
         assert not late or "0.012 s late" in lines[0]
