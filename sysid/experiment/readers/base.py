@@ -14,6 +14,8 @@ from sysid.experiment.readers.format import Format
 
 MOST_BYTES = 2 * 1024**3
 """Largest record file, bytes."""
+MEMORY = 4 * 1024**3
+"""Largest memory that the reader of a binary file takes beyond the file's size, bytes."""
 MOST_COLUMNS = 10_000
 """Largest number of columns of a record file."""
 MOST_ROWS = 20_000_000

@@ -131,10 +131,9 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: 
     types = {f"c{k}": pyarrow.string() if k in texts else pyarrow.float64() for k in indices}
     types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in {*indices} - texts}
     try:
+        need_few_rows(path)
         # pyarrow opens a plain file by its name faster.
         plain = dialect.delimiter != " " and not is_gzip(path)
-        if plain:
-            need_few_rows(path)
         with nullcontext() if plain else open_bytes(path) as file:
             source: Any = file or path
             if file is not None and dialect.delimiter == " ":

@@ -24,6 +24,9 @@ COMMENTS = ("#", "%", "//")
 ROWS = 200
 """Lines at the end of the head from which width and kinds of the columns are taken."""
 
+LEAST_ROWS = 3
+"""Rows of numbers of another width above the first row of the columns that are no preamble."""
+
 _QUANTITY = re.compile(r"(?P<number>.*?[\d.,])\s*(?P<unit>[A-Za-zµμ°Ω%][^\s,;]*)")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
@@ -200,6 +203,14 @@ def _layout(
         # The first row of the columns' width that holds a number: gaps may stand beside it.
         above = [row for row, cells in rows[:first] if len(cells) == width and any(map(form.value, cells))]
         start = above[0] if above else rows[first][0] if first < len(rows) else 1
+        others = [
+            cells for _, cells in rows[:first] if len(cells) > 1 and all(form.value(cell) is not None for cell in cells)
+        ]
+        if len(others) >= LEAST_ROWS:
+            raise InputError(
+                f"{name}: row {start}: has {width} cells, the rows above have {len(others[0])}; if they are no rows "
+                f"of the record: [format] first_row = {start}"
+            )
     days = [k for k, kind in enumerate(columns) if kind == "day"]
     dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
     by_column = {k: "date" if k in dates else kind for k, kind in enumerate(columns) if kind in _TIMES}

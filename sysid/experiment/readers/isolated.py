@@ -18,12 +18,10 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MOST_ROWS, Column, Header, file_sha256
+from sysid.experiment.readers.base import MEMORY, MOST_ROWS, Column, Header, file_sha256
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.formats.arrays import damaged
 
-MEMORY = 4 * 1024**3
-"""Limit of the address space beyond the file's size, bytes."""
 SECONDS = 60
 """Limit of the processor time, s."""
 WAITING = 300

@@ -67,8 +67,9 @@ class _Limited(io.RawIOBase):
 
 
 def need_few_rows(path: Path) -> None:
-    """Refuse a text file that is not compressed and has too many rows, or too long ones, before it is loaded."""
-    if path.stat().st_size > MOST_LINES:
+    """Refuse a text file that has too many rows, or too long ones, before it is loaded: a library whose thread reads a
+    stream may wait for it for ever at the end of the program if the stream refuses."""
+    if is_gzip(path) or path.stat().st_size > MOST_LINES:
         with open_bytes(path) as file:
             while file.read(_BLOCK):
                 pass

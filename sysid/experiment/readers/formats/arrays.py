@@ -46,15 +46,16 @@ def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices:
 
 
 def readers_of(
-    load: Callable[[Path, str], Mapping[str, np.ndarray]],
+    load: Callable[[Path, str], tuple[Mapping[str, np.ndarray], Mapping[str, str]]],
 ) -> tuple[Callable[..., Header], Callable[..., list[Column]]]:
-    """`read_header` and `read_columns` of a format whose file is loaded as arrays by their paths; see `Reader`."""
+    """`read_header` and `read_columns` of a format whose file is loaded as arrays and units by path; see `Reader`."""
 
     def read_header(path: Path, name: str, settings: Format) -> Header:
-        return header_of(list(load(path, name)), {}, name)
+        arrays, units = load(path, name)
+        return header_of(list(arrays), units, name)
 
     def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
-        arrays = list(load(path, name).values())
+        arrays = list(load(path, name)[0].values())
         return columns_of([arrays[index] for index in indices], name, header, indices)
 
     return read_header, read_columns

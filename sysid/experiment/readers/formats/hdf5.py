@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import Column, Header
+from sysid.experiment.readers.base import MEMORY, Column, Header
 from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.formats.arrays import (
     columns_of,
@@ -52,12 +52,19 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     wanted = [header.layout[index] for index in indices]
     found: dict[str, np.ndarray] = {}
     with _open(path, name) as file:
-        for place, data in _data_sets(file, name):
-            if any(key == place or key.startswith(f"{place}.") for key in wanted):
-                try:
-                    found |= dict(vectors(data[()], place))
-                except OSError as error:
-                    raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
+        sets = [
+            (place, data)
+            for place, data in _data_sets(file, name)
+            if any(f"{key}.".startswith(f"{place}.") for key in wanted)
+        ]
+        # A small file may declare large data sets without storing them.
+        if sum(8 * data.size for _, data in sets) > MEMORY:
+            raise MemoryError
+        for place, data in sets:
+            try:
+                found |= dict(vectors(data[()], place))
+            except OSError as error:
+                raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
     if any(key not in found for key in wanted):
         raise InputError(f"{name}: changed while it was read; run again")
     return columns_of([found[key] for key in wanted], name, header, indices)

@@ -12,10 +12,9 @@ from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
 
 
 @lru_cache(maxsize=1)
-def _load(path: Path, name: str) -> dict[str, np.ndarray]:
+def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     try:
-        held = json.loads(path.read_text(encoding="utf-8-sig"))
-        return dict(_arrays(held, ""))
+        return dict(_arrays(json.loads(path.read_text(encoding="utf-8-sig")), "")), {}
     except (ValueError, RecursionError):
         raise damaged(name, "json") from None
 

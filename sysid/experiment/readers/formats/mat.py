@@ -1,40 +1,22 @@
-"""MATLAB files up to version 7: every vector of numbers in them, the ones inside structures by their path."""
+"""MATLAB files up to version 7: every vector of numbers in them, the ones inside structures by their path.
 
-from collections.abc import Iterator, Mapping, Sequence
+A field `position` of a structure `data` answers to `data.position`, and to `position` where that is unique. A structure
+`units` with a text per channel gives units where the experiment does not. Files of version 7.3 are HDF5.
+"""
+
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sysid.experiment.readers.base import Column, Header
-from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.formats import hdf5
-from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, vectors
-
-
-def read_header(path: Path, name: str, settings: Format) -> Header:
-    """The labels of a MAT file: variables and fields of structures.
-
-    A field `position` of a structure `data` answers to `data.position`, and to `position` where that is unique. A
-    structure `units` with a text per channel gives units where the experiment does not.
-    """
-    if hdf5.is_hdf5(path):
-        return hdf5.read_header(path, name, settings)
-    found, units = load(path, name)
-    return header_of(list(found), units, name)
-
-
-def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
-    """Columns of a MAT file; see `Reader`."""
-    if hdf5.is_hdf5(path):
-        return hdf5.read_columns(path, name, header, indices, settings)
-    found = list(load(path, name)[0].values())
-    return columns_of([found[index] for index in indices], name, header, indices)
+from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
 
 
 @lru_cache(maxsize=1)
-def load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """Vectors (n,) by path, and units by name of the channel."""
     # scipy.io takes 0.2 s to load: only a MAT file pays for it.
     from scipy.io import loadmat
@@ -62,3 +44,16 @@ def _vectors(variables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[s
             yield from _vectors(inner, f"{path}.")
         elif isinstance(value, np.ndarray):
             yield from vectors(value, path)
+
+
+_readers = readers_of(_load)
+
+
+def read_header(path: Path, *others: Any) -> Any:
+    """The labels; see `Reader`."""
+    return (hdf5.read_header if hdf5.is_hdf5(path) else _readers[0])(path, *others)
+
+
+def read_columns(path: Path, *others: Any) -> Any:
+    """Columns; see `Reader`."""
+    return (hdf5.read_columns if hdf5.is_hdf5(path) else _readers[1])(path, *others)

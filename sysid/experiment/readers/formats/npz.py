@@ -8,13 +8,13 @@ import numpy as np
 from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
 
 
-def _load(path: Path, name: str) -> dict[str, np.ndarray]:
+def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     try:
         held = np.load(path, allow_pickle=False)
         if isinstance(held, np.ndarray):
-            return dict(vectors(held, "array"))
+            return dict(vectors(held, "array")), {}
         with held:
-            return {key: values for entry in held.files for key, values in vectors(held[entry], entry)}
+            return {key: values for entry in held.files for key, values in vectors(held[entry], entry)}, {}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile):
         raise damaged(name, "npz") from None
 

@@ -147,6 +147,10 @@ def test_a_row_of_another_width_among_the_others_is_named(tmp_path: Path) -> Non
     rows = [*_plain()[:20], "0.20;1.0", *_plain()[20:]]
     with pytest.raises(InputError, match="row 22: has 2 cells, the header has 3"):
         _columns(_write(tmp_path, rows))
+    # Most rows are of the other width: those above them are no preamble.
+    rows = [*_plain()[:10], *(f"{row};1;2" for row in _plain()[10:])]
+    with pytest.raises(InputError, match=r"row 12: has 5 cells, the rows above have 3; .*first_row = 12"):
+        open_record_file(_write(tmp_path, rows), "fit.csv")
 
 
 def test_numbers_beyond_the_header_are_refused(tmp_path: Path) -> None:
