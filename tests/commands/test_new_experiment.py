@@ -32,8 +32,11 @@ def _new(folder: Path, *files: Path, **options: str) -> tuple[dict, str]:
 def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path, capsys):
     for name in ("one.csv", "two.csv"):
         _write(tmp_path / name, "Time (s);position [rad];friction_force [Nm]", TIME, ANGLE, FORCE, between=";")
+    with (tmp_path / "one.csv").open("a") as file:
+        file.write("3.00;0.4")
     document, text = _new(tmp_path / "rig", tmp_path / "one.csv", tmp_path / "two.csv")
-    assert document["kind"] == "velocity-drive" and document["read_as"] == ["semicolon"]
+    read_as = ["semicolon", "row 302 at the end is cut off; left out"]
+    assert document["kind"] == "velocity-drive" and document["read_as"] == read_as
     assert document["channels"] == {
         "time": "Time (s)",
         "position": "position [rad]",

@@ -390,11 +390,13 @@ def _proposal(
 
 @dataclass(frozen=True)
 class Numbers:
-    """Columns of numbers (n,) by index, why a column holds none, and the cells that are taken for marks of a gap."""
+    """Columns of numbers (n,) by index, why a column holds none, the cells that are taken for marks of a gap, and notes
+    on rows that are left out."""
 
     columns: Mapping[int, np.ndarray]
     reasons: Mapping[int, str]
     missing: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 MOST_MARKS = 5
@@ -408,7 +410,9 @@ def read_numbers(opened: RecordFile) -> Numbers:
     missing: list[str] = []
     indices = [index for index, label in enumerate(opened.header.labels) if label.strip() and index not in reasons]
     with suppress(InputError):
-        return Numbers(dict(zip(indices, (c.values for c in opened.columns(indices)), strict=True)), reasons)
+        found = opened.columns(indices)
+        notes = tuple(dict.fromkeys(note for column in found for note in column.notes))
+        return Numbers(dict(zip(indices, (c.values for c in found), strict=True)), reasons, notes=notes)
     for index in indices:
         if opened.header.labels[index] in opened.header.texts:
             cell = opened.header.texts[opened.header.labels[index]]

@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -245,7 +245,8 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
     if not any(values.size for values in numbers.columns.values()):
         reason = next(iter(numbers.reasons.values()), "has a header and no rows of numbers")
         raise InputError(f"{opened[0].name}: {reason}")
-    return opened, propose_columns(opened[0], numbers, kind)
+    header = replace(opened[0].header, remarks=(*opened[0].header.remarks, *numbers.notes))
+    return [replace(opened[0], header=header), *opened[1:]], propose_columns(opened[0], numbers, kind)
 
 
 def free_experiment(folder: Path) -> Path:
