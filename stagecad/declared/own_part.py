@@ -11,6 +11,7 @@ import hashlib
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import lru_cache, partial
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -28,9 +29,16 @@ if TYPE_CHECKING:
     from stagecad.parameters.machine import DeclaredPart
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
-VALUES: dict[str, Any] = {"TREATMENT": "anodised", "PART_NUMBER": "A-1", "SYMMETRIC": "xy", "TURNED": 1}
-VALUES |= {"NOTES": ("Two off, alike.",), "VIEWS": ("front", "top")}
-"""Values that a part may state, with examples."""
+TEXT = r"[^\0-\t\v-\x1f\x7f]*"
+VALUES: dict[str, tuple[Any, str]] = {
+    "TREATMENT": ("anodised", TEXT),
+    "PART_NUMBER": ("A-1", TEXT),
+    "SYMMETRIC": ("xy", "[xyz]*"),
+    "TURNED": (1, "[1-9][0-9]*"),
+    "NOTES": (("Two off, alike.",), TEXT),
+    "VIEWS": (("front", "top", "right section"), "iso|(front|back|left|right|top|bottom)( section| hidden)?"),
+}
+"""Values that a part may state, with examples, and the form of each or of each item."""
 
 
 def run_file(path: Path, trust: bool, what: str) -> ModuleType:
@@ -130,11 +138,16 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
     for word in REQUIRED:
         if not hasattr(module, word):
             raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
-    for word, example in VALUES.items():
+    for word, (example, form) in VALUES.items():
         found = getattr(module, word, example)
-        kind = tuple | list if isinstance(example, tuple) else type(example)
-        if not isinstance(found, kind) or not (kind in (str, int) or all(isinstance(one, str) for one in found)):
+        several, items = isinstance(example, tuple), found if isinstance(found, tuple | list) else (found,)
+        fits = (type(one) is (str if several else type(example)) and re.fullmatch(form, str(one)) for one in items)
+        if several != (items is found) or not all(fits):
             raise InputError(f"{path}: {word} = {found!r}; write it like {example!r}")
+    for word in filter(str.isupper, vars(module)):
+        meant = get_close_matches(word, VALUES, n=1, cutoff=0.8)
+        if meant and not hasattr(module, meant[0]):
+            raise InputError(f"{path}: a part has no {word}; did you mean {meant[0]}?")
     name = module.NAME
     if not is_identifier(name) or name in names:
         raise InputError(

@@ -154,8 +154,9 @@ class DatumFeature:
     median: bool = False  # whether it is the middle plane of two parallel faces
 
     def __post_init__(self) -> None:
-        if len(self.letter) != 1 or not self.letter.isupper():
-            raise ValueError(f"datum '{self.letter}' is no capital letter")
+        views = self.view in VIEWS and self.targets in ("", *VIEWS)
+        if len(self.letter) != 1 or not self.letter.isupper() or not views:
+            raise ValueError(f"datum '{self.letter}': no capital letter, or no view '{self.view}', '{self.targets}'")
 
 
 @dataclass(frozen=True)
@@ -175,6 +176,10 @@ class GeometricTolerance:
     feature: str = ""  # name of the holes whose callout has the control frame below it; empty for a frame on a face
 
     def __post_init__(self) -> None:
+        if self.characteristic not in get_args(Characteristic) or self.view not in VIEWS:
+            raise ValueError(
+                f"tolerance '{self.name}': no characteristic '{self.characteristic}', or view '{self.view}'"
+            )
         if not (math.isfinite(self.value) and self.value > 0):
             raise ValueError(f"{self.characteristic} '{self.name}': {self.value} is no width of a zone")
         if self.characteristic != "profile" and bool(self.datums) == (self.characteristic in FORM):
@@ -192,6 +197,10 @@ class SurfaceTexture:
     normal: Point
     view: View
     process: str = ""  # how it is finished (`lapped`); empty where the maker may choose
+
+    def __post_init__(self) -> None:
+        if self.view not in VIEWS or not 0.0 < self.roughness < math.inf:
+            raise ValueError(f"surface '{self.name}': no view '{self.view}', or no roughness {self.roughness} um")
 
 
 FaceRequirement = DatumFeature | GeometricTolerance | SurfaceTexture

@@ -93,11 +93,16 @@ DIMENSIONS = [
     f"[Dimension('a', {kind}, 1.0, 'box.length', ((0, 0, 0), (1, 0, 0)), (1, 0, 0){field})]"
     for kind, field in (("''", ""), *(("'linear'", f", {one}") for one in ("note=5", "view='up'", "table='up'")))
 ]
+REQUIREMENTS = [
+    "[DatumFeature('A', ((0, 0, 0),), (0, 0, 1), 'up')]",
+    "[SurfaceTexture('s', 0.8, 'a.b', ((0, 0, 0),), (0, 0, 1), 'up')]",
+    "[GeometricTolerance('t', 'evenness', 0.01, 'a.b', ((0, 0, 0),), (0, 0, 1), 'top')]",
+]
 WRONG = {
     "material": ("[]", "5", "design", "None", "'no-such'"),
     "datums": ("None", "5", "[]", "{'a': 1}", "design"),
     "dimensions": ("None", "5", "'x'", "[None]", "(one for one in (1,))", "design", *DIMENSIONS),
-    "requirements": ("None", "5", "'x'", "[None]", "float('nan')"),
+    "requirements": ("None", "5", "'x'", "[None]", "float('nan')", *REQUIREMENTS),
     "notes": ("None", "5", "[1]"),
     "build": ("5()", "None", "5", "'x'", "lambda: 1"),
 }
@@ -106,6 +111,11 @@ STATED = [
     "NAME = 5",
     "PARAMETERS = 5",
     "VIEWS = 'top'",
+    "VIEWS = ('x',)",
+    "VIEWS = ('section',)",
+    "VIEW = ('top',)",
+    "SYMMETRIC = 'yes'",
+    "TURNED = 0",
     "NOTES = (1,)",
     "TREATMENT = None",
     "TURNED = 'x'",
@@ -118,7 +128,7 @@ STATED = [
 )
 def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: Path, capsys, line: str) -> None:
     assert run(["new", "part", "box"]) == 0
-    Path("box.py").write_text(Path("box.py").read_text() + f"\nfrom {Dimension.__module__} import Dimension\n{line}\n")
+    Path("box.py").write_text(Path("box.py").read_text() + f"\nfrom {Dimension.__module__} import *\n{line}\n")
     capsys.readouterr()
     assert run(["drawings", "--part", "box.py", "--trust"]) == 2
     said = capsys.readouterr().err.strip().splitlines()
