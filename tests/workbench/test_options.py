@@ -2,8 +2,10 @@
 
 import errno
 import os
+import py_compile
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -78,6 +80,16 @@ def test_one_line(error: Exception, line: str, monkeypatch, capsys) -> None:
         assert run(["parts"]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"stagecad: {line}") and said.count("\n") == 1 and said[:-1].isprintable()
+
+
+def test_a_module_whose_compiled_form_is_cut_off_is_named(tmp_path, monkeypatch, capsys) -> None:
+    (tmp_path / "cut_module.py").write_text("value = 1\n")
+    compiled = Path(py_compile.compile(str(tmp_path / "cut_module.py"), doraise=True) or "")
+    compiled.write_bytes(compiled.read_bytes()[:20])
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(command, "parts", lambda *arguments: import_module("cut_module"))
+    assert run(["parts"]) == 2
+    assert capsys.readouterr().err.strip() == f"stagecad: {compiled}: is cut off; remove it"
 
 
 def test_a_library_that_is_missing_is_no_lack_of_memory(monkeypatch: pytest.MonkeyPatch) -> None:

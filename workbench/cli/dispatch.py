@@ -7,6 +7,7 @@ Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or
 import errno
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 from importlib import import_module
 
@@ -122,7 +123,11 @@ def run_line(arguments: Sequence[str]) -> int:
     """Run one command line (without the program's name) and return its exit status."""
     try:
         status = stagecad.main(args=_settled(arguments), prog_name="stagecad", standalone_mode=False)
-    except click.Abort:
+    except click.Abort as end:
+        if isinstance(end.__cause__, EOFError):
+            # No command reads its input: the compiled form of a module may have been cut off by a full disk.
+            files = (frame.f_locals.get("bytecode_path") for frame, _ in traceback.walk_tb(end.__cause__.__traceback__))
+            return _refused(f"{next(filter(None, files), 'a file')}: is cut off; remove it")
         sys.stderr.write("stopped\n")
         return 130
     except click.exceptions.NoArgsIsHelpError as error:
