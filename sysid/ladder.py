@@ -26,7 +26,7 @@ from sysid.estimation.variant_selection import (
     without_effect,
 )
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
-from sysid.experiment.history import Revision, append_revision, edited_by_hand, read_history
+from sysid.experiment.history import Revision, append_revision, read_history
 from sysid.experiment.in_memory import with_revision
 from sysid.prediction.model import Model, public_name, with_effect
 from sysid.prediction.observable import candidate_effects, is_observable, next_copy
@@ -324,8 +324,3 @@ def ladder_json(experiment: Experiment) -> list[dict[str, Any]]:
         }
         for revision in read_history(experiment)
     ]
-
-
-def current_ladder(experiment: Experiment) -> tuple[list[dict[str, Any]], bool]:
-    """The revisions, and whether `[model]` was edited by hand since the last of them."""
-    return ladder_json(experiment), edited_by_hand(experiment, read_history(experiment))

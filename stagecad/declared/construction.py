@@ -36,7 +36,6 @@ from stagecad.solids.modelling.registry import (
 )
 
 if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.built_machine import BuiltMachine
 
@@ -76,11 +75,7 @@ def _source(declaration: MachineDeclaration, part: DeclaredPart, design: Any) ->
         return PartSource(part.key, part.key, (standard_part.__module__,), definition, True, (part.part,))
     if part.part not in known:
         raise InputError(f"{place}: no packaged part '{part.part}'{nearest(part.part, list(known))}")
-    return replace(known[part.part], name=part.key, own_design=partial(_packaged_design, part))
-
-
-def _packaged_design(part: DeclaredPart, design: Design) -> Design:
-    return overridden(design, part.parameters)
+    return replace(known[part.part], name=part.key, own_design=partial(overridden, values=part.parameters))
 
 
 def assemble(parts: Mapping[str, BuiltPart], design: Any, position: Position) -> tuple[Instance, ...]:

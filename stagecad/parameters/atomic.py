@@ -30,7 +30,8 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         os.close(handle)
         temporary = Path(name)
         yield temporary
-        _flush(temporary)
+        with temporary.open("rb+") as stream:
+            os.fsync(stream.fileno())
         temporary.chmod(mode)
         temporary.replace(target)
         _flush_folder(target.parent)
@@ -58,11 +59,6 @@ def _mode(target: Path) -> int:
     if not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(target))
     return stat.S_IMODE(found.st_mode)
-
-
-def _flush(path: Path) -> None:
-    with path.open("rb+") as stream:
-        os.fsync(stream.fileno())
 
 
 def _flush_folder(folder: Path) -> None:

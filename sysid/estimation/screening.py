@@ -79,19 +79,6 @@ SHOWS_PROMISE = 0.5
 """Fraction of the error of the base model below which lower minima near the fit of a driven stage are searched."""
 
 
-def screen_candidate(
-    base: FittedModel,
-    effect: Effect,
-    records: Sequence[PreparedRecord],
-    scales: Scales,
-    basis: np.ndarray,
-    target: np.ndarray,
-) -> ScreeningFit | None:
-    """Score an effect over its grid and make a short fit; None if it does not change the prediction."""
-    scores = score_test(effect, candidate_directions(base, effect, records, scales), basis, target)
-    return screen_scored(ScoredCandidate(effect, scores), base, records, scales, basis)
-
-
 def screen_scored(
     known: ScoredCandidate,
     base: FittedModel,
@@ -176,7 +163,8 @@ def screen_and_refit(
     iterations: int = MOST_STEPS,
 ) -> RefittedEffect | None:
     """Screening and full refit of one effect; None if it does not change the prediction."""
-    screened = screen_candidate(base, effect, records, scales, *profiled)
+    scores = score_test(effect, candidate_directions(base, effect, records, scales), *profiled)
+    screened = screen_scored(ScoredCandidate(effect, scores), base, records, scales, profiled[0])
     return refit_candidate(base, screened, records, scales, starts, iterations) if screened is not None else None
 
 

@@ -22,7 +22,7 @@ from sysid.diagnosis.constants import CERTAIN_Z, LEAST_GAIN
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal
-from sysid.prediction.model import Model, Scales, public_name, shape_grid, size_of, with_effect
+from sysid.prediction.model import Scales, public_name, shape_grid, size_of, with_effect
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.prepared_record import PreparedRecord
 
@@ -120,7 +120,8 @@ def _by_amplitude(
         trial = with_effect(fitted.model, effect, scales, {**shape, **others, key: step})
         moves = [{}, *({phase: 0.5 * np.pi} for phase in phases)]
         # The phase of a true effect is unknown: the least detectable phase is taken.
-        needed = max(limit.needed(_change(fitted, trial, move, records)) for move in moves)
+        moved = (weighted_residual(trial, records, fitted.weights, {**trial.values, **move}) for move in moves)
+        needed = max(limit.needed(fitted.fit.residual - residual) for residual in moved)
         if step * needed < best:
             best, at = step * needed, shape
     if not isfinite(best):
@@ -162,8 +163,3 @@ def _between(before: tuple[float, float] | None, after: tuple[float, float]) -> 
         return value * needed
     slope = np.log(needed / before[1]) / np.log(value / before[0])
     return float(value * needed ** (-1.0 / slope)) if slope < 0.0 else value
-
-
-def _change(fitted: FittedModel, trial: Model, move: dict[str, float], records: Sequence[PreparedRecord]) -> np.ndarray:
-    """Change (n,) of the residual, in standard deviations, from the fitted model to `trial` with values moved."""
-    return fitted.fit.residual - weighted_residual(trial, records, fitted.weights, {**trial.values, **move})

@@ -28,7 +28,7 @@ def candidate_effects(problem: Problem, present: Sequence[str], all_effects: boo
         if name in taken and find(name, problem.custom).is_periodic:
             found.append(find(next_copy(name, present), problem.custom))
             continue
-        if name in taken and not _another_channel(problem, name, present):
+        if name in taken and (name in present or not any(key.startswith(f"{name}@") for key in present)):
             continue
         effect = find(name, problem.custom)
         if not is_observable(problem, effect):
@@ -54,10 +54,6 @@ def next_copy(name: str, present: Sequence[str]) -> str:
 
 LEAST_OF_A_DIRECTION = 0.02
 """Least part of the rows in either direction of motion where an effect depends on the direction."""
-
-
-def _another_channel(problem: Problem, name: str, present: Sequence[str]) -> bool:
-    return any(p.startswith(f"{name}@") for p in present) and name not in present
 
 
 def is_observable(problem: Problem, effect: Effect) -> bool:

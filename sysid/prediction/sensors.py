@@ -102,7 +102,8 @@ def put_scales(
         single = len(terms) == len(experiment.records) and {term.scale for term in terms} == {stated}
         if channel in compared and single:
             _put(channel, deviation, values, unknowns)
-            notes.append(f"the scale of '{channel}' is fitted: {PREFIX}{channel} is its ratio to '{_nominal(stated)}'")
+            nominal = stated.replace("fit", "1", 1) if stated.startswith("fit") else stated
+            notes.append(f"the scale of '{channel}' is fitted: {PREFIX}{channel} is its ratio to '{nominal}'")
         elif math.isinf(deviation):
             wanted = f"it can be fitted of {', '.join(compared)}" if channel not in compared else "give all records one"
             raise InputError(f"{place}: {wanted}; write its value, perhaps with an uncertainty")
@@ -121,10 +122,6 @@ def _put(channel: str, deviation: float, values: dict[str, float], unknowns: lis
     else:
         reach = min(3.0 * deviation, 0.99)
         unknowns.append(Unknown(key, 1.0, 1.0 - reach, 1.0 + 3.0 * deviation, deviation, Prior(1.0, deviation)))
-
-
-def _nominal(stated: str) -> str:
-    return stated.replace("fit", "1", 1) if stated.startswith("fit") else stated
 
 
 def is_scale(key: str) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.artefacts.part import BuiltPart
-from stagecad.solids.modelling.frame import UNMOVED, Frame, Vector, add, dot, mate, scaled, subtract
+from stagecad.solids.modelling.frame import UNMOVED, Vector, add, dot, mate, scaled, subtract
 from stagecad.solids.modelling.registry import Instance
 
 EXPLODED = {
@@ -184,12 +184,7 @@ class _Builder:
         """The tip on the ends of the piezos, oriented like the holder."""
         end = self.datum("piezo", "end")
         # The orientation is the holder's: piezos are round, with no preferred orientation.
-        orientation = self.datum("holder", "bottom").x_direction
-        seat = Datum("piezo_ends", end.origin, end.normal, _back(piezos[0].frame, holder.frame.direction(orientation)))
+        orientation = holder.frame.direction(self.datum("holder", "bottom").x_direction)
+        x, y, z = (dot(axis, orientation) for axis in zip(*piezos[0].frame.rotation, strict=True))
+        seat = Datum("piezo_ends", end.origin, end.normal, (x, y, z))
         return self.on(piezos[0], seat, "tip", "piezo_1", f"tip_{number}")
-
-
-def _back(frame: Frame, direction: Vector) -> Vector:
-    """A direction of the assembly in the coordinates of the part that `frame` places."""
-    x, y, z = (tuple(row[axis] for row in frame.rotation) for axis in range(3))
-    return (dot(x, direction), dot(y, direction), dot(z, direction))  # type: ignore[arg-type]

@@ -185,7 +185,10 @@ def _edge_dimensions(d: DimensionDeclarations, design: Design) -> None:
 def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     """Piezos upright in the pocket: their floors square to the diameter that the pocket guides."""
     f, h = FaceRequirements(design), design.holder
-    axis, floors = (0.0, 0.0, h.floor / 2), tuple((x, y, h.floor) for x, y in _beside_ejectors(design))
+    # A place beside the ejector hole in the middle of each bore's floor, that of bore 3 first.
+    aside = (h.ejector_hole + h.bore_diameter) / 4
+    floors = tuple((x, y + aside, h.floor) for x, y in reversed(Derived(design).piezo_places))
+    axis = (0.0, 0.0, h.floor / 2)
     bottom = ((0.0, -(h.diameter / 2 - h.edge_chamfer) / 2, 0.0),)
     bores = tuple((x, y, (h.height + h.floor) / 2) for x, y in Derived(design).piezo_places)
     f.datum("A", (axis,), Z, "front", round=True)
@@ -208,9 +211,3 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
         feature="piezo bore",
     )
     return tuple(f)
-
-
-def _beside_ejectors(design: Design) -> list[tuple[float, float]]:
-    """A place (x, y) on each bore's floor: the ejector hole takes its middle; that of bore 3 first."""
-    aside = (design.holder.ejector_hole + design.holder.bore_diameter) / 4
-    return [(x, y + aside) for x, y in reversed(Derived(design).piezo_places)]

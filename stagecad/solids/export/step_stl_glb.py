@@ -125,7 +125,8 @@ class _Buffer:
     def add_mesh(self, mesh: Mesh, material: int) -> dict[str, Any]:
         """Append a mesh, and return it as a primitive of glTF."""
         position = self.add((mesh.vertices / 1000.0).astype("<f4"), "VEC3", 5126, 34962, limits=True)
-        normal = self.add(_unit_float(mesh.normals), "VEC3", 5126, 34962)
+        units = mesh.normals / np.linalg.norm(mesh.normals, axis=1, keepdims=True)
+        normal = self.add(units.astype("<f4"), "VEC3", 5126, 34962)
         indices = self.add(mesh.triangles.astype("<u4").reshape(-1), "SCALAR", 5125, 34963)
         attributes = {"POSITION": position, "NORMAL": normal}
         return {"attributes": attributes, "indices": indices, "material": material}
@@ -148,7 +149,8 @@ def glb_bytes(name: str, shapes: Sequence[PlacedShape], meshes: dict[str, Mesh])
     for shape in shapes:
         nodes.append({"name": shape.name, "mesh": numbers[shape.part]})
         if shape.frame != UNMOVED:
-            nodes[-1]["matrix"] = _column_major(shape.frame)
+            columns = [value for column in zip(*shape.frame.rotation, strict=True) for value in (*column, 0.0)]
+            nodes[-1]["matrix"] = [*columns, *(value / 1000.0 for value in shape.frame.shift), 1.0]
     # The root turns z up into y up; all nodes below it keep the axes of the machine.
     half = float(np.sqrt(0.5))
     root = {"name": name, "rotation": [-half, 0.0, 0.0, half], "children": list(range(len(nodes)))}
@@ -180,15 +182,6 @@ def _material(colour: Colour) -> dict[str, Any]:
             "roughnessFactor": ROUGHNESS,
         }
     }
-
-
-def _column_major(frame: Frame) -> list[float]:
-    columns = [[frame.rotation[row][column] for row in range(3)] + [0.0] for column in range(3)]
-    return [*(value for column in columns for value in column), *(value / 1000.0 for value in frame.shift), 1.0]
-
-
-def _unit_float(normals: np.ndarray) -> np.ndarray:
-    return (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype("<f4")
 
 
 def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoDS_Shape]) -> bytes:

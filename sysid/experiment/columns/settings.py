@@ -144,8 +144,8 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
         )
     inner = TomlTable(table.file, f"{table.name}.{channel}", value)
     inner.allow(("column", "unit", "sign", "scale", "increments", *STATED))
+    sign = _sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None
     if stated := _stated(inner, channel):
-        sign = _sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None
         return ColumnSetting(sign=sign, where=where, stated=stated)
     if isinstance(inner.data.get("unit"), str) and inner.text("unit").lstrip().startswith("?"):
         raise InputError(f"{inner.where('unit')}: {shown(inner.data['unit'])} is still a question; write what it is")
@@ -157,7 +157,7 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
     return ColumnSetting(
         column=column,
         unit=inner.text("unit") if "unit" in inner.data else None,
-        sign=_sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None,
+        sign=sign,
         scale=read_scale(inner) if "scale" in inner.data else None,
         where=where,
         increments=inner.flag("increments") if "increments" in inner.data else None,

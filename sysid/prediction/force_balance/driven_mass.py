@@ -124,19 +124,15 @@ def _guess_stiffness(records: Sequence[Record]) -> float:
     )
 
 
-def _is_driven(record: Record) -> bool:
-    """Whether the record is not a coast-down or free oscillation, in which the drive force never changes."""
-    force = record.channels.get("drive_force")
-    return force is None or np.nanmax(force) > np.nanmin(force)
-
-
 def _guess_mass(
     rig: PredictsChannels, records: Sequence[Record], stiffness: float | None, noise: Mapping[str, Noise]
 ) -> float:
     """Mass from the force balance: the force regressed on acceleration, one, and friction by speed, away from
     reversals; through a filter so wide that the acceleration is clear of its noise, and oscillations of the mass on its
     bristles, whose force is opposite to that of the inertia, are not seen."""
-    driven = [r for r in records if r.role == "fit" and _is_driven(r)]
+    # In a coast-down or free oscillation the drive force never changes.
+    forces = [(r, r.channels.get("drive_force", np.arange(2))) for r in records if r.role == "fit"]
+    driven = [r for r, force in forces if np.nanmax(force) > np.nanmin(force)]
     if not driven:
         raise InputError(
             f"{records[0].file}: column 'drive_force' does not change; without rig.known.mass only the ratio of the "

@@ -56,7 +56,8 @@ def predict_balance(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, at: Mapping[str, np.ndarray] | None = None
 ) -> dict[str, np.ndarray]:
     """Predicted channels (n,) of a force balance, filtered as the measured ones are."""
-    if at is None or any(_needs_neighbours(e) for e in effects):
+    # Effects on the filtered channels make a sample depend on others.
+    if at is None or any(effect.acts_on in ("drive", "sensor") and not effect.rounds for effect in effects):
         every = _sensed_balance(balance, effects, values)
         return every if at is None else {channel: found[at[channel]] for channel, found in every.items()}
     terms, channel = _terms(balance, effects, values), balance.force_channel
@@ -74,11 +75,6 @@ def unfiltered_force(balance: ForceBalanceRecord, effects: Sequence[Effect], val
     """Force (n,) against the motion of a driven mass without its inertia, N, unfiltered."""
     friction, resolved_friction = _friction(balance, effects, values, _terms(balance, effects, values))
     return friction if resolved_friction is None else friction + resolved_friction
-
-
-def _needs_neighbours(effect: Effect) -> bool:
-    """Whether an effect works on the filtered channels, so that a sample of them depends on others."""
-    return effect.acts_on in ("drive", "sensor") and not effect.rounds
 
 
 def _has_stretch(balance: ForceBalanceRecord) -> bool:

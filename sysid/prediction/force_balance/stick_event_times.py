@@ -63,10 +63,6 @@ class SmoothedMotion(NamedTuple):
     width: float
 
 
-def _undisturbed(width: float) -> int:
-    return int(np.ceil(KINK_WIDTHS * width)) + 1
-
-
 @compiled
 def _unfiltered_velocity(motion: SmoothedMotion, i: int) -> float:
     """Velocity at a sample: the filter has added half its width squared times the curvature of the velocity."""
@@ -118,7 +114,7 @@ def restored_kinks(motion: SmoothedMotion, phases: SlipPhases) -> np.ndarray:
     From some filter widths off a kink the acceleration is continued unchanged, except for the change of the
     drive: friction is taken as constant over so short a distance. Between the two sides the body rests.
     """
-    out, clear, n = motion.velocity.copy(), _undisturbed(motion.width), motion.velocity.size
+    out, clear, n = motion.velocity.copy(), int(np.ceil(KINK_WIDTHS * motion.width)) + 1, motion.velocity.size
     begins, ends = np.floor(phases.end).astype(int), np.ceil(phases.break_away).astype(int)
     until = np.append(phases.end[1:], n - 1.0)
     fits = (begins - clear >= np.maximum(phases.start + clear, 1.0)) & (ends + clear <= until - clear)

@@ -322,9 +322,10 @@ class FrictionDrive(RigModel):
         """Effects between tip and stage to try on top of a model: first that it slips, then how."""
         effects = [find(CONTACT + name) for name in CONTACT_EFFECTS]
         state = next((e for e in effects if e.friction_state is not None and e.name in present), None)
+        goes_up = any(np.ptp(np.mean(r.drives, axis=0)) > 0.02 * np.ptp(r.drives[1] - r.drives[0]) for r in records)
 
         def is_tried(effect: Effect) -> bool:
-            if effect.name in present or ("load" in effect.needs and not any(_goes_up(r) for r in records)):
+            if effect.name in present or ("load" in effect.needs and not goes_up):
                 return False
             if effect.friction_state is None:
                 return state is not None
@@ -343,8 +344,3 @@ class FrictionDrive(RigModel):
             if change <= SETTLED * float(np.ptp(found["position"])):
                 break
         return found
-
-
-def _goes_up(record: FrictionDriveRecord) -> bool:
-    common = np.mean(record.drives, axis=0)
-    return float(np.ptp(common)) > 0.02 * float(np.ptp(record.drives[1] - record.drives[0]))

@@ -77,7 +77,9 @@ def command(run: Run, names: tuple[str, ...], **options: Any) -> None:
     """
     from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA
 
-    if any(_is_experiment(name, (*EXPERIMENTS, *EXTRA)) for name in names):
+    # A name of the thesis's experiments is not that of a folder.
+    others = [name for name in names if name not in (*EXPERIMENTS, *EXTRA)]
+    if any(name.endswith(".toml") or "/" in name or "\\" in name or Path(name).is_dir() for name in others):
         _simulate_records(run, names, options)
         return
     if options["motion"] is not None or not options["noise"] or options["trust"]:
@@ -88,11 +90,6 @@ def command(run: Run, names: tuple[str, ...], **options: Any) -> None:
 
 def _formats(options: dict[str, Any]) -> tuple[str, ...]:
     return {"both": ("csv", "parquet"), "none": ()}.get(options["kinds"], (options["kinds"],))
-
-
-def _is_experiment(name: str, known: tuple[str, ...]) -> bool:
-    """Whether a name is that of an experiment's folder or file, and not of one of the thesis's experiments."""
-    return name not in known and (name.endswith(".toml") or "/" in name or "\\" in name or Path(name).is_dir())
 
 
 def _simulate_records(run: Run, names: tuple[str, ...], options: dict[str, Any]) -> None:

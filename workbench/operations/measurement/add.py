@@ -328,5 +328,6 @@ def ladder(experiment: Experiment | str | Path, design: Design | None = None) ->
     Raises:
         InputError: a fault in a file.
     """
-    stated = as_experiment(experiment, design)
-    return Ladder(stated, *identification.current_ladder(stated.stated))
+    own = as_experiment(experiment, design)
+    edited = history.edited_by_hand(own.stated, history.read_history(own.stated))
+    return Ladder(own, identification.ladder_json(own.stated), edited)

@@ -7,7 +7,6 @@ from typing import Any
 from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
-from sysid.diagnosis.decision import FreeCurve
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
@@ -202,16 +201,13 @@ def rivals_text(found: Diagnosis) -> str:
     curve, named = found.decision.free_curve, found.decision.best_named
     parts = []
     if curve is not None and curve.share > NEGLIGIBLE_SHARE:
-        parts.append(f"{_curve_text(curve)} explains {100 * curve.share:.0f} % of the misfit")
+        name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
+        share = f"{100 * curve.share:.0f} % of the misfit"
+        parts.append(f"a free curve, a {curve.quantity} of {name}, explains {share}")
     if named is not None and named[1] > NEGLIGIBLE_SHARE:
         verb, what = ("", "") if parts else (" explains", " of the misfit")
         parts.append(f"the best named effect, {named[0]},{verb} {100 * named[1]:.0f} %{what}")
     return ", ".join(parts)
-
-
-def _curve_text(curve: FreeCurve) -> str:
-    name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
-    return f"a free curve, a {curve.quantity} of {name},"
 
 
 def in_command(folder: Path) -> str:
