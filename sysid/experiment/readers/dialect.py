@@ -207,10 +207,8 @@ def _layout(
             cells for _, cells in rows[:first] if len(cells) > 1 and all(form.value(cell) is not None for cell in cells)
         ]
         if len(others) >= LEAST_ROWS:
-            raise InputError(
-                f"{name}: row {start}: has {width} cells, the rows above have {len(others[0])}; if they are no rows "
-                f"of the record: [format] first_row = {start}"
-            )
+            more = f"{len(others[0])}; to leave them out: [format] first_row = {start}"
+            raise InputError(f"{name}: row {start}: has {width} cells, the rows above have {more}")
     days = [k for k, kind in enumerate(columns) if kind == "day"]
     dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
     by_column = {k: "date" if k in dates else kind for k, kind in enumerate(columns) if kind in _TIMES}
