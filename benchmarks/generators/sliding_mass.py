@@ -111,7 +111,7 @@ def _slopes(f, drive, mass, t, x, v, z, age):
     gained = 0.0
     if drive.kind != IMPOSED:
         gained = (_push(drive, t, x, v) - force - f.drag * v) / mass
-    return speed, gained, rate, 1.0 - abs(speed) * age / f.memory
+    return speed, gained, rate, 1.0 - abs(speed - rate) * age / f.memory
 
 
 @njit(cache=True)

@@ -89,7 +89,9 @@ def _points(core: Effect, model: Model, stretch: float, scales: Scales) -> list[
         return []
     level = f"{core.name}.force"
     stiffness = scales.force / stretch
-    point = {key: stretch if key.endswith(".stretch") else stiffness}
+    defaults = {f"{core.name}.{parameter.name}": parameter.default for parameter in core.parameters}
+    point = {name: value for name, value in defaults.items() if name in free}
+    point[key] = stretch if key.endswith(".stretch") else stiffness
     point |= {level: scales.force} if level in free else {}
     damping = f"{core.name}.damping"
     if damping not in free:
