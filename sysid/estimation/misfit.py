@@ -55,6 +55,9 @@ PRESLIDING_TIMING = 0.1
 UNEVEN = 2.0
 """Ratio of the local to the usual variance of a change of the residual that is no error of the estimate."""
 
+USUAL_TRIALS = 4
+"""Times that the usual change is found among the rows that the time before had no larger one."""
+
 LOCAL = 6.0
 """Width, in samples or in widths of the record's filter, over which the local variance is averaged."""
 
@@ -111,11 +114,18 @@ def _variance_of_change(change: np.ndarray, own: np.ndarray, record: PreparedRec
     """Variance (n,) of a residual from its `change` (n,) by one draw of the noise, relative to that of the model
     without effects, `own` (n,), whose variance is known: the sample is finite, and both share its error."""
     valid, known = record.valid[channel], record.scored[channel].noise ** 2
-    usual, reference = (float(np.median(np.abs(part[valid]))) ** 2 for part in (change, own))
-    ratio, level = 0.0, usual / NORMAL_MEDIAN**2
-    if reference > 0.0:  # A constant channel has no noise added.
-        ratio, level = usual / reference, usual / reference * known
-    excess = _local_mean(change**2 - ratio * own**2, record, channel)
+    usual, level, excess = valid, 0.0, np.zeros(record.size)
+    for _ in range(USUAL_TRIALS):
+        size, reference = (float(np.median(np.abs(part[usual]))) ** 2 for part in (change, own))
+        ratio, level = 0.0, size / NORMAL_MEDIAN**2
+        if reference > 0.0:  # A constant channel has no noise added.
+            ratio, level = size / reference, size / reference * known
+        excess = _local_mean(change**2 - ratio * own**2, record, channel)
+        # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
+        quiet = valid & (excess <= (UNEVEN - 1.0) * level)
+        if not quiet.any() or np.array_equal(quiet, usual):
+            break
+        usual = quiet
     return level + np.where(excess > (UNEVEN - 1.0) * level, excess, 0.0)
 
 
