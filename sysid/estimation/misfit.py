@@ -86,7 +86,8 @@ def residual_std(
         there = predict(redrawn, model.effects, model.values)
         change = redrawn.measured[channel] - there[channel] - record.measured[channel] + predicted[channel]
         own = _change_without_effects(model, record, redrawn, channel)
-        variance = _variance_of_change(change, own, record, channel)
+        held = held_by_measured_force(record, channel, record.measured[channel] - predicted[channel], model.values)
+        variance = _variance_of_change(change, own, record, channel, record.valid[channel] & ~held)
         if isinstance(record, ForceBalanceRecord) and isinstance(redrawn, ForceBalanceRecord):
             halves = [at_half_width(model, one, channel) for one in (record, redrawn)]
             if halves[0] is not None and halves[1] is not None:
@@ -110,11 +111,15 @@ def _change_without_effects(model: Model, record: PreparedRecord, redrawn: Prepa
     return residuals[0] - residuals[1]
 
 
-def _variance_of_change(change: np.ndarray, own: np.ndarray, record: PreparedRecord, channel: str) -> np.ndarray:
+def _variance_of_change(
+    change: np.ndarray, own: np.ndarray, record: PreparedRecord, channel: str, compared: np.ndarray
+) -> np.ndarray:
     """Variance (n,) of a residual from its `change` (n,) by one draw of the noise, relative to that of the model
-    without effects, `own` (n,), whose variance is known: the sample is finite, and both share its error."""
-    valid, known = record.valid[channel], record.scored[channel].noise ** 2
-    usual, level, excess = valid, 0.0, np.zeros(record.size)
+    without effects, `own` (n,), whose variance is known: the sample is finite, and both share its error. The usual
+    change is that of the rows that are `compared` (n,), if there are any."""
+    known = record.scored[channel].noise ** 2
+    compared = compared if compared.any() else record.valid[channel]
+    usual, level, excess = compared, 0.0, np.zeros(record.size)
     for _ in range(USUAL_TRIALS):
         size, reference = (float(np.median(np.abs(part[usual]))) ** 2 for part in (change, own))
         ratio, level = 0.0, size / NORMAL_MEDIAN**2
@@ -122,7 +127,7 @@ def _variance_of_change(change: np.ndarray, own: np.ndarray, record: PreparedRec
             ratio, level = size / reference, size / reference * known
         excess = _local_mean(change**2 - ratio * own**2, record, channel)
         # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
-        quiet = valid & (excess <= (UNEVEN - 1.0) * level)
+        quiet = compared & (excess <= (UNEVEN - 1.0) * level)
         if not quiet.any() or np.array_equal(quiet, usual):
             break
         usual = quiet
