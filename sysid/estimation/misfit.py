@@ -56,7 +56,8 @@ UNEVEN = 2.0
 """Ratio of the local to the usual variance of a change of the residual that is no error of the estimate."""
 
 USUAL_TRIALS = 4
-"""Times that the usual change is found among the rows that the time before had no larger one."""
+"""Times that the usual change is found among the rows that the time before had no larger one, if half of the rows
+have none."""
 
 LOCAL = 6.0
 """Width, in samples or in widths of the record's filter, over which the local variance is averaged."""
@@ -128,7 +129,7 @@ def _variance_of_change(
         excess = _local_mean(change**2 - ratio * own**2, record, channel)
         # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
         quiet = compared & (excess <= (UNEVEN - 1.0) * level)
-        if not quiet.any() or np.array_equal(quiet, usual):
+        if 2 * np.count_nonzero(quiet) < np.count_nonzero(compared) or np.array_equal(quiet, usual):
             break
         usual = quiet
     return level + np.where(excess > (UNEVEN - 1.0) * level, excess, 0.0)

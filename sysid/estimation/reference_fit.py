@@ -68,7 +68,9 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
     best = lowest_bristle_fit(best, records, scales)
     if root_mean_huber(best.fit.residual) > AT_THE_NOISE:
         start = _start_from_screening(best.model, records, scales)
-        best = best if start is None else lower_of(best, fit_model(start, records), records)
+        found = best if start is None else lower_of(best, fit_model(start, records), records)
+        # The stretch of the bristles that was found belongs to the other shapes before.
+        best = best if found is best else lowest_bristle_fit(found, records, scales)
     return best
 
 
