@@ -126,7 +126,9 @@ class ModelSearch:
         found = self._map(evaluate, list(enumerate(fits)), [*(fit.effect for fit in fits), *fitted.model.effects])
         found.sort(key=lambda c: c.held_out.loss)
         if fitted is not base.fitted:
-            found[:IN_FULL] = [self._refitted(c, problem, base) or c for c in found[:IN_FULL]]
+            for k, one in enumerate(found[:IN_FULL]):
+                whole = fit_model(one.fitted.model, problem.fit_records, base.fitted.weights)
+                found[k] = self._like(one, whole) or one
         found = sorted(self._with_lower_minima(found), key=lambda c: c.held_out.loss)
         # The variants and shapes of the effects of the model, with the best one, are searched again.
         return [*map(self._with_searched_effects, found[:1]), *found[1:]]
@@ -213,10 +215,7 @@ class ModelSearch:
         records = self.problem.fit_records
         lowest = lowest_minimum(model.fitted, records)
         fitted = fit_model(lowest.model, records, self.base.fitted.weights, CONVERGED, near=lowest)
-        found = self.reference.evaluate(
-            fitted, model.added, model.removed, model.predicted_reduction, model.blocked_reduction
-        )
-        found = self._with_searched_effects(model if found is None else found)
+        found = self._with_searched_effects(self._like(model, fitted) or model)
         self._converged.add(found)
         return found
 
@@ -240,10 +239,10 @@ class ModelSearch:
         reductions = refit.predicted_reduction, refit.blocked_reduction
         return self.reference.evaluate(refit.fitted, (refit.effect,), "", *reductions)
 
-    def _refitted(self, candidate: Candidate, problem: Problem, base: ReferenceFit) -> Candidate | None:
-        """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
-        fitted = fit_model(candidate.fitted.model, problem.fit_records, base.fitted.weights)
-        return self._evaluate(_refit_of(candidate, fitted))
+    def _like(self, model: Candidate, fitted: FittedModel) -> Candidate | None:
+        """The candidate of the same effects with another fit."""
+        reductions = model.predicted_reduction, model.blocked_reduction
+        return self.reference.evaluate(fitted, model.added, model.removed, *reductions)
 
     def _with_lower_minima(self, found: list[Candidate]) -> list[Candidate]:
         """The candidates, the first one refitted from further local minima nearby, and those of the contact of tip and
@@ -256,7 +255,8 @@ class ModelSearch:
                 continue
             if min(c.held_out.loss for c in found) <= NOISE_LOSS:
                 break
-            own = _refit_of(candidate, candidate.fitted)
+            reductions = candidate.predicted_reduction, candidate.fitted, candidate.blocked_reduction
+            own = RefittedEffect(candidate.effect, *reductions)
             lower = search_lower_minimum(self.base.fitted, own, self.problem.fit_records, of_contact=slips)
             further = self._evaluate(lower) if lower is not own else None
             if further is not None and further.held_out.loss < candidate.held_out.loss:
@@ -286,13 +286,7 @@ class ModelSearch:
                 fitted = again if fits_clearly_better(again, fitted) else fitted
         if fitted is candidate.fitted:
             return candidate
-        found = self.reference.evaluate(
-            fitted,
-            candidate.added,
-            candidate.removed,
-            candidate.predicted_reduction,
-            candidate.blocked_reduction,
-        )
+        found = self._like(candidate, fitted)
         return candidate if found is None or found.held_out.loss >= candidate.held_out.loss else found
 
 
@@ -311,8 +305,3 @@ def without_added(model: Model, name: str, stated: Model, scales: Scales) -> Mod
         others = tuple(u for u in model.unknowns if u.key not in known)
         model = replace(model, unknowns=(*others, *known.values())).at({**model.values, **values})
     return model
-
-
-def _refit_of(candidate: Candidate, fitted: FittedModel) -> RefittedEffect:
-    """A candidate as the refit of its effect, with another fit."""
-    return RefittedEffect(candidate.effect, candidate.predicted_reduction, fitted, candidate.blocked_reduction)

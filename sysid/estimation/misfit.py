@@ -1,5 +1,6 @@
 """Residuals of a model in standard deviations of the noise, and their size: by channel, by block of time."""
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -115,17 +116,17 @@ def _change_without_effects(model: Model, record: PreparedRecord, redrawn: Prepa
 def _variance_of_change(
     change: np.ndarray, own: np.ndarray, record: PreparedRecord, channel: str, compared: np.ndarray
 ) -> np.ndarray:
-    """Variance (n,) of a residual from its `change` (n,) by one draw of the noise, relative to that of the model
-    without effects, `own` (n,), whose variance is known: the sample is finite, and both share its error. The usual
-    change is that of the rows that are `compared` (n,), if there are any."""
+    """Variance (n,) of a residual from its `change` (n,) by one draw of the noise in the rows `compared` (n,), relative
+    to that of the model without effects, `own` (n,), whose variance is known: both share the error of a finite sample.
+    """
     known = record.scored[channel].noise ** 2
-    compared = compared if compared.any() else record.valid[channel]
-    usual, level, excess = compared, 0.0, np.zeros(record.size)
+    usual = compared = compared if compared.any() else record.valid[channel]
+    level, excess = 0.0, np.zeros(record.size)
     for _ in range(USUAL_TRIALS):
         size, reference = (float(np.median(np.abs(part[usual]))) ** 2 for part in (change, own))
-        ratio, level = 0.0, size / NORMAL_MEDIAN**2
-        if reference > 0.0:  # A constant channel has no noise added.
-            ratio, level = size / reference, size / reference * known
+        # A constant channel has no noise added.
+        ratio = size / reference if reference > 0.0 else 0.0
+        level = ratio * known if reference > 0.0 else size / NORMAL_MEDIAN**2
         excess = _local_mean(change**2 - ratio * own**2, record, channel)
         # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
         quiet = compared & (excess <= (UNEVEN - 1.0) * level)
@@ -159,11 +160,7 @@ def _timing(model: Model, record: PreparedRecord) -> float:
 
 def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, ChannelMisfit]:
     """Misfit of a model on records, by channel."""
-    residuals: dict[str, list[np.ndarray]] = {}
-    scaled: dict[str, list[np.ndarray]] = {}
-    sensor: dict[str, list[np.ndarray]] = {}
-    measured: dict[str, list[np.ndarray]] = {}
-    presliding: dict[str, list[np.ndarray]] = {}
+    residuals, scaled, sensor, measured, at_rests = (defaultdict[str, list[np.ndarray]](list) for _ in range(5))
     for record in records:
         predicted = predict(record, model.effects, model.values)
         for channel in record.measured:
@@ -172,30 +169,29 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             if f"rig.offset_{channel}" in model.values:
                 # The zero of a sensor and the state of a piezo at the start differ between records.
                 r = r - np.median(r[ok])
-            residuals.setdefault(channel, []).append(r[ok])
+            residuals[channel].append(r[ok])
             compared = ok & ~held_by_measured_force(record, channel, r, model.values)
             kept = compared if compared.any() else ok
             std = residual_std(model, record, channel, predicted, timing=0.0)
-            scaled.setdefault(channel, []).append(r[kept] / std[kept])
-            sensor.setdefault(channel, []).append(r[kept] / record.noise[channel])
+            scaled[channel].append(r[kept] / std[kept])
+            sensor[channel].append(r[kept] / record.noise[channel])
             y = record.measured[channel][ok]
             reference = y - y.mean()
             if isinstance(record, ForceBalanceRecord) and record.is_free:
                 reference = record.force[ok]
-            measured.setdefault(channel, []).append(reference)
+            measured[channel].append(reference)
         if record.stick_phases is not None:
             # Presliding displacements in stick phases count as a misfit of the position.
             ok = record.stick_phases.scored
             channel = "position" if "position" in record.measured else record.force_channel
-            presliding.setdefault(channel, []).append(
-                (record.stick_phases.displacement - predicted[STICK_DISPLACEMENT])[ok] / record.stick_phases.noise
-            )
+            moved = record.stick_phases.displacement - predicted[STICK_DISPLACEMENT]
+            at_rests[channel].append(moved[ok] / record.stick_phases.noise)
     out = {}
     for channel, parts in residuals.items():
         r, y = np.concatenate(parts), np.concatenate(measured[channel])
         norm = float(np.linalg.norm(y))
         over = trimmed_rms(np.concatenate(scaled[channel]))
-        at_rest = np.concatenate(presliding.get(channel, [np.empty(0)]))
+        at_rest = np.concatenate(at_rests.get(channel, [np.empty(0)]))
         if at_rest.size >= LEAST_AT_REST:
             over = max(over, trimmed_rms(at_rest))
         out[channel] = ChannelMisfit(
