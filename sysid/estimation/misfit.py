@@ -152,12 +152,6 @@ def _local_mean(square: np.ndarray, record: PreparedRecord, channel: str) -> np.
     return np.maximum(smooth(np.where(valid, square, 0.0)) / np.maximum(smooth(valid.astype(float)), 0.1), 0.0)
 
 
-def _timing(model: Model, record: PreparedRecord) -> float:
-    """Part of the timing uncertainty of a record that applies to a model."""
-    presliding = record.stick_fraction is None and any(e.has_presliding for e in model.effects)
-    return PRESLIDING_TIMING if presliding else 1.0
-
-
 def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, ChannelMisfit]:
     """Misfit of a model on records, by channel."""
     residuals, scaled, sensor, measured, at_rests = (defaultdict[str, list[np.ndarray]](list) for _ in range(5))
@@ -260,7 +254,8 @@ def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool
     for record in records:
         predicted = predict(record, model.effects, model.values)
         scored = record.scored
-        timing = _timing(model, record)
+        presliding = record.stick_fraction is None and any(e.has_presliding for e in model.effects)
+        timing = PRESLIDING_TIMING if presliding else 1.0
         std.append({c: residual_std(model, record, c, predicted, timing) for c in scored})
         every = max(1, int(record.filter_width / record.step)) if thin else 1
         samples.append({channel: np.flatnonzero(valid)[::every] for channel, (_, valid, _) in scored.items()})
