@@ -63,7 +63,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """The consents given in tests are not those of the user who runs them."""
+    """Neither the consents given in tests nor the width of the lines are those of the user who runs them."""
+    os.environ.pop("COLUMNS", None)
     os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
 
 

@@ -36,6 +36,15 @@ def test_the_document_holds_every_parameter_in_si(capsys: pytest.CaptureFixture[
             assert shown["value"] == design.si(entry.key)
 
 
+@pytest.mark.parametrize("columns", [80, 140])
+def test_keys_are_whole_in_any_width(columns: int, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    _, out, _ = call(capsys)
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= columns
+    assert {entry.key for entry in load_design().entries} <= {line.split()[0] for line in lines if line.strip()}
+
+
 def test_the_table_shows_value_tolerance_and_origin(capsys: pytest.CaptureFixture[str]) -> None:
     status, out, _ = call(capsys, "actuator", "stage.thickness")
     assert status == 0

@@ -30,6 +30,12 @@ def test_closed_streams(tmp_path: Path, streams: str) -> None:
     assert "Traceback" not in found.stderr
 
 
+@pytest.mark.parametrize("columns", ["80", "140"])
+def test_a_reader_that_has_gone_is_no_error(tmp_path: Path, columns: str) -> None:
+    found = _shell(f"set -o pipefail; {PROGRAM} params | head -1", tmp_path, COLUMNS=columns)
+    assert (found.returncode, found.stderr) == (0, "")
+
+
 def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     found = _shell(f"ulimit -f 1; {PROGRAM} params --write stage.toml", tmp_path)
     assert found.returncode == 2

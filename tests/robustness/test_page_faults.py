@@ -275,6 +275,13 @@ def test_what_no_route_answers_has_the_form_of_errors(client: TestClient) -> Non
         assert error and "\n" not in error and len(error) < 400 and not error.startswith(":")
 
 
+def test_an_experiment_under_the_name_of_a_file_is_refused(client: TestClient, folder: Path) -> None:
+    (folder / "notes.txt").write_text("")
+    sent = {"content": b"time [s],x [m]\n0,1\n1,2\n", "headers": {"content-type": "application/octet-stream"}}
+    answer = client.post("/api/upload/notes.txt/a.csv", **sent)
+    assert answer.status_code == 422 and "notes.txt" in answer.json()["error"]
+
+
 def test_a_failed_creation_leaves_nothing(client: TestClient, folder: Path) -> None:
     body = {"name": "new", "kind": "no-such", "records": [{"file": "fit.csv", "role": "fit"}]}
     assert client.post("/api/experiments", json=body).status_code == 422

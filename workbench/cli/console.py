@@ -20,15 +20,18 @@ if TYPE_CHECKING:
 
 STYLES = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
 """Style of a cell that is a verdict."""
+ROOM = 100
+"""Width below which sentences stand below the other cells of a plain table."""
 LONGEST_NAME = 40
-"""Characters of a first column that is not broken into lines, half of the narrowest usual terminal."""
+"""Characters of phrases in a first column that are not broken into lines, half of the narrowest usual terminal."""
 
 
 def show(run: Run, lines: Iterable[Line]) -> None:
     """Print what an operation says of its result."""
     for line in lines:
         if isinstance(line, Table):
-            run.console.print(rich_table(line, run.console.width))
+            if not (line.plain and _is_narrow(line, run.console.width)):
+                run.console.print(rich_table(line, run.console.width))
             for text in _below(line, run.console.width):
                 run.echo(text)
         elif isinstance(line, Note):
@@ -56,8 +59,9 @@ def rich_table(table: Table, width: int = 1000) -> RichTable:
     for k, letters in zip(kept, widths):
         title, kind = table.columns[k]
         justify = "right" if kind.startswith(NUMBER) else "left"
-        # Names that are typed again stand in the first column of a plain table, and are not broken.
-        whole = table.plain and k == 0 and max((len(row[0]) for row in table.rows), default=0) <= LONGEST_NAME
+        # Names that are typed again stand in the first column of a plain table, and are not broken; phrases may be.
+        phrases = [row[0] for row in table.rows if " " in row[0].strip()]
+        whole = table.plain and k == 0 and max(map(len, phrases), default=0) <= LONGEST_NAME
         out.add_column(Text(title), justify=justify, overflow="fold", width=letters, no_wrap=whole)
     for row in table.rows:
         heading = "bold" if table.plain and row[0] and not any(row[1:]) else ""
@@ -91,18 +95,27 @@ def _widths(table: Table, columns: Sequence[int], room: int) -> list[int | None]
 
 
 def _is_narrow(table: Table, width: int) -> bool:
-    """Whether the words of a framed table do not fit."""
+    """Whether the words of a framed table do not fit, or the sentences of a plain one have no room."""
+    if table.plain:
+        return width < ROOM and any(kind == QUIET for _, kind in table.columns)
     kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR]
-    return not table.plain and sum(_longest_word(table, k) for k in kept) + 3 * len(kept) + 1 > width
+    return sum(_longest_word(table, k) for k in kept) + 3 * len(kept) + 1 > width
 
 
 def _below(table: Table, width: int) -> list[str]:
-    """Quiet cells of a table that is too narrow for them, a paragraph for each row."""
+    """Quiet cells of a table that is too narrow for them, a paragraph for each row; in a plain one below the others."""
     quiet = [k for k, (_, kind) in enumerate(table.columns) if kind == QUIET]
     if not (quiet and _is_narrow(table, width)):
         return []
-    texts = [(row[0], ", ".join(row[k] for k in quiet if row[k])) for row in table.rows]
-    return [fill(f"{name}: {text}", width, subsequent_indent="  ") for name, text in texts if text]
+    if not table.plain:
+        texts = [(row[0], ", ".join(row[k] for k in quiet if row[k])) for row in table.rows]
+        return [fill(f"{name}: {text}", width, subsequent_indent="  ") for name, text in texts if text]
+    lines = []
+    for row in table.rows:
+        lines.append("  ".join(cell for k, cell in enumerate(row) if cell and k not in quiet))
+        texts = [f"  {table.columns[k][0]}: {row[k]}" for k in quiet if row[k]]
+        lines += [fill(text, width, subsequent_indent="    ") for text in texts]
+    return lines
 
 
 def _cell(text: str, style: str) -> Text | Padding:

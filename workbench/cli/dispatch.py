@@ -121,6 +121,7 @@ def _refused(*lines: str) -> int:
 
 def run_line(arguments: Sequence[str]) -> int:
     """Run one command line (without the program's name) and return its exit status."""
+    stdout = sys.stdout
     try:
         status = stagecad.main(args=_settled(arguments), prog_name="stagecad", standalone_mode=False)
     except click.Abort as end:
@@ -159,8 +160,9 @@ def run_line(arguments: Sequence[str]) -> int:
     except (SystemExit, BrokenPipeError) as error:
         if "_STAGECAD_COMPLETE" in os.environ:
             return 0  # a shell has asked for the completion of a word
-        # Rich ends the program where its reader has gone.
-        if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
+        # Where the reader has gone, rich ends the program, and so does click, which replaces the stream.
+        gone = sys.stdout is not stdout or isinstance(error.__context__, BrokenPipeError)
+        if isinstance(error, SystemExit) and not gone:
             return _refused("Python code of your own ended the program (sys.exit); it must return")
         # The reader (head, less) has gone; this is not an error. Prevent the interpreter's message at exit.
         sys.stdout = None

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 from click.core import ParameterSource
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from workbench.operations.lines import ProgressCallback
 
 
-FILE = click.Path(path_type=Path)
+FILE, FOLDER = click.Path(path_type=Path), click.Path(path_type=Path, file_okay=False)
+OUT = click.option("--out", type=FOLDER, default=Path("build"), show_default=True, help="Folder to write to.")
 
 
 @dataclass(frozen=True)
@@ -70,21 +71,18 @@ class Run:
         """Stream of the readable text: standard output, or standard error where a JSON document is printed."""
         from rich.console import Console
 
-        # Without a terminal of known width, tables are laid out for a wide page rather than cut.
+        # Where no width is known, tables are laid out for a wide page rather than cut.
         plain = sys.stderr if self.json_target is not None else sys.stdout
-        return Console(file=plain, soft_wrap=False, highlight=False, width=None if plain.isatty() else 140)
+        return Console(file=plain, soft_wrap=False, highlight=False, width=_width(plain) or 140)
 
     def echo(self, text: str) -> None:
-        """Print readable text; on a terminal, what is longer than a line continues with an indent."""
+        """Print readable text."""
         stream = sys.stderr if self.json_target is not None else sys.stdout
-        if stream.isatty():
-            width = shutil.get_terminal_size().columns
-            text = "\n".join(_folded(line, width) for line in text.split("\n"))
-        click.echo(text, err=self.json_target is not None)
+        click.echo(_folded(text, stream), file=stream)
 
     def note(self, text: str) -> None:
         """Print a remark of one line to standard error; it may quote a file."""
-        click.echo(one_line(text), err=True)
+        click.echo(_folded(one_line(text), sys.stderr), err=True)
 
     def emit(self, document: object) -> None:
         """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
@@ -140,24 +138,26 @@ class Run:
             yield
 
 
-def _folded(line: str, width: int) -> str:
-    if len(line) <= width:
-        return line
-    indent = " " * (len(line) - len(line.lstrip()) + 2)
-    return textwrap.fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+def _width(stream: TextIO) -> int | None:
+    """Columns of a terminal, or as the variable COLUMNS states them; else None."""
+    return shutil.get_terminal_size().columns if stream.isatty() or os.environ.get("COLUMNS") else None
 
 
-class _ToStandardError(logging.Handler):
-    """Prints the remarks of operations."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        click.echo(record.getMessage(), err=True)
+def _folded(text: str, stream: TextIO) -> str:
+    """Text of which lines that are longer than the stream is wide continue with an indent."""
+    width, lines = _width(stream) or 10**6, text.split("\n")
+    indents = [" " * (len(line) - len(line.lstrip()) + 2) for line in lines]
+    fill = functools.partial(textwrap.fill, width=width, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(
+        fill(line, subsequent_indent=indent) if len(line) > width else line for line, indent in zip(lines, indents)
+    )
 
 
 @contextmanager
 def _remarks_shown() -> Iterator[None]:
-    log = logging.getLogger("stagecad")
-    handler = _ToStandardError()
+    """Print the remarks of operations."""
+    log, handler = logging.getLogger("stagecad"), logging.Handler()
+    handler.emit = lambda record: click.echo(_folded(record.getMessage(), sys.stderr), err=True)
     log.addHandler(handler)
     log.propagate = False
     try:
@@ -176,6 +176,12 @@ def _need_writable(file: Path) -> None:
         raise InputError(f"--json {file}: {above} is a file, not a folder")
     if not os.access(file if file.exists() else above, os.W_OK):
         raise InputError(f"--json {file}: cannot be written")
+
+
+def port_option(default: int) -> Callable[..., Any]:
+    """The option of a command that serves pages."""
+    words = "Port to serve on; 0 for any free one."
+    return click.option("--port", type=click.IntRange(0, 65535), default=default, show_default=True, help=words)
 
 
 def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -220,13 +226,7 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     @click.option(
         "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a parameter; may be repeated."
     )
-    @click.option(
-        "--out",
-        type=click.Path(path_type=Path, file_okay=False),
-        default=Path("build"),
-        show_default=True,
-        help="Folder to write to.",
-    )
+    @OUT
     @click.option(
         "--json",
         "json_target",

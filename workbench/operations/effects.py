@@ -56,7 +56,7 @@ def library_table(effects: Sequence[Any]) -> Table:
         kind = f"{effect.acts_on} (state model)" if effect.friction_state is not None else effect.acts_on
         names = ", ".join(p.name if p.unit == "1" else f"{p.name} [{p.unit}]" for p in effect.parameters)
         rows.append((effect.name, kind, effect.meaning, names))
-    return plain_table("", "effect|acts on|meaning|parameters", rows, "*")
+    return plain_table("", "effect|acts on|meaning|parameters", rows, "*", "meaning|parameters")
 
 
 def effect_lines(effect: Any) -> list[Line]:

@@ -45,7 +45,7 @@ Line = str | Table
 """What a command prints of a result: a sentence, a `Note`, a warning or a table."""
 
 
-def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: str = "") -> Table:
+def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: str = "", quiet: str = "") -> Table:
     """A table without a frame.
 
     Args:
@@ -53,10 +53,12 @@ def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: s
         columns: their titles, separated by `|`.
         rows: of cells.
         left: titles of the columns that hold text, separated by `|`; `*` for all, the first one when left out.
+        quiet: titles of those of them that hold prose.
     """
     titles = columns.split("|")
     text = titles if left == "*" else left.split("|") if left else titles[:1]
-    kinds = tuple((name, TEXT if name in text else NUMBER) for name in titles)
+    prose = quiet.split("|")
+    kinds = tuple((name, QUIET if name in prose else TEXT if name in text else NUMBER) for name in titles)
     return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
 
 

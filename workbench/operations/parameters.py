@@ -76,7 +76,7 @@ def parameter_table(entries: Sequence[Entry]) -> Table:
             rows.append(("",) * 5)
         group = entry.key.rpartition(".")[0]
         rows.append((entry.key, _text(entry), entry.tolerance or "", entry.meaning, entry.origin))
-    return plain_table("", "parameter|value|tolerance|meaning|origin", rows, "*")
+    return plain_table("", "parameter|value|tolerance|meaning|origin", rows, "*", "meaning|origin")
 
 
 def difference_lines(first: str, second: str, differences: Sequence[Difference]) -> list[Line]:
@@ -84,7 +84,7 @@ def difference_lines(first: str, second: str, differences: Sequence[Difference])
     if not differences:
         return [f"{first} and {second} do not differ"]
     rows = [(item.key, _cell(item.before), _cell(item.after), _what(item)) for item in differences]
-    return [plain_table("", f"parameter|{first}|{second}|what differs", rows, "*")]
+    return [plain_table("", f"parameter|{first}|{second}|what differs", rows, "*", f"{first}|{second}|what differs")]
 
 
 def _text(entry: Entry) -> str:

@@ -17,7 +17,7 @@ from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
 from workbench.operations.lines import remark
 from workbench.operations.live_checks import LiveChecks, check_row
-from workbench.operations.parameters import entry_row, parameter_rows
+from workbench.operations.parameters import entry_row
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"
@@ -173,10 +173,6 @@ class MachineSession:
             }
             for change in diff(base, self.design(), solids=False, margins=False).changes.parameters
         ]
-
-    def parameters(self) -> list[dict[str, Any]]:
-        """Every parameter of the saved file: text, bounds in the unit of the text, origin, kind of the value."""
-        return parameter_rows(self.saved.values)
 
     def _changed(self, design: Design, changes: Changes) -> dict[str, str]:
         """Text of the values that differ from the saved file: those set, and those computed from them."""

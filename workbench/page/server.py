@@ -184,7 +184,9 @@ def _add_errors(app: FastAPI) -> None:
 
     @app.exception_handler(OSError)
     async def no_file(request: Request, error: OSError) -> JSONResponse:
-        return answer(f"{error.filename or 'file'}: {error.strerror or error}", 500)
+        # A name of the request may be that of a file where a folder is required, or the reverse.
+        own = isinstance(error, NotADirectoryError | IsADirectoryError | FileExistsError)
+        return answer(f"{error.filename or 'file'}: {error.strerror or error}", 422 if own else 500)
 
     @app.exception_handler(Exception)
     async def unexpected(request: Request, error: Exception) -> JSONResponse:

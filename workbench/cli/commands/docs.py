@@ -9,24 +9,13 @@ from typing import Any
 import click
 
 from stagecad.parameters.errors import InputError
+from workbench.cli.options import OUT, port_option
 from workbench.operations.templates import shared_folder
 
 
 @click.command("docs")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("build"),
-    show_default=True,
-    help="Folder to build in.",
-)
-@click.option(
-    "--port",
-    type=click.IntRange(0, 65535),
-    default=8323,
-    show_default=True,
-    help="Port to serve on; 0 for any free one.",
-)
+@OUT
+@port_option(8323)
 @click.option("--serve/--no-serve", default=True, help="Serve the pages until Ctrl-C, or only build them.")
 @click.option("--open/--no-open", "show", default=True, help="Open a browser.")
 def command(out: Path, port: int, serve: bool, show: bool) -> None:

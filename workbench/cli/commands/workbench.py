@@ -10,7 +10,7 @@ import click
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.private import make_private, user_folder
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import Run, common_options, port_option
 
 LEAST_TOKEN = 16
 """Smallest number of characters of a token."""
@@ -18,13 +18,7 @@ LEAST_TOKEN = 16
 
 @click.command("workbench")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
-@click.option(
-    "--port",
-    type=click.IntRange(0, 65535),
-    default=8321,
-    show_default=True,
-    help="Port to serve on; 0 for any free one.",
-)
+@port_option(8321)
 @click.option(
     "--token",
     default=None,

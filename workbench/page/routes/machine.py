@@ -10,6 +10,7 @@ from starlette.concurrency import run_in_threadpool
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import masses_from_json
 from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
+from workbench.operations.parameters import parameter_rows
 from workbench.operations.result import finite
 from workbench.page.machine_session import Changes, MachineSession
 
@@ -78,7 +79,7 @@ def state(request: Request) -> dict[str, Any]:
 @router.get("/parameters")
 def parameters(request: Request) -> list[dict[str, Any]]:
     """Every parameter of the saved file, with bounds and origin."""
-    return finite(session_of(request).parameters())
+    return finite(parameter_rows(session_of(request).saved.values))
 
 
 @router.post("/preview")
