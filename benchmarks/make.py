@@ -42,7 +42,7 @@ def stage_seconds(folder: Path, change: str) -> dict[str, tuple[int, float, int,
     """Number of tasks and their processor time by stage: with an empty cache, and after a change."""
     from stagecad.parameters.load import load_design
     from workbench.operations.design import Design as StatedDesign
-    from workbench.report.make_tasks import Kind, Making
+    from workbench.report.make import Kind, Making
 
     counts: list[Counter[Kind]] = []
     times: list[dict[Kind, float]] = []

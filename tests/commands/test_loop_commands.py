@@ -11,7 +11,7 @@ import workbench
 from benchmarks.generators.hidden_effect import Plan, make_case
 from benchmarks.generators.make_demo_records import demo_records
 from workbench import cli
-from workbench.operations.measurement.demonstration import free_folder, fresh_copy
+from workbench.operations.templates import free_folder, fresh_copy
 
 PACKAGED = Path(workbench.__file__).parent / "demo_records"
 

@@ -25,7 +25,7 @@ from sysid.experiment.columns.settings import read_channel_settings
 from sysid.experiment.readers.format import read_format
 from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
 from sysid.experiment.toml_table import TomlTable
-from workbench.operations.measurement.demonstration import fresh_copy
+from workbench.operations.templates import fresh_copy
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

@@ -16,7 +16,7 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from sysid.experiment.experiment import find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
 from tests.robustness.crashing import DONE, KILLED, RAISED, run_until
-from workbench.operations.measurement.demonstration import free_folder, fresh_copy
+from workbench.operations.templates import free_folder, fresh_copy
 from workbench.page.machine_session import MachineSession
 from workbench.page.project import Project
 

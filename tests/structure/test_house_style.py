@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12693,
     "sysid": 20241,
     "drawings": 12109,
-    "workbench": 15560,
+    "workbench": 15561,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

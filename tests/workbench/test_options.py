@@ -15,7 +15,7 @@ from stagecad.parameters.errors import LostProcessError
 from tests.reference.tables import cases
 from workbench import cli
 from workbench.cli import run
-from workbench.operations.measurement.demonstration import fresh_copy
+from workbench.operations.templates import fresh_copy
 
 
 @pytest.mark.parametrize(("line", "message"), cases("mistaken_options", "mistakes"))

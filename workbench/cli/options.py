@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 FILE, FOLDER = click.Path(path_type=Path), click.Path(path_type=Path, file_okay=False)
 OUT = click.option("--out", type=FOLDER, default=Path("build"), show_default=True, help="Folder to write to.")
+TRUST = "stagecad.trust"
+"""Key of the consent that `design_trust` takes."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,13 @@ class Run:
     def note(self, text: str) -> None:
         """Print a remark of one line to standard error; it may quote a file."""
         click.echo(_folded(one_line(text), sys.stderr), err=True)
+
+    def trust_files(self) -> None:
+        """Store the consent to run the user's own checks and parts as they are now, and name them."""
+        from workbench.operations.checks import trust_checks
+
+        for name in trust_checks(self.design):
+            self.note(f"trusted as it is now: {name}")
 
     def emit(self, document: object) -> None:
         """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
@@ -178,12 +187,6 @@ def _need_writable(file: Path) -> None:
         raise InputError(f"--json {file}: cannot be written")
 
 
-def port_option(default: int) -> Callable[..., Any]:
-    """The option of a command that serves pages."""
-    words = "Port to serve on; 0 for any free one."
-    return click.option("--port", type=click.IntRange(0, 65535), default=default, show_default=True, help=words)
-
-
 def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the argument EXPERIMENT, and `--trust`; below `common_options`, whose `Run` comes first."""
 
@@ -198,6 +201,18 @@ def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return wrapper
 
 
+def whole_number(flag: str, low: int, high: int | None, default: int | None, words: str, metavar: str = "") -> Any:
+    """An option that takes a whole number from `low` to `high`."""
+    shown = default is not None
+    kind = click.IntRange(low, high)
+    return click.option(flag, type=kind, default=default, show_default=shown, metavar=metavar or None, help=words)
+
+
+def port_option(default: int) -> Any:
+    """The option of a command that serves pages."""
+    return whole_number("--port", 0, 65535, default, "Port to serve on; 0 for any free one.")
+
+
 trust_option = click.option(
     "--trust", is_flag=True, help="Consent to run the Python files of EXPERIMENT ([model] custom) as they are now."
 )
@@ -209,6 +224,16 @@ def consent(run: Run, experiment: Path) -> None:
 
     for path in trust_experiment(experiment):
         run.note(f"trusted as it is now: {path}")
+
+
+def design_trust(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Add `--trust`, the consent to run the user's own checks and parts; above `common_options`, which stores it."""
+
+    def keep(context: click.Context, _: click.Parameter, given: bool) -> None:
+        context.meta[TRUST] = given
+
+    what = f"Consent to run the files of {words} as they are now."
+    return click.option("--trust", is_flag=True, expose_value=False, callback=keep, help=what)
 
 
 def without_rules(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -245,6 +270,8 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
                 _ = run.design.values
             if json_target not in (None, "-"):
                 _need_writable(Path(json_target))
+            if click.get_current_context().meta.get(TRUST):
+                run.trust_files()
             with _remarks_shown():
                 return function(run, **rest)
         except ViolationsError as error:

@@ -279,6 +279,14 @@ FIGURES: dict[str, tuple[str, Callable[..., Figure | None]]] = {
 """Figure by title: name of its file, and what draws it (None where the design has none)."""
 
 
+def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Figure | None]]]:
+    """The figures of the checks that a design has, by title."""
+    from designcalc.checks.run import subjects_of
+
+    names = subjects_of(design).figures(design)
+    return {title: figure for title, figure in FIGURES.items() if figure[0] in names}
+
+
 def tolerance_figure(study: ToleranceStudy) -> Figure:
     """The dimensions whose tolerance uses up most of a margin."""
     shown = [item for item in study.influences if item.share > 0][:12]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.analysis.proposals import evaluate_proposals
@@ -154,6 +155,19 @@ class Checks(Result):
         if name is not None and name not in subjects:
             raise InputError(f"no subject '{name}'{nearest(name, [*subjects, *FIGURES])}")
         return margins_figure([c for c in self.checks if c.subject == name] if name else self.failed)
+
+    def write_figures(self, folder: Path) -> dict[str, Path]:
+        """Draw every figure of the checks that this design has into a folder; the files by title."""
+        from workbench.figures.checks import figures_of
+        from workbench.figures.plot import save
+
+        drawn: dict[str, Path] = {}
+        for title, (name, draw) in figures_of(self.design.values).items():
+            figure = draw(self.design.values, self.masses)
+            if figure is not None:
+                drawn[title] = folder / f"{name}.png"
+                save(figure, drawn[title])
+        return drawn
 
     def __repr__(self) -> str:
         counts = {name: sum(check.verdict == name for check in self.checks) for name in ("passes", "fails")}

@@ -143,6 +143,7 @@ def drawings(
     names: Sequence[str] = (),
     out: str | Path = "build",
     progress: ProgressCallback = silent,
+    flat: bool = False,
 ) -> Drawings:
     """Draw the sheets of a design and write each as DXF, SVG, PDF and PNG, with a list of its dimensions (CSV) and its
     part with tolerances (STEP AP242).
@@ -152,6 +153,7 @@ def drawings(
         names: of parts, or of sheets (`base_2`); all of them when left out.
         out: folder of the files.
         progress: called with the name of a part, the parts drawn, and their number.
+        flat: write each DXF flat too, all in model space on paper, for viewers without viewports.
 
     Raises:
         InputError: no such part or sheet.
@@ -174,6 +176,8 @@ def drawings(
             if hit.startswith(FILE):
                 remark(hit)
     documents = {str(PurePosixPath(sheet.folder, sheet.name)): sheet_document(sheet, folder) for sheet in sheets}
+    for document in documents.values() if flat else ():
+        document["files"] += write_flat(document["files"])
     parameters = _write_parameters(design, folder, sheets)
     return Drawings(design, {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters})
 

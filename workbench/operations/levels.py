@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.analysis.report import shown
@@ -11,7 +12,7 @@ from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
 from workbench.operations.lines import Line, ProgressCallback, Table, markdown, plain_table, silent
-from workbench.operations.optimise import Search
+from workbench.operations.optimise import Search, write_study
 from workbench.operations.result import Result, frame
 
 if TYPE_CHECKING:
@@ -100,6 +101,17 @@ class ReachedLevels(Result):
             "fronts": [{"names": list(names), "points": points} for names, points in levels.fronts.items()],
             "evaluations": levels.evaluations,
         }
+
+    interrupted = False
+
+    def figures(self) -> dict[str, Figure]:
+        """The Pareto fronts, by the name of the file."""
+        return {"levels": self.plot()}
+
+    def write_results(self, folder: Path, figures: bool, *_: Any) -> tuple[dict[str, Any], list[Line], list[str]]:
+        """Write report and figure into a folder; document, remarks, figures."""
+        document, drawn = write_study(self, folder, "levels.md", figures)
+        return document, [], drawn
 
     def plot(self) -> Figure:
         """Pareto fronts of the levels of two requirements each, with the values of Table 1."""

@@ -21,10 +21,11 @@ from designcalc.optimisation.space import Free, free_parameters
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, ProgressCallback, markdown, plain_table, silent
+from workbench.operations.lines import Line, Note, ProgressCallback, markdown, plain_table, silent
 from workbench.operations.parts import masses_of_solids
 from workbench.operations.result import Result, finite, frame, without_options
 
@@ -304,10 +305,60 @@ class Optimisation(Result):
         atomic_write_text(target, self.design.to_toml(changes, str(target)))
         atomic_write_text(target.with_suffix(".md"), self.report())
 
+    def figures(self) -> dict[str, Figure]:
+        """The Pareto fronts of the conflicts, by the names of their files."""
+        return {f"conflict_{number + 1}": self.plot(number) for number in range(len(self.fronts))}
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the search."""
+        return self.outcome.interrupted
+
+    def write_results(
+        self, folder: Path, figures: bool, target: Path | None, relax: bool
+    ) -> tuple[dict[str, Any], list[Line], list[str]]:
+        """Write report and figures into a folder, and the design to `target`; document, remarks, figures."""
+        lines: list[Line] = []
+        if self.unverified:
+            failing = ", ".join(self.unverified)
+            lines = [Note(f"with the masses of its own solids the design fails: {failing}; repeat with --params on it")]
+        written = target is not None and self.after is not None and (self.feasible or relax)
+        if target is not None and written:
+            self.write(target)
+            lines.append(Note(f"written: {target} and {target.with_suffix('.md')}"))
+        elif target is not None:
+            why = "no design meets all requirements (--relax leaves out those of the conflicts)"
+            lines.append(Note(f"{target} is not written: {why}"))
+        more = {"written": str(target)} if written else {}
+        document, drawn = write_study(self, folder, "report.md", figures, more)
+        return document, lines, drawn
+
     def __repr__(self) -> str:
         count = len(self.outcome.changes)
         result = f"{count} changes" if self.feasible else f"no design, {len(self.outcome.conflicts)} conflicts"
         return f"<Optimisation of '{self.design.values.file}': {result}, {self.outcome.evaluations} designs evaluated>"
+
+
+def write_study(
+    study: Any, folder: Path, report: str, figures: bool, more: Mapping[str, Any] = {}
+) -> tuple[dict[str, Any], list[str]]:
+    """Write report and figures of an optimisation or of a study of levels; its document with `more`, the figures."""
+    atomic_write_text(folder / report, study.report())
+    document = {**study.to_json(), **more}
+    if not figures:
+        return document, []
+    from workbench.figures.plot import save_figures
+
+    drawn = [str(path) for path in save_figures(folder, study.figures())]
+    return {**document, "figures": drawn}, drawn
+
+
+def time_limit(text: str | None) -> float:
+    """Time of `--time`, s; infinite without it."""
+    seconds = math.inf if text is None else parse_quantity(text, "s", "--time")
+    if not seconds > 0:
+        raise InputError(f"--time '{text}': must be above 0")
+    return seconds
 
 
 def _words(check: Check) -> str:

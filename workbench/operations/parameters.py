@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import diff, load_design
 from stagecad.parameters.units import as_json, to_si
 from workbench.operations.lines import Line, Table, plain_table
 
@@ -65,6 +67,18 @@ def require_known(names: Sequence[str], values: Values) -> None:
         if not any(is_named(key, [name]) for key in known):
             tables = {key.rpartition(".")[0] for key in known}
             raise InputError(f"no table or parameter '{name}'{nearest_key(name, known if '.' in name else tables)}")
+
+
+def stated_parameters(values: Values, names: Sequence[str], other: Path | None) -> tuple[list[Line], dict[str, Any]]:
+    """Lines and document of the parameters named, or of those that differ from the ones of another file."""
+    if other is not None:
+        differences = [item for item in diff(values, load_design(other)) if is_named(item.key, names)]
+        document = {"files": [values.file, str(other)], "differences": [difference_json(item) for item in differences]}
+        return difference_lines(values.file, str(other), differences), document
+    require_known(names, values)
+    entries = [entry for entry in values.entries if is_named(entry.key, names)]
+    parameters = {entry.key: entry_json(entry) for entry in entries}
+    return [parameter_table(entries)], {"file": values.file, "digest": values.digest, "parameters": parameters}
 
 
 def parameter_table(entries: Sequence[Entry]) -> Table:

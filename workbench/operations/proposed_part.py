@@ -6,6 +6,7 @@ there, with the solid in the position in which it is drawn, `NAME_solid.step`.
 
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -15,7 +16,8 @@ from stagecad.declared.own_part import REQUIRED, run_file
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import packaged_machine
 from workbench.operations.design import Design
-from workbench.operations.drawings import sheet_document, write_sheets
+from workbench.operations.drawings import sheet_document, write_flat, write_sheets
+from workbench.operations.lines import Line, Note
 
 
 def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dict[str, Any]:
@@ -63,8 +65,37 @@ MOST_SOLIDS = 200
 """Most solids of one file that are drawn, one sheet each."""
 
 
-def draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dict[str, Any]]:
-    """Sheets of a part file, a script or a STEP file; their documents."""
+class PartSheets(list[dict[str, Any]]):
+    """Documents of the parts of a file, whose sheets are written."""
+
+    @property
+    def hits(self) -> list[tuple[str, str]]:
+        """Hits of the lint, each with the name of its part."""
+        return [(one["part"], hit) for one in self for sheet in one["sheets"] for hit in sheet["hits"]]
+
+    def lines(self, lint: bool) -> Iterator[Line]:
+        """Files, open questions, hits of the lint and mass of each part."""
+        for document in self:
+            hits = [hit for sheet in document["sheets"] for hit in sheet["hits"]]
+            yield from document["files"]
+            yield from (f"question: {question}" for question in document.get("questions", ()))
+            yield from (Note(f"{document['part']}: {hit}") for hit in hits if lint)
+            yield f"mass {document['mass']['value']:.4g} kg; lint: {len(hits)} hits"
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad drawings --part --json`."""
+        return self[0] if len(self) == 1 else {"parts": list(self)}
+
+
+def draw_file(path: Path, design: Design, trust: bool, folder: Path, flat: bool = False) -> PartSheets:
+    """Draw the parts of a part file, a script or a STEP file; `flat` as for `drawings`."""
+    documents = _draw_file(path, design, trust, folder)
+    for document in documents if flat else ():
+        document["files"] += write_flat(document["files"])
+    return PartSheets(documents)
+
+
+def _draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dict[str, Any]]:
     if path.suffix.lower() in STEP:
         return [propose_sheet(name, solid, path.name, design, folder) for name, solid in _step_solids(path)]
     module: Any = run_file(path, trust, "this part")

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
+import json
+import shutil
 import tempfile
 import tomllib
 from collections.abc import Iterator
 from importlib.metadata import distribution
+from importlib.resources import as_file, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.effects.catalogue import library, valid_name
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.input_file import read_input
+from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.names import identifier
+from stagecad.parameters.project_tables import HARDWARE, NAME, ROW, SOURCE
 from stagecad.parameters.units import from_si, to_si
-from workbench.operations.measurement.demonstration import fresh_demo
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -95,8 +101,6 @@ _UNITS = {"m": "um", "m^2": "mm^2", "kg": "g", "Pa": "MPa", "F": "uF"}
 
 def table_text(design: Design, kind: str) -> str:
     """The table of a kind with one row for each piece of hardware in the design."""
-    from stagecad.parameters.project_tables import NAME, SOURCE
-
     declared = design.machine.kinds()[kind]
     # Optional columns of a kind with names are for rows that the parameter file has no keys for.
     free = declared.optional if declared.names else ()
@@ -111,6 +115,16 @@ def table_text(design: Design, kind: str) -> str:
         cells = [_cell(value, kept[column], units[column]) for column, value in zip(columns, values, strict=True)]
         writer.writerow([name, *cells, f"assumed: as in {design.file}"])
     return memory.getvalue()
+
+
+def write_table_of(design: Design, kind: str) -> list[str]:
+    """Write KIND.csv with the pieces of hardware of the design; what was written, and how it is used."""
+    kinds = packaged_machine().kinds()
+    if kind not in kinds:
+        raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds)}")
+    written = write_new(Path(f"{kind}.csv"), table_text(design, kind))
+    lines = [f"written: {written}", f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"']
+    return [*lines, *(f"and the name of a row as {slot}.{ROW}" for slot in kinds[kind].slots[:1])]
 
 
 def _rows(design: Design, kind: str, declared: Kind, columns: list[str]) -> Iterator[tuple[str, list[str]]]:
@@ -176,3 +190,53 @@ def _files(name: str, experiment: bool = False) -> list[Path]:
     if not all(record.is_file() and record.parent == folder for record in records):
         return []
     return sorted(path for path in folder.iterdir() if path.is_file() and path.name != "make_records.py")
+
+
+STATE = ".demo.json"
+"""File in a folder of the demonstration: the hash of each file of the experiment as the demonstration left it."""
+
+
+def fresh_demo(folder: str | Path) -> Path:
+    """Copy the packaged demonstration to a folder, or to the next free one; returns the folder."""
+    return fresh_copy(free_folder(Path(folder)))
+
+
+def free_folder(folder: Path) -> Path:
+    """`folder`, or the first of FOLDER_2, FOLDER_3, ... that does not exist or is as a demonstration left it."""
+    number, free = 1, folder
+    while (free.exists() or free.is_symlink()) and not _as_left(free):
+        number += 1
+        free = folder.with_name(f"{folder.name}_{number}")
+    return free
+
+
+def fresh_copy(folder: Path) -> Path:
+    """The packaged experiment in its initial state in `folder`, which is new or one that `free_folder` has found."""
+    for left_over in ("ladder", "sections"):
+        if (folder / left_over).is_dir():
+            shutil.rmtree(folder / left_over)
+    with as_file(files("workbench") / "demo_records") as packaged:
+        for path in sorted(packaged.iterdir()):
+            if path.suffix in (".toml", ".csv"):
+                atomic_write_bytes(folder / path.name, path.read_bytes())
+    remember(folder)
+    return folder
+
+
+def remember(folder: Path) -> None:
+    """Store the state of the experiment in `folder`, by which the next demonstration recognises an unchanged folder."""
+    atomic_write_text(folder / STATE, json.dumps(dict(_hashes(folder)), indent=1) + "\n")
+
+
+def _as_left(folder: Path) -> bool:
+    try:
+        return not folder.is_symlink() and json.loads(read_input(folder / STATE)) == dict(_hashes(folder))
+    except (OSError, ValueError):
+        return False
+
+
+def _hashes(folder: Path) -> Iterator[tuple[str, str]]:
+    """Name and hash of each file of the experiment; reports and figures can be made again and do not count."""
+    beside = [path for path in folder.iterdir() if path.suffix in (".toml", ".csv", ".parquet", ".mat", ".py")]
+    for path in sorted(path for path in (*beside, *(folder / "ladder").rglob("*")) if path.is_file()):
+        yield path.relative_to(folder).as_posix(), hashlib.sha256(path.read_bytes()).hexdigest()

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.run import subjects_of
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.artefacts.stored_object import stored_object
 
@@ -31,22 +29,17 @@ class _WithMasses:
     masses: Masses
 
 
-def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Any]]]:
-    """Figures of the checks that a design has, by title: name, and what draws it."""
-    from workbench.figures.checks import FIGURES
-
-    names = subjects_of(design).figures(design)
-    return {title: figure for title, figure in FIGURES.items() if figure[0] in names}
-
-
 def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
+    from workbench.figures.checks import figures_of
     from workbench.figures.plot import save
 
     name, draw = figures_of(design)[title]
 
     def make(tracked: Any, folder: Path) -> None:
-        save(draw(tracked.design, tracked.masses), folder / f"{name}.png")
+        drawn = draw(tracked.design, tracked.masses)
+        assert drawn is not None
+        save(drawn, folder / f"{name}.png")
 
     return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.figures.checks",), make)
 
@@ -75,6 +68,7 @@ def check_files(store: ArtefactStore, source: StatedDesign, design: Design, mass
 
     For a design without a project's own checks (`stored_checks`).
     """
+    from workbench.figures.checks import figures_of
     from workbench.report.checks import templates_digest
 
     figures = {title: check_figure(store, design, masses, title) for title in figures_of(design)}

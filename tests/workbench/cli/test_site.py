@@ -13,9 +13,9 @@ import pytest
 import stagecad
 from stagecad.parameters.errors import InputError
 from tests.docs.scripts import script
-from workbench.cli.commands.docs import build_site, documentation_server
 from workbench.cli.dispatch import COMMANDS
 from workbench.cli.dispatch import stagecad as group
+from workbench.operations.site import build_site, documentation_server
 
 pytest.importorskip("sphinx")
 pytest.importorskip("myst_nb")

@@ -15,7 +15,6 @@ from sysid.diagnosis.ledger import Ledger
 from workbench import cli
 from workbench.cli.console import rich_table, show
 from workbench.cli.options import Run
-from workbench.operations.measurement.demonstration import fresh_copy
 from workbench.operations.measurement.statements import (
     diagnosis_statement,
     in_command,
@@ -23,6 +22,7 @@ from workbench.operations.measurement.statements import (
     rivals_text,
 )
 from workbench.operations.measurement.tables import parameter_table, ranking_table, revision_text
+from workbench.operations.templates import fresh_copy
 
 
 def _diagnosis(

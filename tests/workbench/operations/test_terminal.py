@@ -24,8 +24,8 @@ from workbench.cli.commands.parts import KERNEL
 from workbench.cli.console import search_progress
 from workbench.cli.options import Run
 from workbench.operations import parts
-from workbench.operations.measurement.demonstration import fresh_copy
 from workbench.operations.parts import MOST_NAMED, refusal_line
+from workbench.operations.templates import fresh_copy
 
 
 def test_a_bar_counts_what_is_done_and_then_runs_on() -> None:

@@ -14,8 +14,8 @@ from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
 from workbench.operations.design import Design as StatedDesign
-from workbench.report import make_tasks
-from workbench.report.make_tasks import Kind, Making, Task
+from workbench.report import make as make_module
+from workbench.report.make import Kind, Making, Task
 
 CHANGES = {
     "stage.thickness=12.5 mm": {"stage", "assembly", "drawing of stage", "picture of stage"},
@@ -69,7 +69,7 @@ def test_a_solid_that_cannot_be_made_is_named(tmp_path: Path, monkeypatch: pytes
     def refuse(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr(make_tasks, "parallel_map", refuse)
+    monkeypatch.setattr(make_module, "parallel_map", refuse)
     with pytest.raises(PartError, match="buffer"):
         making(tmp_path).make([Task(Kind.PART, "buffer")])
 

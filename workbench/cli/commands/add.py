@@ -5,24 +5,19 @@ from pathlib import Path
 import click
 
 from workbench.cli.options import Run, common_options, experiment_options
+from workbench.operations.result import Reported
+
+WRITE_BACK = (
+    "Write a fitted value to KEY of the parameter file (--params, or stage.toml here), with its deviation and the "
+    "experiment as its origin; may be repeated, with or without an EFFECT to add first."
+)
+DROP = "Take an effect out of the model on the same rung; may be repeated, with or without an EFFECT to add."
 
 
 @click.command("add")
 @click.option("--undo", "undo_last", is_flag=True, help="Return to the previous rung; the rung undone is kept.")
-@click.option(
-    "--write-back",
-    "keys",
-    multiple=True,
-    metavar="KEY[=FITTED]",
-    help="Write a fitted value to KEY of the parameter file (--params, or stage.toml here), with its deviation and the "
-    "experiment as its origin; may be repeated, with or without an EFFECT to add first.",
-)
-@click.option(
-    "--drop",
-    multiple=True,
-    metavar="EFFECT",
-    help="Take an effect out of the model on the same rung; may be repeated, with or without an EFFECT to add.",
-)
+@click.option("--write-back", "keys", multiple=True, metavar="KEY[=FITTED]", help=WRITE_BACK)
+@click.option("--drop", multiple=True, metavar="EFFECT", help=DROP)
 @click.option("--all", "every", is_flag=True, help="Diagnose, and add every effect that is certain, each on a rung.")
 @common_options
 @experiment_options
@@ -44,34 +39,25 @@ def command(
         raise click.UsageError(f"--all takes no {what}")
     if not (undo_last or effects or drop or keys or every):
         raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
-    from workbench.cli.console import show
-    from workbench.operations.measurement.add import add, undo, write_fitted
-    from workbench.operations.measurement.experiment import Experiment
-    from workbench.operations.measurement.write_back import WriteBack, WrittenBack
+    from workbench.cli.console import search_progress, show
+    from workbench.operations.measurement.add import add, add_all, undo, write_fitted
+    from workbench.operations.measurement.write_back import WriteBack
 
+    write_back = WriteBack(keys, run.design) if keys else None
+    words = [f"{word} {', '.join(names)}" for word, names in (("with", effects), ("without", drop)) if names]
     if every:
-        from workbench.cli.console import search_progress
-        from workbench.operations.measurement.add import add_all
-
         with run.progress() as progress:
-            found = add_all(experiment, run.design, search_progress(progress))
-        show(run, found.lines())
-        run.emit(found.document)
-        return
-    if undo_last:
+            result = add_all(experiment, run.design, search_progress(progress))
+    elif undo_last:
         result = undo(experiment, run.design)
-        document = result.to_json()
     else:
-        write_back = WriteBack(keys, run.design) if keys else None
-        words = [f"{word} {', '.join(names)}" for word, names in (("with", effects), ("without", drop)) if names]
         with run.busy(f"fitting the model {' and '.join(words) or 'as it stands'}"):
             if effects or drop:
                 result = add(experiment, *effects, drop=drop, design=run.design, write_back=write_back)
-                document = result.document
             else:
                 assert write_back is not None
-                result, document = write_fitted(Experiment.load(experiment, run.design), write_back)
+                result = write_fitted(experiment, write_back)
     show(run, result.lines())
-    if not isinstance(result, WrittenBack) and result.experiment.has_report(run.out):
+    if isinstance(result, Reported) and result.experiment.has_report(run.out):
         result.write_report(run.out)
-    run.emit(document)
+    run.emit(result.to_json())

@@ -5,19 +5,15 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.cli.options import Run, common_options, experiment_options
+from workbench.cli.options import Run, common_options, experiment_options, whole_number
+
+BOOTSTRAP = "Number of refits to records with resampled errors; their intervals stand beside the linear ones."
 
 
 @click.command("compare")
 @click.option("--figures/--no-figures", default=True, help="Draw the figures and the HTML report into OUT.")
-@click.option(
-    "--bootstrap",
-    type=click.IntRange(20, 100_000),
-    default=None,
-    metavar="DRAWS",
-    help="Number of refits to records with resampled errors; their intervals stand beside the linear ones.",
-)
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the random numbers.")
+@whole_number("--bootstrap", 20, 100_000, None, BOOTSTRAP, "DRAWS")
+@whole_number("--seed", 0, None, 1, "Seed of the random numbers.")
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the refits of --bootstrap to a cluster.")
 @common_options
 @experiment_options

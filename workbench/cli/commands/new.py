@@ -4,12 +4,10 @@ from pathlib import Path
 
 import click
 
-from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.machine import packaged_machine
-from stagecad.parameters.project_tables import HARDWARE, ROW
+from stagecad.parameters.errors import nearest
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options
-from workbench.operations.templates import EXAMPLES, copy_example, table_text, template, write_machine, write_new
+from workbench.operations.templates import EXAMPLES, copy_example, template, write_machine, write_new, write_table_of
 
 
 class Templates(click.Group):
@@ -52,25 +50,21 @@ def _written(*files: Path) -> None:
         click.echo(f"written: {file}")
 
 
-@command.command("part")
-@click.argument("name")
-def part(name: str) -> None:
-    """NAME.py: a part in cadquery with its dimensions; `stagecad drawings --part NAME.py` draws it."""
-    _written(write_new(Path(f"{name}.py"), template("part", name)))
+def _add_template(kind: str, words: str) -> None:
+    folder = Path("checks" if kind == "check" else "")
+
+    @command.command(kind, help=words)
+    @click.argument("name")
+    def write(name: str) -> None:
+        _written(write_new(folder / f"{name}.py", template(kind, name)))
 
 
-@command.command("check")
-@click.argument("name")
-def check(name: str) -> None:
-    """checks/NAME.py: a design check; `stagecad check` runs those beside the parameter file."""
-    _written(write_new(Path("checks") / f"{name}.py", template("check", name)))
-
-
-@command.command("effect")
-@click.argument("name")
-def effect(name: str) -> None:
-    """NAME.py: a physical effect, for `[model] custom` of an experiment."""
-    _written(write_new(Path(f"{name}.py"), template("effect", name)))
+for _kind, _words in {
+    "part": "NAME.py: a part in cadquery with its dimensions; `stagecad drawings --part NAME.py` draws it.",
+    "check": "checks/NAME.py: a design check; `stagecad check` runs those beside the parameter file.",
+    "effect": "NAME.py: a physical effect, for `[model] custom` of an experiment.",
+}.items():
+    _add_template(_kind, _words)
 
 
 @command.command("hardware")
@@ -81,13 +75,7 @@ def hardware(run: Run, kind: str) -> None:
 
     `[hardware]` of the parameter file names it; a part chooses a row by its key `row`.
     """
-    kinds = packaged_machine().kinds()
-    if kind not in kinds:
-        raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds)}")
-    _written(write_new(Path(f"{kind}.csv"), table_text(run.design.values, kind)))
-    click.echo(f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"')
-    for slot in kinds[kind].slots[:1]:
-        click.echo(f"and the name of a row as {slot}.{ROW}")
+    show(run, write_table_of(run.design.values, kind))
 
 
 @command.command("example")

@@ -3,9 +3,8 @@
 import click
 
 from stagecad.solids.modelling.registry import CLASH
-from workbench.cli.commands.check import trust as trust_files
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import Run, common_options, design_trust
 from workbench.operations.parts import parts
 
 KERNEL = "making the parts; Ctrl-C ends it after the CAD kernel's step, which may take some seconds"
@@ -13,12 +12,10 @@ KERNEL = "making the parts; Ctrl-C ends it after the CAD kernel's step, which ma
 
 @click.command("parts")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option("--trust", is_flag=True, help="Consent to run the files of a machine of your own as they are now.")
+@design_trust("a machine of your own")
 @common_options
-def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
+def command(run: Run, names: tuple[str, ...]) -> None:
     """Write STEP, STL and GLB of the parts and the assembly, or of those NAMEd only, and print their mass."""
-    if trust:
-        trust_files(run)
     with run.reporting(note=KERNEL) as report:
         made = parts(run.design, names, report)
     document, changed, count = made.write_changed(folder := run.folder("parts"))
@@ -30,4 +27,3 @@ def command(run: Run, names: tuple[str, ...], trust: bool) -> int:
         if pair["kind"] == CLASH:
             run.note(f"clash: {pair['first']} and {pair['second']} share {1e9 * pair['common_volume']:.3g} mm^3")
     run.emit(document)
-    return 0

@@ -1,19 +1,11 @@
 """`stagecad workbench`: serves the page for machine, simulation and measurement on this computer."""
 
-import os
-import secrets
-from contextlib import suppress
 from pathlib import Path
 
 import click
 
-from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from stagecad.private import make_private, user_folder
 from workbench.cli.options import Run, common_options, port_option
-
-LEAST_TOKEN = 16
-"""Smallest number of characters of a token."""
 
 
 @click.command("workbench")
@@ -33,6 +25,7 @@ LEAST_TOKEN = 16
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:
     """Serve a page for the machine, simulations and measurements of the present folder; Ctrl-C ends it."""
     from workbench.page.project import Project
+    from workbench.page.security import LEAST_TOKEN, kept_token
     from workbench.page.server import serve
 
     if run.overrides:
@@ -44,16 +37,3 @@ def command(run: Run, host: str, port: int, token: str | None, browser: bool, tr
         raise InputError(f"{params}: is a link that leads out of the folder; name the file with --params")
     project = Project(Path.cwd(), run.out, params, trust)
     serve(project, host, port, token or kept_token(), run.note, browser)
-
-
-def kept_token() -> str:
-    """The secret of this user's pages; it is kept, so that an open page finds a server that is started again."""
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    with suppress(OSError, UnicodeDecodeError):
-        if folder is not None:
-            file = make_private(folder / "workbench") / "token"
-            if not file.exists():
-                atomic_write_text(file, secrets.token_urlsafe(24))
-            if len(token := file.read_text("utf-8")) >= LEAST_TOKEN:
-                return token
-    return secrets.token_urlsafe(24)

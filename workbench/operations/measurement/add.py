@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -252,8 +253,7 @@ class AllAdditions:
         self.found = found
         self.steps = tuple(steps)
 
-    @property
-    def document(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
         """The document of `stagecad add --all --json`."""
         return finite(identification.additions_json(self.found, [step.computed for step in self.steps]))
 
@@ -281,16 +281,15 @@ def add_all(
     return AllAdditions(found, [Addition(one, step) for one, step in zip(grown, steps, strict=True)])
 
 
-def write_fitted(experiment: Experiment, write_back: WriteBack) -> tuple[WrittenBack, dict[str, Any]]:
-    """Fit the model of an experiment as it stands, and write values back; with the document of the command."""
-    problem = experiment.problem
+def write_fitted(experiment: str | Path, write_back: WriteBack) -> WrittenBack:
+    """Fit the model of an experiment as it stands, and write values back."""
+    problem = Experiment.load(experiment, write_back.design).problem
     fitted = fit_stated_model(problem).fitted
     rungs = history.read_history(problem.experiment)
     rung = rungs[-1].number if rungs and not history.edited_by_hand(problem.experiment, rungs) else None
     document = {"schema": 1, "form": problem.form, "effects": [e.name for e in fitted.model.effects]}
     document["parameters"] = parameters_json(problem, fitted)
-    written = write_back.write(problem, fitted, rung)
-    return written, finite({**document, **written.to_json()})
+    return replace(write_back.write(problem, fitted, rung), document=document)
 
 
 def undo(experiment: Experiment | str | Path, design: Design | None = None) -> Restoration:

@@ -1,60 +1,79 @@
-"""The packaged demonstration: a copy of its experiment in a folder that is not the user's own work."""
+"""`demo`: compare, diagnose and add on packaged records with hidden effects, until nothing is missing."""
 
-import hashlib
-import json
-import shutil
-from collections.abc import Iterator
-from importlib.resources import as_file, files
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
-from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.parameters.input_file import read_input
+from sysid.diagnosis.candidate_screening import Progress
+from workbench.operations.lines import Line
+from workbench.operations.measurement.add import add, ladder
+from workbench.operations.measurement.compare import compare
+from workbench.operations.measurement.diagnose import Diagnosis, diagnose
+from workbench.operations.measurement.suggest import suggest_after
+from workbench.operations.measurement.tables import parameter_table
+from workbench.operations.templates import remember
 
-STATE = ".demo.json"
-"""File in a folder of the demonstration: the hash of each file of the experiment as the demonstration left it."""
-
-
-def fresh_demo(folder: str | Path) -> Path:
-    """Copy the packaged demonstration to a folder, or to the next free one; returns the folder."""
-    return fresh_copy(free_folder(Path(folder)))
-
-
-def free_folder(folder: Path) -> Path:
-    """`folder`, or the first of FOLDER_2, FOLDER_3, ... that does not exist or is as a demonstration left it."""
-    number, free = 1, folder
-    while (free.exists() or free.is_symlink()) and not _as_left(free):
-        number += 1
-        free = folder.with_name(f"{folder.name}_{number}")
-    return free
+MOST_ROUNDS = 5
+"""Effects added at most; the packaged records need fewer."""
+Step = Callable[[Progress], Sequence[Line]]
+"""One command of the demonstration, which returns its lines."""
 
 
-def fresh_copy(folder: Path) -> Path:
-    """The packaged experiment in its initial state in `folder`, which is new or one that `free_folder` has found."""
-    for left_over in ("ladder", "sections"):
-        if (folder / left_over).is_dir():
-            shutil.rmtree(folder / left_over)
-    with as_file(files("workbench") / "demo_records") as packaged:
-        for path in sorted(packaged.iterdir()):
-            if path.suffix in (".toml", ".csv"):
-                atomic_write_bytes(folder / path.name, path.read_bytes())
-    remember(folder)
-    return folder
+class Demonstration:
+    """Compare, diagnose and add until nothing is missing; suggest, ladder. `document` has those of all steps."""
 
+    def __init__(self, folder: Path, out: Path) -> None:
+        self.folder, self.out = folder, out
+        self.found: Diagnosis | None = None  # the last one that named an effect
+        self.document: dict[str, Any] = {"schema": 1, "experiment": str(folder)}
 
-def remember(folder: Path) -> None:
-    """Store the state of the experiment in `folder`, by which the next demonstration recognises an unchanged folder."""
-    atomic_write_text(folder / STATE, json.dumps(dict(_hashes(folder)), indent=1) + "\n")
+    def steps(self) -> Iterator[tuple[str, Step]]:
+        """The commands in words, each with what does it."""
+        yield f"compare {self.folder}", self._compare
+        for _ in range(MOST_ROUNDS):
+            yield f"diagnose {self.folder}", self._diagnose
+            effect = self.document["rounds"][-1]["diagnose"]["effect"]
+            if effect is None:
+                break
+            yield f"add {self.folder} {effect}", self._add
+        if self.found is not None:
+            yield f"suggest {self.folder}", self._suggest
+        yield f"ladder {self.folder}", self._ladder
 
+    def _compare(self, progress: Progress) -> list[Line]:
+        comparison = compare(self.folder)
+        comparison.write_report(self.out)
+        self.document |= {"compare": comparison.document, "rounds": []}
+        return [f"  {comparison.statement}\n"]
 
-def _as_left(folder: Path) -> bool:
-    try:
-        return not folder.is_symlink() and json.loads(read_input(folder / STATE)) == dict(_hashes(folder))
-    except (OSError, ValueError):
-        return False
+    def _diagnose(self, progress: Progress) -> list[Line]:
+        diagnosis = diagnose(self.folder, progress=progress)
+        diagnosis.write_report(self.out)
+        self.document["rounds"].append({"diagnose": diagnosis.document})
+        if diagnosis.effect is not None:
+            self.found = diagnosis
+        tried = f"({len(diagnosis.computed.trials)} effects tried in {diagnosis.computed.seconds:.1f} s)\n"
+        return [f"  {line}" for line in (diagnosis.statement, diagnosis.ties, tried) if line]
 
+    def _add(self, progress: Progress) -> list[Line]:
+        assert self.found is not None and self.found.effect is not None
+        addition = add(self.folder, self.found.effect)
+        remember(self.folder)
+        added = {name: addition.document[name] for name in ("rung", "effects", "after", "parameters")}
+        self.document["rounds"][-1]["add"] = added
+        return [parameter_table(added["parameters"], f"Rung {added['rung']:03d}, fitted again"), ""]
 
-def _hashes(folder: Path) -> Iterator[tuple[str, str]]:
-    """Name and hash of each file of the experiment; reports and figures can be made again and do not count."""
-    beside = [path for path in folder.iterdir() if path.suffix in (".toml", ".csv", ".parquet", ".mat", ".py")]
-    for path in sorted(path for path in (*beside, *(folder / "ladder").rglob("*")) if path.is_file()):
-        yield path.relative_to(folder).as_posix(), hashlib.sha256(path.read_bytes()).hexdigest()
+    def _suggest(self, progress: Progress) -> list[Line]:
+        # The diagnosis that led to the effect added last is reused: the command would repeat it.
+        assert self.found is not None
+        suggestion = suggest_after(self.found).write_below(self.out)
+        suggestion.write_report(self.out)
+        self.document["suggest"] = suggestion.to_json()
+        return [*(f"  {line}" for line in suggestion.statements), ""]
+
+    def _ladder(self, progress: Progress) -> list[Line]:
+        rungs = ladder(self.folder)
+        report = rungs.write_report(self.out) if rungs.rungs else self.out / self.folder.name / "report.html"
+        figure = str(report.parent / "ladder.png") if rungs.rungs else None
+        self.document |= {"ladder": rungs.to_json(), "figure": figure, "report": str(report)}
+        return list(rungs.lines()) if rungs.rungs else []

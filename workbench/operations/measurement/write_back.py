@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit
 from workbench.operations.design import Design
+from workbench.operations.result import finite
 
 LOCK_SECONDS = 10.0
 
@@ -83,6 +84,7 @@ class WrittenBack:
 
     path: Path
     values: tuple[Written, ...]
+    document: Mapping[str, Any] = field(default_factory=dict)  # on the fit, where nothing was added
 
     def to_json(self) -> dict[str, Any]:
         """The file, and the values by key."""
@@ -96,7 +98,7 @@ class WrittenBack:
             }
             for value in self.values
         }
-        return {"parameter_file": str(self.path), "written_back": values}
+        return finite({**self.document, "parameter_file": str(self.path), "written_back": values})
 
     def lines(self) -> list[str]:
         """A line for each value, with what stood there before."""

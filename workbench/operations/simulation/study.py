@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from designcalc.checks.analysis.sweep import Range, read_range
 from designcalc.errors.monte_carlo import Distribution, UncertainParameter, strongest_correlation, uncertain_parameters
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
@@ -19,18 +20,19 @@ from stagecad.processes import parallel_map
 from workbench.operations.design import Design
 from workbench.operations.lines import NUMBER, TEXT, Line, Note, ProgressCallback, Table, counted
 from workbench.operations.simulation.simulate import (
+    EXPERIMENTS,
     FeaturePath,
     Selection,
     features_of,
     flat_features,
     moving_mass,
     reads,
+    simulate_one,
     simulate_selection,
 )
 from workbench.operations.simulation.tables import feature_text, write_table
 
 if TYPE_CHECKING:
-    from designcalc.checks.analysis.sweep import Range
     from stagecad.parameters.design import Design as Values
     from stagecad.parameters.mass_properties import Masses
 
@@ -334,3 +336,42 @@ def _distributions(
             distribution = replace(distribution, strongest=strongest_correlation(keys, values[:, read], column))
         distributions[path] = distribution
     return distributions
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What the command simulates: a selection at the design's own values, over a range of a parameter, or of sampled
+    machines."""
+
+    selection: Selection
+    every: bool  # whether no experiment was named
+    seed: int
+    options: Mapping[str, Any]  # `swept`, `draws` and `scheduler` as given, None where not
+
+    def simulate(
+        self, design: Design, folder: Path, formats: tuple[str, ...], figures: bool, progress: ProgressCallback
+    ) -> tuple[list[Line], dict[str, Any], str]:
+        """Simulate and write data and figures: lines, document, and the number of files in words."""
+        selection, (swept, draws, scheduler) = (
+            self.selection,
+            (self.options[k] for k in ("swept", "draws", "scheduler")),
+        )
+        summary = ""
+        if swept is not None:
+            chosen = read_range(swept, design.values)
+            found = sweep(design, chosen, selection, scheduler, progress)
+            lines, document, files = list(found.lines()), {"sweep": found.to_json()}, found.write(folder, formats)
+            summary = f"{len(found.points)} values of {chosen.key}, {len(found.columns) - 1} features each; "
+        elif draws is not None:
+            selection = replace(selection, names=EXPERIMENTS[:-1]) if self.every else selection
+            study = run_monte_carlo(design, selection, draws, self.seed, scheduler, progress)
+            lines, document, files = list(study.lines()), study.to_json(), study.write(folder, formats, figures)
+        else:
+            lines, document, files = selection.remarks(design.values), {}, []
+            folder.mkdir(parents=True, exist_ok=True)
+            for name in selection.names:
+                simulation = simulate_one(name, design.values, selection, scheduler, progress)
+                files += simulation.write(folder, formats, figures)
+                lines += simulation.lines()
+                document |= simulation.to_json()
+        return lines, document, f"{summary}{len(files)} files"

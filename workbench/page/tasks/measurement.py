@@ -101,7 +101,7 @@ def add(
         last = step.steps[-1] if step.steps else None
     report("residual maps", 0, 0)
     return {
-        "document": step.document,
+        "document": step.to_json(),
         "comparison": _comparison(_compared(experiment, params), Path(folder)),
         "report": str(last.write_report(out)) if last is not None else None,
     }

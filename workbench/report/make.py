@@ -1,4 +1,4 @@
-"""The results of `stagecad make` as tasks: what each needs, what makes it, and their making side by side.
+"""`stagecad make`: its results as tasks, what each needs and what makes it, their making side by side, the report.
 
 The processes fill the store; whoever needs a result then finds it there. A result that is there already is not made
 again.
@@ -6,40 +6,60 @@ again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.analysis.report import counted as count_of_verdicts
 from designcalc.checks.run import subjects_of
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.parallel_sheets import TIME_LIMIT, slowest_first
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
+from drawings.sheets.plans import sheets_of
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
+from stagecad.solids.artefacts.outputs import write_stored
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import BuiltMachine, assemble, build_assembly
-from stagecad.solids.assembly.interference import stored_interferences
-from stagecad.solids.assembly.pictures import assembly_pictures, part_pictures
+from stagecad.solids.assembly.interference import build_interferences, clashes, stored_interferences
+from stagecad.solids.assembly.pictures import assembly_pictures, build_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names, part_source
-from workbench.operations.drawings import procedure_values, reduced_sheet, stored_values
+from workbench.figures.checks import figures_of
+from workbench.operations.drawings import (
+    drawings,
+    procedure_values,
+    reduced_sheet,
+    stored_values,
+    with_sheet_overrides,
+)
+from workbench.operations.lines import ProgressCallback, counted
+from workbench.operations.parts import parts, with_repair
+from workbench.report.checks import write_check_files
+from workbench.report.machine import write_report
 from workbench.report.stored_results import (
     COMPILED_BY,
     check_figure,
     check_files,
-    figures_of,
     simulation,
     stored_checks,
 )
 
 if TYPE_CHECKING:
+    from designcalc.checks.check import Check
     from stagecad.parameters.design import Design
     from workbench.operations.design import Design as StatedDesign
+
+
+Reporting = Callable[..., AbstractContextManager[ProgressCallback]]
+"""What gives a progress callback."""
 
 
 class Kind(StrEnum):
@@ -226,3 +246,119 @@ class Making:
     @property
     def masses(self) -> Masses:
         return self.machine.checked_masses
+
+
+def make(
+    design: StatedDesign,
+    out: Path,
+    simulations: bool,
+    reporting: Reporting,
+    tell: Callable[[str], None],
+) -> dict[str, Any]:
+    """Everything from a design, into a folder: parts, pictures, drawings, checks, simulations, report; its document.
+
+    `reporting` gives a progress callback for each stage of the work, and `tell` is called with what each has made.
+    """
+    store, values = ArtefactStore(), design.values
+    _fill(Making(store.folder, values, with_sheet_overrides(design), design, simulations), reporting)
+    made = parts(design)
+    document, changed, count = made.write_changed(out / "parts")
+    tell(f"parts: {len(changed)} of {count} files written")
+    machine = made.machine
+    masses = machine.checked_masses
+    pictures = with_repair(store, lambda: _pictures(store, machine, out / "pictures", reporting))
+    with reporting() as report:
+        report("interference", 0, 0)
+        interferences = build_interferences(store, machine.parts, values)
+    pairs, found = len(interferences), len(clashes(interferences))
+    tell(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
+    with reporting() as report:
+        drawn = drawings(design, (), out / "drawings", report)
+    sheets = drawn.document
+    tell(f"drawings: {len(sheets['changed'])} of {sheets['files']} files written, {len(drawn.hits)} lint hits")
+    checks = stored_checks(store, design, values, masses)
+    tell(f"checks: {count_of_verdicts(checks)}")
+    figures = with_repair(store, lambda: _checks(store, design, checks, masses, out / "checks"))
+    simulated: list[Path] = []
+    if simulations:
+        files, written = with_repair(store, lambda: _simulations(store, values, out / "simulate", reporting))
+        simulated = [file for file in files if file.suffix == ".png"]
+        tell(f"simulations: {written} files written" if written else "simulations: unchanged")
+    bill = machine.bill_of_materials
+    results = {
+        "parts": document,
+        "pictures": pictures,
+        "checks": checks,
+        "check_figures": figures,
+        "simulation_figures": simulated,
+        "bill": bill_document(bill),
+        "interferences": interferences,
+        "procedure": sheets_of(values).procedure(values, bill, stored_values(store, values, masses)),
+        "drawings": sheets,
+    }
+    page = write_report(values, out, results)
+    tell(f"report: {page}")
+    stated = {"drawings": sheets["sheets"], "checks": [check.as_json() for check in checks], "report": str(page)}
+    return {**document, **stated}
+
+
+def _fill(making: Making, reporting: Reporting) -> None:
+    """Make what the store lacks, side by side.
+
+    The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
+    """
+    tasks = making.absent
+    if any(task.kind in LONG for task in tasks):
+        note = "Ctrl-C ends it after the CAD kernel's step, which may take some seconds"
+        with reporting(note=note) as report:
+            report("results", 0, len(tasks))
+            making.make(tasks, counted(report, "", len(tasks)))
+
+
+def _pictures(
+    store: ArtefactStore,
+    machine: BuiltMachine,
+    folder: Path,
+    reporting: Reporting,
+) -> dict[str, Path]:
+    """Pictures of the parts and of the assembly, by name."""
+    with reporting() as report:
+        files = build_pictures(store, machine, counted(report, "", len(machine.parts) + 1))
+    write_stored(folder, files)
+    return {Path(name).stem: folder / name for name in files}
+
+
+def _checks(
+    store: ArtefactStore, stated: StatedDesign, checks: Sequence[Check], masses: Masses, folder: Path
+) -> dict[str, Path]:
+    """Write figures of the checks and the checks as files, those of a project's own without the cache; the figures."""
+    design = stated.values
+    entries = {title: check_figure(store, design, masses, title) for title in figures_of(design)}
+    figures = {title: path for title, entry in entries.items() for path in _write(folder, [entry])[0]}
+    if stated.check_files:
+        write_check_files(checks, design, masses, folder, figures)
+    else:
+        _write(folder, [check_files(store, stated, design, masses)])
+    return figures
+
+
+def _simulations(
+    store: ArtefactStore,
+    design: Design,
+    folder: Path,
+    reporting: Reporting,
+) -> tuple[list[Path], int]:
+    """Data and figures of the thesis's experiments; the files, and the number of those written."""
+    names, entries = subjects_of(design).experiments, []
+    with reporting() as report:
+        advance = counted(report, "", len(names))
+        for name in names:
+            entries.append(simulation(store, design, name))
+            advance(name)
+    return _write(folder, entries)
+
+
+def _write(folder: Path, entries: Iterable[Artefact]) -> tuple[list[Path], int]:
+    """Copy the files of artefacts into a folder; their paths, and the number of those written."""
+    files = {name: entry for entry in entries for name in entry.hashes}
+    return [folder / name for name in files], len(write_stored(folder, files))
