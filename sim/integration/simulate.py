@@ -29,39 +29,29 @@ class SimulationError(RuntimeError):
 class Settings:
     """Conditions, outputs and accuracy of a simulation.
 
-    Args:
-        mass: kg, positive.
-        position, velocity: initial, m and m/s (velocity: that of the drive where it imposes the motion, else zero).
-        bristle: initial state of the friction elements, (elements,); zero by default.
-        travelled, contact_age: initial distance travelled, m, and age of the contact, s.
-        load, temperature: normal load (N) and temperature (degC) for laws that depend on them: constant, or at evenly
-            spaced instants from the start to the end, (m,) each, linear between them.
-        memory_length: distance over which a contact's age is renewed, m: by default that of the effect which has one,
-            else infinite.
-        tolerance: relative error per step, 1e-13 to 1e-2.
-        energy: integrate the works too.
-        forces: give the forces at the output's instants too; without, their arrays are empty.
-        longest_step: s.
-        most_steps: attempts after which the integration fails.
-
     Raises:
         InputError: a mass, tolerance, load or temperature out of range.
     """
 
-    mass: float = 1.0
+    mass: float = 1.0  # kg, positive
+    # position, velocity: initial, m and m/s (velocity: that of the drive where it imposes the motion, else zero)
     position: float = 0.0
     velocity: float | None = None
-    bristle: Any = None
+    bristle: Any = None  # initial state of the friction elements, (elements,); zero by default
+    # travelled, contact_age: initial distance travelled, m, and age of the contact, s
     travelled: float = 0.0
     contact_age: float = 0.0
+    # load, temperature: normal load (N) and temperature (degC) for laws that depend on them: constant, or at evenly
+    # spaced instants from the start to the end, (m,) each, linear between them
     load: Any = math.nan
     temperature: Any = math.nan
+    # distance over which a contact's age is renewed, m: by default that of the effect which has one, else infinite
     memory_length: float | None = None
-    tolerance: float = 1e-8
-    energy: bool = False
-    forces: bool = True
-    longest_step: float = math.inf
-    most_steps: int = 20_000_000
+    tolerance: float = 1e-8  # relative error per step, 1e-13 to 1e-2
+    energy: bool = False  # integrate the works too
+    forces: bool = True  # give the forces at the output's instants too; without, their arrays are empty
+    longest_step: float = math.inf  # s
+    most_steps: int = 20_000_000  # attempts after which the integration fails
 
     def __post_init__(self) -> None:
         if not (self.mass > 0.0 and math.isfinite(self.mass)):
@@ -78,36 +68,27 @@ class Settings:
 
 @dataclass(frozen=True)
 class Simulation:
-    """Motion and forces at the instants of the output. SI units; every array is of shape (n,).
+    """Motion and forces at the instants of the output. SI units; every array is of shape (n,)."""
 
-    Args:
-        time, position, velocity: s, m, m/s.
-        bristle: states of all friction elements, those of the friction state model first, shape (n, elements); empty
-            when neither forces nor energy were computed.
-        level: friction level, N.
-        core_force: force of the friction state model, N.
-        friction: that and the other forces that oppose the motion, N.
-        drive: force of the drive on the axis (of the spring, when pulled by one), N.
-        core_work, other_work, drive_work: integrals of the forces over the motion since the start, J; empty without
-            `energy`.
-        stored: energy stored by the friction state model, J; NaN where it has no energy function.
-        mass: that moves with the axis itself, kg: all but that of added oscillators.
-        steps, rejected: accepted steps and rejected attempts of the integrator.
-    """
-
+    # time, position, velocity: s, m, m/s
     time: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
+    # states of all friction elements, those of the friction state model first, shape (n, elements); empty when neither
+    # forces nor energy were computed
     bristle: np.ndarray
-    level: np.ndarray
-    core_force: np.ndarray
-    friction: np.ndarray
-    drive: np.ndarray
+    level: np.ndarray  # friction level, N
+    core_force: np.ndarray  # force of the friction state model, N
+    friction: np.ndarray  # that and the other forces that oppose the motion, N
+    drive: np.ndarray  # force of the drive on the axis (of the spring, when pulled by one), N
+    # core_work, other_work, drive_work: integrals of the forces over the motion since the start, J; empty without
+    # `energy`
     core_work: np.ndarray
     other_work: np.ndarray
     drive_work: np.ndarray
-    stored: np.ndarray
-    mass: float
+    stored: np.ndarray  # energy stored by the friction state model, J; NaN where it has no energy function
+    mass: float  # that moves with the axis itself, kg: all but that of added oscillators
+    # steps, rejected: accepted steps and rejected attempts of the integrator
     steps: int
     rejected: int
 

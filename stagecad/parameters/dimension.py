@@ -62,50 +62,34 @@ class Datum:
 
 @dataclass(frozen=True)
 class Dimension:
-    """One dimension of a part, declared with the feature that needs it.
+    """One dimension of a part, declared with the feature that needs it."""
 
-    Args:
-        name: what is measured, unique within the part (`length`, `pocket depth`).
-        kind: see `Kind`.
-        value: mm, or degrees for an angle; for a count or callout the number.
-        parameter: key of the parameter file the value comes from (`stage.length`).
-        points: on the part, in part coordinates: two for linear and depth; for round ones a point on the
-            axis next to the face, or on the face.
-        direction: direction measured along, or the axis of a round feature; from point to point when left out.
-        tolerance: class `X`, `X.X` or `X.XX`; none for a reference dimension or one a standard covers.
-        note: callout text that goes with it (`M6x1 - 6H`, `lapped Ra 1 um`).
-        count: number of equal features to which it applies.
-        view: the preferred one.
-        feature: name of its feature; the dimensions of one hole are combined in one callout.
-        between: names of the datums or features between which it is measured, if they have names.
-        derived_from: keys of the parameters from which the value is computed, if it is not one parameter; then
-            `parameter` is empty, and `tolerance` is the class of the first of them.
-        deviations: lower and upper limit deviation, mm, if they are not those of a general tolerance class.
-        reference: whether it is given for information only, in brackets, without a tolerance.
-        table: view whose hole table gives it, in place of a dimension of its own; empty for none.
-        exact: whether it is theoretically exact (ISO 1101), in a frame and without a tolerance: a tolerance of position
-            or of angularity applies at it.
-        major: major diameter of the thread of a tapped hole, mm; else 0.
-    """
-
-    name: str
-    kind: Kind
-    value: float
-    parameter: str
+    name: str  # what is measured, unique within the part (`length`, `pocket depth`)
+    kind: Kind  # see `Kind`
+    value: float  # mm, or degrees for an angle; for a count or callout the number
+    parameter: str  # key of the parameter file the value comes from (`stage.length`)
+    # on the part, in part coordinates: two for linear and depth; for round ones a point on the axis next to the face,
+    # or on the face
     points: tuple[Point, ...] = ()
+    # direction measured along, or the axis of a round feature; from point to point when left out
     direction: Point | None = None
-    tolerance: str | None = None
-    note: str = ""
-    count: int = 1
-    view: View = "any"
-    feature: str = ""
-    between: tuple[str, ...] = ()
+    tolerance: str | None = None  # class `X`, `X.X` or `X.XX`; none for a reference dimension or one a standard covers
+    note: str = ""  # callout text that goes with it (`M6x1 - 6H`, `lapped Ra 1 um`)
+    count: int = 1  # number of equal features to which it applies
+    view: View = "any"  # the preferred one
+    feature: str = ""  # name of its feature; the dimensions of one hole are combined in one callout
+    between: tuple[str, ...] = ()  # names of the datums or features between which it is measured, if they have names
+    # keys of the parameters from which the value is computed, if it is not one parameter; then `parameter` is empty,
+    # and `tolerance` is the class of the first of them
     derived_from: tuple[str, ...] = ()
+    # lower and upper limit deviation, mm, if they are not those of a general tolerance class
     deviations: tuple[float, float] | None = None
-    reference: bool = False
-    table: str = ""
+    reference: bool = False  # whether it is given for information only, in brackets, without a tolerance
+    table: str = ""  # view whose hole table gives it, in place of a dimension of its own; empty for none
+    # whether it is theoretically exact (ISO 1101), in a frame and without a tolerance: a tolerance of position or of
+    # angularity applies at it
     exact: bool = False
-    major: float = 0.0
+    major: float = 0.0  # major diameter of the thread of a tapped hole, mm; else 0
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind) or self.view not in VIEWS or self.table not in ("", *VIEWS):

@@ -15,20 +15,15 @@ Matrix = tuple[Vector, Vector, Vector]
 
 @dataclass(frozen=True)
 class MassProperties:
-    """Mass properties of a part, or of several parts together.
+    """Mass properties of a part, or of several parts together."""
 
-    Args:
-        volume: m^3.
-        mass: kg.
-        centre_of_mass: m.
-        inertia: tensor about the centre of mass, kg*m^2; products of inertia with their minus sign.
-        bounding_box: lowest and highest corner, m.
-    """
-
-    volume: float
-    mass: float
+    volume: float  # m^3
+    mass: float  # kg
+    # m
     centre_of_mass: Any  # (3,)
+    # tensor about the centre of mass, kg*m^2; products of inertia with their minus sign
     inertia: Any  # (3, 3)
+    # lowest and highest corner, m
     bounding_box: Any  # (2, 3)
 
     def __post_init__(self) -> None:

@@ -85,9 +85,7 @@ def rail_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
     best = best_spacing_ratio(way, tau)
     axes.plot(best, total_stiffness(way, best, tau) / 1e6, "^", color="tab:green", label=f"optimum, M = {best:.2f}")
     axes.plot(here, total_stiffness(way, here, tau) / 1e6, "o", color="tab:red", label=f"design, M = {here:.2f}")
-    axes.set_xlabel("bolt spacing over bolt diameter, M")
-    axes.set_ylabel("stiffness of the way, N/µm")
-    axes.set_ylim(0)
+    axes.set(xlabel="bolt spacing over bolt diameter, M", ylabel="stiffness of the way, N/µm", ylim=0)
     axes.legend(frameon=False)
     return f"Bearing way on its bolts, flange {tau:.2f} diameters thick"
 
@@ -114,9 +112,7 @@ def teeth_figure(axes: Any, design: Design, masses: Masses | None) -> str | None
         textcoords="offset points",
         color="white",
     )
-    axes.set_yscale("log")
-    axes.set_xlabel("tooth width over pitch, l/p")
-    axes.set_ylabel("gap over pitch, e/p")
+    axes.set(yscale="log", xlabel="tooth width over pitch, l/p", ylabel="gap over pitch, e/p")
     return "Lateral over normal stiffness of the teeth at fixed magnetic potential"
 
 
@@ -139,10 +135,8 @@ def speed_figure(axes: Any, design: Design, masses: Masses | None) -> str | None
     axes.text(first / 1e3, 8, " first resonance of the tip", color="tab:red", fontsize=8)
     axes.axvline(r("actuator.frequency") / 1e3, color="0.6", ls=":", lw=1.2)
     axes.text(r("actuator.frequency") / 1e3, 8, " drive", color="0.4", fontsize=8)
-    axes.set_xlabel("drive frequency, kHz (shaded: below a third of the resonance)")
-    axes.set_ylabel("speed of the stage, mm/s")
-    axes.set_xlim(0, frequency[-1] / 1e3)
-    axes.set_ylim(0)
+    axes.set(xlabel="drive frequency, kHz (shaded: below a third of the resonance)", ylabel="speed of the stage, mm/s")
+    axes.set(xlim=(0, frequency[-1] / 1e3), ylim=0)
     axes.legend(frameon=False, title="contact", loc="upper left")
     return f"Speed from an ellipse {1e6 * travel:.2f} µm long"
 
@@ -169,8 +163,7 @@ def travel_figure(axes: Any, design: Design, masses: Masses | None) -> str | Non
         axes.axhline(r(f"requirements.{key}") / g, color="0.4", lw=0.8)
         axes.text(-1e3 * half, r(f"requirements.{key}") / g, label, va="bottom", fontsize=8, color="0.4")
     axes.axhline(0, color="0.8", lw=0.8)
-    axes.set_xlabel("stage from the middle of its travel, mm")
-    axes.set_ylabel("acceleration, g")
+    axes.set(xlabel="stage from the middle of its travel, mm", ylabel="acceleration, g")
     axes.legend(frameon=False, loc="center right", fontsize=8)
     return "Force of the tip over the travel"
 
@@ -193,8 +186,7 @@ def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | No
     axes.plot(1e3 * x[first : first + height.size], 1e9 * height, color="tab:blue", lw=1.4, label="pad on it")
     limit = 1e9 * r("requirements.smoothness")
     axes.axhspan(-limit, limit, color="tab:green", alpha=0.15, lw=0, label="required smoothness")
-    axes.set_xlabel("along the travel, mm")
-    axes.set_ylabel("height, nm")
+    axes.set(xlabel="along the travel, mm", ylabel="height, nm")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
     return f"A pad touches over {1e3 * side:.2g} mm: roughness is averaged, waves are not"
 
@@ -312,8 +304,7 @@ def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str]) ->
         axes.plot(x, [np.nan if m is None else 100 * m for m in margins], marker=".", label=name)
     axes.axhline(0, color="0.3", lw=0.8)
     axes.set_yscale("symlog", linthresh=10)
-    axes.set_xlabel(_label(swept))
-    axes.set_ylabel("margin, % of the limit")
+    axes.set(xlabel=_label(swept), ylabel="margin, % of the limit")
     axes.legend(frameon=False, fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
@@ -326,8 +317,7 @@ def grid_figure(ranges: Sequence[Range], points: Sequence[Point]) -> Figure:
     figure, axes = _figure(6.4, 4.6)
     shown = axes.pcolormesh(x, y, np.array(counts, float).reshape(rows, columns), shading="nearest", cmap="viridis_r")
     figure.colorbar(shown, ax=axes, label="failed checks")
-    axes.set_xlabel(_label(ranges[1]))
-    axes.set_ylabel(_label(ranges[0]))
+    axes.set(xlabel=_label(ranges[1]), ylabel=_label(ranges[0]))
     return figure
 
 

@@ -83,8 +83,7 @@ def pareto_figure(names: Sequence[str], points: np.ndarray, front: np.ndarray) -
         panel.axvline(0, color="0.3", lw=0.8)
         panel.set_xscale("symlog", linthresh=10)
         panel.set_yscale("symlog", linthresh=10)
-        panel.set_xlabel(f"margin of '{names[0]}', %")
-        panel.set_ylabel(f"margin of '{names[1]}', %")
+        panel.set(xlabel=f"margin of '{names[0]}', %", ylabel=f"margin of '{names[1]}', %")
         panel.legend()
     return figure
 
@@ -115,8 +114,7 @@ def levels_figure(levels: Levels) -> Plot:
                 if is_wide:
                     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
                     axis.set_minor_formatter(NullFormatter())
-            panel.set_xlabel(f"{first}, {labels[0]}")
-            panel.set_ylabel(f"{second}, {labels[1]}")
+            panel.set(xlabel=f"{first}, {labels[0]}", ylabel=f"{second}, {labels[1]}")
             panel.legend()
     return figure
 

@@ -116,21 +116,13 @@ class _StoreAsItIs(ArtefactStore):
 
 @dataclass(frozen=True)
 class Making:
-    """Description of what is made, sent to the processes.
+    """Description of what is made, sent to the processes."""
 
-    Attributes:
-        folder: of the store.
-        design: the design.
-        drawn: the same with the manual changes of its sheets.
-        source: text and overrides that the design was read from.
-        simulations: whether the friction experiments are run.
-    """
-
-    folder: Path
-    design: Design
-    drawn: Design
-    source: StatedDesign
-    simulations: bool
+    folder: Path  # of the store
+    design: Design  # the design
+    drawn: Design  # the same with the manual changes of its sheets
+    source: StatedDesign  # text and overrides that the design was read from
+    simulations: bool  # whether the friction experiments are run
 
     @cached_property
     def tasks(self) -> dict[Task, tuple[Task, ...]]:

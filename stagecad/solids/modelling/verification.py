@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -46,7 +47,7 @@ class Surface:
         """Whether the material of a round face is on the side of its axis, as of a shaft."""
         u0, u1, v0, v1 = self.face._uvBounds()
         normal, point = self.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
-        return _dot(_across(_minus(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
+        return dot(_across(subtract(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
 
     @cached_property
     def span(self) -> float:
@@ -56,7 +57,7 @@ class Surface:
 
     def radial(self, point: Point) -> Point:
         """Unit vector from the axis to a point."""
-        out = _across(_minus(point, self.origin), self.axis)
+        out = _across(subtract(point, self.origin), self.axis)
         size = max(math.hypot(*out), 1e-12)
         return (out[0] / size, out[1] / size, out[2] / size)
 
@@ -74,12 +75,12 @@ class Surface:
 
     def is_coaxial(self, other: Surface) -> bool:
         """Whether two round faces have one axis."""
-        return self.off_axis(other.origin) < NEAR and abs(abs(_dot(self.axis, other.axis)) - 1) < 1e-9
+        return self.off_axis(other.origin) < NEAR and abs(abs(dot(self.axis, other.axis)) - 1) < 1e-9
 
     def off_axis(self, point: Point) -> float:
         """Distance of a point from the axis, mm."""
-        to = _minus(point, self.origin)
-        along = _dot(to, self.axis)
+        to = subtract(point, self.origin)
+        along = dot(to, self.axis)
         return math.dist(to, (along * self.axis[0], along * self.axis[1], along * self.axis[2]))
 
     def holds(self, point: Point) -> bool:
@@ -99,21 +100,21 @@ class Surface:
 
     def extent(self, along: Point) -> tuple[float, float]:
         """Least and largest coordinate of the face's vertices in a direction, mm."""
-        at = [_dot(v, along) for v in self.vertices]
+        at = [dot(v, along) for v in self.vertices]
         return min(at), max(at)
 
     def place(self, point: Point, along: Point) -> float | None:
         """Coordinate along `along` of the intersection with the line through the point, if nearly normal; else None."""
-        centre = _dot(self.origin, along)
-        side = math.copysign(1.0, _dot(point, along) - centre)
+        centre = dot(self.origin, along)
+        side = math.copysign(1.0, dot(point, along) - centre)
         if self.kind == "PLANE":
-            slant = _dot(self.axis, along)
+            slant = dot(self.axis, along)
             return (
-                _dot(point, along) + _dot(_minus(self.origin, point), self.axis) / slant if abs(slant) > 0.9 else None
+                dot(point, along) + dot(subtract(self.origin, point), self.axis) / slant if abs(slant) > 0.9 else None
             )
-        if self.kind == "SPHERE" or (self.kind == "CYLINDER" and abs(_dot(self.axis, along)) < 1e-9):
+        if self.kind == "SPHERE" or (self.kind == "CYLINDER" and abs(dot(self.axis, along)) < 1e-9):
             place = centre + side * self.radius
-            return place if abs(place - _dot(point, along)) < NEAR else None
+            return place if abs(place - dot(point, along)) < NEAR else None
         return None
 
 
@@ -162,11 +163,11 @@ class DimensionVerifier:
         if (id(surface), along) in self._open_ends:
             return self._open_ends[id(surface), along]
         found: list[bool] = []
-        across = _cross(along, (0.36, 0.48, 0.8))
-        size, side_way = math.hypot(*across), _cross(along, across)
+        across = cross(along, (0.36, 0.48, 0.8))
+        size, side_way = math.hypot(*across), cross(along, across)
         for end, side in zip(surface.extent(along), (-1.0, 1.0), strict=True):
             # Beyond the cone of a drill, off the axis: a smaller hole may go on from the floor.
-            beyond = end + side * (0.02 + 0.5 * surface.radius) - _dot(surface.origin, along)
+            beyond = end + side * (0.02 + 0.5 * surface.radius) - dot(surface.origin, along)
             foot = moved(surface.origin, along, beyond)
             reach = 0.8 * surface.radius / size
             around = [moved(foot, way, sign * reach) for way in (across, side_way) for sign in (-1.0, 1.0)]
@@ -215,7 +216,7 @@ class DimensionVerifier:
                 low, high = self._on(points[0], "PLANE", "CONE").extent(along)
                 return high - low
             case "slope":
-                sine = abs(_dot(self._on(points[0], "PLANE").axis, along))
+                sine = abs(dot(self._on(points[0], "PLANE").axis, along))
                 return sine / math.sqrt(1 - sine**2)
             case "angle":
                 return self._angle(points[0], points[1], along)
@@ -237,7 +238,7 @@ class DimensionVerifier:
             raise LookupError(f"dimension '{dimension.name}' has no axis")
         radius, point = self._radius_about(dimension.points, axis), dimension.points[0]
         like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]
-        at = _dot(point, axis)
+        at = dot(point, axis)
         first = next(
             s for s in like if s.off_axis(point) < NEAR and s.extent(axis)[0] - NEAR <= at <= s.extent(axis)[1] + NEAR
         )
@@ -262,7 +263,7 @@ class DimensionVerifier:
     def _radius_about(self, points: tuple[Point, ...], axis: Point) -> float:
         """Radius about `axis` at the first point, on the axis; a second point, on the face, selects one of several."""
         point, touch = points[0], points[1] if len(points) > 1 else None
-        at = _dot(point, axis)
+        at = dot(point, axis)
         for surface in self._of("CYLINDER", axis):
             low, high = surface.extent(axis)
             if (
@@ -272,7 +273,7 @@ class DimensionVerifier:
             ):
                 return surface.radius
         for surface in self._of("CONE", axis):
-            radius = surface.radius + surface.taper * _dot(_minus(point, surface.origin), surface.axis)
+            radius = surface.radius + surface.taper * dot(subtract(point, surface.origin), surface.axis)
             if surface.off_axis(point) < NEAR and (not touch or abs(surface.off_axis(touch) - radius) < NEAR):
                 return radius
         raise LookupError(f"no round face about {axis} through {point}")
@@ -283,8 +284,8 @@ class DimensionVerifier:
         radius = self._radius_about((hole,), axis)
         like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]
         first = next(surface for surface in like if surface.off_axis(hole) < NEAR)
-        out = _across(_minus(first.origin, centre), axis)
-        side = _cross(axis, out)
+        out = _across(subtract(first.origin, centre), axis)
+        side = cross(axis, out)
         for number in range(dimension.count):
             turn = 2 * math.pi * number / dimension.count
             c, s = math.cos(turn), math.sin(turn)
@@ -307,7 +308,7 @@ class DimensionVerifier:
     def _of(self, kind: str, axis: Point | None = None) -> Iterator[Surface]:
         """The surfaces of a kind; with `axis`, those whose axis, or normal, runs along it."""
         for surface in self.surfaces:
-            if surface.kind == kind and (axis is None or abs(abs(_dot(surface.axis, axis)) - 1) < 1e-9):
+            if surface.kind == kind and (axis is None or abs(abs(dot(surface.axis, axis)) - 1) < 1e-9):
                 yield surface
 
     def slanting_mouth(self, surface: Surface, point: Point) -> Point | None:
@@ -315,23 +316,23 @@ class DimensionVerifier:
         if surface.kind != "CYLINDER" or max(map(abs, surface.axis)) > 1 - 1e-9 or surface.off_axis(point) > NEAR:
             return None
         for plane in self._of("PLANE"):
-            across = _dot(surface.axis, plane.axis)
-            if abs(_dot(_minus(point, plane.origin), plane.axis)) < NEAR and abs(across) > 0.1:
-                reach = _dot(_minus(plane.origin, surface.origin), plane.axis) / across
+            across = dot(surface.axis, plane.axis)
+            if abs(dot(subtract(point, plane.origin), plane.axis)) < NEAR and abs(across) > 0.1:
+                reach = dot(subtract(plane.origin, surface.origin), plane.axis) / across
                 return moved(surface.origin, surface.axis, reach)
         return None
 
     def _axis_place(self, point: Point, along: Point) -> float | None:
         """Coordinate along `along` of a round feature's axis that passes the point, or of a crown's middle."""
         for surface in self._of("CYLINDER"):
-            if abs(_dot(surface.axis, along)) > 1e-9 and (mouth := self.slanting_mouth(surface, point)):
-                return _dot(mouth, along)
+            if abs(dot(surface.axis, along)) > 1e-9 and (mouth := self.slanting_mouth(surface, point)):
+                return dot(mouth, along)
         for surface in (*self._of("CYLINDER"), *self._of("CONE")):
-            if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
-                return _dot(surface.origin, along)
+            if abs(dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
+                return dot(surface.origin, along)
         for surface in self._of("SPHERE"):
-            if abs(_dot(_minus(surface.origin, point), along)) < NEAR and surface.holds(point):
-                return _dot(surface.origin, along)
+            if abs(dot(subtract(surface.origin, point), along)) < NEAR and surface.holds(point):
+                return dot(surface.origin, along)
         return None
 
     def _level(self, point: Point, along: Point) -> float:
@@ -339,15 +340,15 @@ class DimensionVerifier:
 
         Otherwise of the middle between the outermost such planes, if the point lies there.
         """
-        at = _dot(point, along)
+        at = dot(point, along)
         mouths = (self.slanting_mouth(surface, point) for surface in self._of("CYLINDER", along))
-        levels = [_dot(mouth, along) for mouth in mouths if mouth] + [
+        levels = [dot(mouth, along) for mouth in mouths if mouth] + [
             end
             for surface in self._of("CYLINDER", along)
             if surface.off_axis(point) < NEAR
             for end in surface.extent(along)
         ]
-        planes = [_dot(surface.origin, along) for surface in self._of("PLANE", along)]
+        planes = [dot(surface.origin, along) for surface in self._of("PLANE", along)]
         if planes:
             planes.append((min(planes) + max(planes)) / 2)
         for level in levels + planes:
@@ -355,12 +356,12 @@ class DimensionVerifier:
                 return level
         for vertex in self.vertices:
             if math.dist(vertex, point) < NEAR:
-                return _dot(vertex, along)
+                return dot(vertex, along)
         for start, end in self._straight_edges:
             # Any point of an edge that is square to the direction.
-            square = abs(_dot(_minus(end, start), along)) < NEAR
+            square = abs(dot(subtract(end, start), along)) < NEAR
             if square and abs(math.dist(start, point) + math.dist(point, end) - math.dist(start, end)) < NEAR:
-                return _dot(start, along)
+                return dot(start, along)
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point) -> float:
@@ -368,8 +369,8 @@ class DimensionVerifier:
         `along` and a slanting axis through both points; degrees."""
         for surface in self._of("CYLINDER"):
             if max(map(abs, surface.axis)) < 1 - 1e-9 and max(map(surface.off_axis, (vertex, point))) < NEAR:
-                sign = math.copysign(1.0, _dot(_minus(point, vertex), surface.axis))
-                return math.degrees(math.acos(sign * _dot(surface.axis, along)))
+                sign = math.copysign(1.0, dot(subtract(point, vertex), surface.axis))
+                return math.degrees(math.acos(sign * dot(surface.axis, along)))
         step = [0.0, 0.0]
         for index, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))):
             ends = self._axis_place(vertex, axis), self._axis_place(point, axis)
@@ -381,7 +382,7 @@ class DimensionVerifier:
     def _count(self, point: Point, along: Point) -> int:
         """Number of holes in the row of the one at the point along `along`; or of all crowns, or crests."""
         for surface in self._of("CYLINDER"):
-            if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
+            if abs(dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return len({round(place, 3) for place in self._row(surface, along)})
         for here in self.surfaces:
             if here.kind in ("SPHERE", "PLANE") and here.holds(point):
@@ -392,13 +393,9 @@ class DimensionVerifier:
         """Coordinates along `along` of the cylinders of the same radius with axes in one row with the first."""
         places = []
         for other in self._of("CYLINDER", first.axis):
-            across = _minus(other.origin, first.origin)
-            step, depth = _dot(across, along), _dot(across, first.axis)
-            in_row = (
-                step * along[0] + depth * first.axis[0],
-                step * along[1] + depth * first.axis[1],
-                step * along[2] + depth * first.axis[2],
-            )
+            across = subtract(other.origin, first.origin)
+            step, depth = dot(across, along), dot(across, first.axis)
+            in_row = add(scaled(along, step), scaled(first.axis, depth))
             if math.dist(across, in_row) < NEAR and abs(other.radius - first.radius) < NEAR:
                 places.append(step)
         return places
@@ -410,31 +407,18 @@ def _alike(one: Surface, other: Surface) -> bool:
         return False
     if one.kind == "SPHERE":
         return abs(one.radius - other.radius) < NEAR
-    level = abs(_dot(_minus(other.origin, one.origin), one.axis))
-    return level < NEAR and abs(_dot(one.axis, other.axis)) > 1 - 1e-9
-
-
-def _dot(a: Point, b: Point) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    level = abs(dot(subtract(other.origin, one.origin), one.axis))
+    return level < NEAR and abs(dot(one.axis, other.axis)) > 1 - 1e-9
 
 
 def moved(point: Point, direction: Point, by: float) -> Point:
     """The point moved along a direction, mm."""
-    return (point[0] + by * direction[0], point[1] + by * direction[1], point[2] + by * direction[2])
+    return add(point, scaled(direction, by))
 
 
 def _across(vector: Point, axis: Point) -> Point:
     """The component of a vector at right angles to an axis."""
-    along = _dot(vector, axis)
-    return (vector[0] - along * axis[0], vector[1] - along * axis[1], vector[2] - along * axis[2])
-
-
-def _cross(a: Point, b: Point) -> Point:
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def _minus(a: Point, b: Point) -> Point:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+    return subtract(vector, scaled(axis, dot(vector, axis)))
 
 
 def _surface(face: cq.Face) -> Surface:
