@@ -38,7 +38,7 @@ class FormulaCheck:
 
     def __call__(self, r: DesignInputs) -> Check:
         left, sign, right = re.split(r" (<=|>=) ", self.formula)
-        value, limit = self._evaluate(r, left), self._evaluate(r, right)
+        value, limit = self.evaluate(r, left), self.evaluate(r, right)
         unit = _UNITS[(value or limit or Value(0.0, unit_dimension(""))).dimension]
         compare = at_most if sign == "<=" else at_least
         comparison = compare(math.inf if value is None else value.si, math.inf if limit is None else limit.si, unit)
@@ -49,7 +49,7 @@ class FormulaCheck:
 
         changes: tuple[Change, ...] = ()
         for key, formula, up in self.changes:
-            wanted = self._evaluate(r, formula, known)
+            wanted = self.evaluate(r, formula, known)
             if wanted is not None:
                 changes += change(key, wanted.si, _UNITS[wanted.dimension], up=up)
         return Check(
@@ -70,7 +70,7 @@ class FormulaCheck:
             key = f"materials.{r.design.value(f'{part}.material')}.{quantity}"
         return Input(r(key), r.inputs[key].unit, "")
 
-    def _evaluate(
+    def evaluate(
         self, r: DesignInputs, text: str, known: Mapping[str, tuple[float, str]] | None = None
     ) -> Value | None:
         """The value of a formula; None where it divides by zero."""
@@ -86,7 +86,7 @@ class FormulaCheck:
 
     def _shown(self, r: DesignInputs, text: str, known: Mapping[str, tuple[float, str]]) -> str:
         formula, _, unit = text.partition(": ")
-        found = self._evaluate(r, formula, known)
+        found = self.evaluate(r, formula, known)
         return "inf" if found is None else show(found.si, unit or _UNITS[found.dimension])
 
     def _with_numbers(self, r: DesignInputs, text: str) -> str:

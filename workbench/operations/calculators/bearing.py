@@ -15,11 +15,10 @@ from designcalc.checks.check import DesignInputs
 from designcalc.drive.suspension import dipole_hessian
 from designcalc.friction_stage.checks.alternatives import ranking
 from designcalc.friction_stage.checks.bearing.smoothness import spot
-from designcalc.friction_stage.physics import pads
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
-from workbench.operations.calculators.declaration import Word, of, quantities
+from workbench.operations.calculators.declaration import Word, quantities
 
 COLUMNS = ("position", "height")
 
@@ -71,15 +70,13 @@ def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
 class Wear:
     """Sliding distance that wears a crowned pad out by Archard's law, the share of running in, and friction heat."""
 
-    load: Annotated[float, "N", "of the pad", of(pads.heaviest_pad)]
+    load: Annotated[float, "N", "of the pad", "load.heaviest_pad"]
     crown_radius: Annotated[float, "m", "of the pad", "pads.crown_radius"]
-    depth: Annotated[float, "m", "worn in the middle", lambda r, v: r("bearing.film_thickness") / 2]
+    depth: Annotated[float, "m", "worn in the middle", "bearing.film_thickness/2"]
     wear_rate: Annotated[float, "m^2/N", "specific wear of the run-in film", "bearing.wear_rate"]
     run_in_wear_rate: Annotated[float, "m^2/N", "of the fresh film", "bearing.run_in_wear_rate"]
     travel: Annotated[float, "m", "of a stroke", "stage.travel"]
-    run_in_distance: Annotated[
-        float, "m", "slid while running in", lambda r, v: 2 * v["travel"] * r("bearing.run_in_cycles")
-    ]
+    run_in_distance: Annotated[float, "m", "slid while running in", "2*option.travel*bearing.run_in_cycles"]
     friction: Annotated[float, "", "dynamic", "bearing.dynamic_friction"]
     speed: Annotated[float, "m/s", "of the stage", "requirements.speed"]
 
@@ -103,7 +100,7 @@ class Smoothness:
     correlation_length: Annotated[float, "m", "of the roughness", "bearing.roughness_correlation"]
     waviness: Annotated[float, "m", "amplitude of the waves", "bearing.way_waviness"]
     wavelength: Annotated[float, "m", "of the waves", "bearing.waviness_length"]
-    contact_length: Annotated[float, "m", "diameter of a pad's contact", of(spot)]
+    contact_length: Annotated[float, "m", "diameter of a pad's contact", lambda r, _: spot(r)]
     pads: Annotated[float, "", "that share the load, each on a separate track", "pads.count"]
     travel: Annotated[float, "m", "ridden over", "stage.travel"]
     profile: Word
@@ -148,7 +145,7 @@ class Levitation:
     """Stiffnesses of one upright magnet over another: they add up to zero, so one is unstable (Earnshaw)."""
 
     moment_1: Annotated[float, "A*m^2", "upwards", "candidates.magnetic_levitation.moment"]
-    moment_2: Annotated[float, "A*m^2", "upwards", lambda r, v: -v["moment_1"]]
+    moment_2: Annotated[float, "A*m^2", "upwards", "-option.moment_1"]
     x: Annotated[float, "m", "from the first to the second", 0.0]
     y: Annotated[float, "m", "", 0.0]
     z: Annotated[float, "m", "", "candidates.magnetic_levitation.flying_height"]

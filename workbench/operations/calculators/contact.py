@@ -9,17 +9,16 @@ from designcalc.bearing.bolted_rail import joint_stiffness, total_stiffness
 from designcalc.checks.check import DesignInputs
 from designcalc.contact import hertz, hertz_stress
 from designcalc.drive.magnetic_teeth import teeth_field
-from designcalc.friction_stage.physics import loads
 from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from stagecad.parameters.units import as_json
-from workbench.operations.calculators.declaration import Values, Word, of, quantities
+from workbench.operations.calculators.declaration import Known, Word, quantities
 
 
 @dataclass(frozen=True)
 class Hertz:
     """Hertzian contact, elliptic or line; by default the tip's nose on the stage at the load that lifts it."""
 
-    load: Annotated[float, "N", "normal force", of(loads.tip_load)]
+    load: Annotated[float, "N", "normal force", "load.of_tip"]
     radius_1: Annotated[float, "m", "of body 1 in one plane", "tip.nose_radius"]
     radius_2: Annotated[float, "m", "of body 2 in that plane; inf is flat, negative hollow", inf]
     radius_1_minor: Annotated[float, "m", "of body 1 in the other plane", "=radius_1"]
@@ -71,9 +70,9 @@ class Hertz:
         }
 
 
-def _bed_poisson(r: DesignInputs, values: Values) -> float:
-    same = values["poisson"] == r.material("bearing_way", "poisson_ratio")
-    return r.material("base", "poisson_ratio") if same else values["poisson"]
+def _bed_poisson(r: DesignInputs, known: Known) -> float:
+    of_rail, _ = known["option.poisson"]
+    return r.material("base", "poisson_ratio") if of_rail == r.material("bearing_way", "poisson_ratio") else of_rail
 
 
 @dataclass(frozen=True)
@@ -82,15 +81,11 @@ class Rail:
 
     length: Annotated[float, "m", "of the rail", "bearing_way.length"]
     overhang_a: Annotated[float, "m", "from the bolts to the edge it pivots on", "bearing_way.bolt_edge"]
-    overhang_b: Annotated[
-        float, "m", "from the bolts to the loaded edge", lambda r, v: r("bearing_way.width") - v["overhang_a"]
-    ]
+    overhang_b: Annotated[float, "m", "from the bolts to the loaded edge", "bearing_way.width - option.overhang_a"]
     height: Annotated[float, "m", "of the rail", "bearing_way.height"]
     bolt_diameter: Annotated[float, "m", "", "screws.way.diameter"]
-    flange_ratio: Annotated[float, "", "t/Db", lambda r, v: r("bearing_way.flange_thickness") / v["bolt_diameter"]]
-    spacing_ratio: Annotated[
-        float, "", "M: bolt spacing over Db", lambda r, v: r("bearing_way.bolt_spacing") / v["bolt_diameter"]
-    ]
+    flange_ratio: Annotated[float, "", "t/Db", "bearing_way.flange_thickness/option.bolt_diameter"]
+    spacing_ratio: Annotated[float, "", "M: bolt spacing over Db", "bearing_way.bolt_spacing/option.bolt_diameter"]
     rail_modulus: Annotated[float, "Pa", "of rail and flange", "bearing_way:youngs_modulus"]
     bed_modulus: Annotated[float, "Pa", "of thread and bed", "base:youngs_modulus"]
     bolt_modulus: Annotated[float, "Pa", "of the bolts", "screws.way:youngs_modulus"]

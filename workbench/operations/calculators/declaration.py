@@ -2,22 +2,28 @@
 
 A calculator is a frozen dataclass; its docstring says what it computes. A field is an option, annotated with its unit,
 its meaning and its default: a key of the parameter file, `part:quantity` for a number of a part's material, `=field`
-for another option's value, a number, None, or a function of the design's numbers and of the options before it. A field
-of type `Word` takes a word, one of those annotated or, without any, every text.
+for another option's value, a number, None, a formula as of the checks, which may name the options before it
+(`option.travel`), or a function of the design's numbers and these. A field of type `Word` takes a word, one of those
+annotated or, without any, every text.
 """
 
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from designcalc.checks.check import DesignInputs
+from designcalc.checks.formula_check import FormulaCheck
+from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json, parse_quantity
 
 Word = str | None
 Values = dict[str, Any]
+Known = dict[str, tuple[Any, str]]
+"""Value and unit of the options before one, by `option.NAME`."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,7 @@ class Option:
     @property
     def origin(self) -> str:
         """Where the default comes from, for help."""
-        if callable(self.default):
+        if callable(self.default) or _is_calculated(self.default):
             return "from the parameter file"
         if not isinstance(self.default, str):
             return "none" if self.default is None else f"{self.default:g}"
@@ -58,8 +64,8 @@ def command_name(calculator: type) -> str:
 
 def values_of(calculator: type, written: Mapping[str, str], r: DesignInputs) -> Values:
     """SI values of all options: as written, else their defaults."""
-    name, values = command_name(calculator), {}
-    for key, option in options_of(calculator).items():
+    name, values, options = command_name(calculator), {}, options_of(calculator)
+    for key, option in options.items():
         flag = f"--{key.replace('_', '-')}"
         if option.unit is None:
             word = written.get(key)
@@ -69,24 +75,28 @@ def values_of(calculator: type, written: Mapping[str, str], r: DesignInputs) -> 
         elif key in written:
             values[key] = parse_quantity(written[key], option.unit, f"calc {name}: {flag}")
         else:
-            values[key] = _default(option.default, r, values)
+            known = {f"option.{name}": (value, options[name].unit or "") for name, value in values.items()}
+            values[key] = _default(option.default, r, known)
     return values
 
 
-def _default(default: Any, r: DesignInputs, values: Values) -> Any:
+def _is_calculated(default: Any) -> bool:
+    """Whether a default is a formula of several numbers, or of a calculated one."""
+    return isinstance(default, str) and (default in QUANTITIES or re.search(r"[^\w.:=]", default) is not None)
+
+
+def _default(default: Any, r: DesignInputs, known: Known) -> Any:
     if callable(default):
-        return default(r, values)
+        return default(r, known)
     if not isinstance(default, str):
         return default
     if default.startswith("="):
-        return values[default[1:]]
+        return known[f"option.{default[1:]}"][0]
     part, colon, quantity = default.partition(":")
-    return r.material(part, quantity) if colon else r(default)
-
-
-def of(model: Callable[[DesignInputs], float]) -> Callable[[DesignInputs, Values], float]:
-    """A default that a model of the stage computes."""
-    return lambda r, values: model(r)
+    if colon:
+        return r.material(part, quantity)
+    found = FormulaCheck("", "", {}, QUANTITIES).evaluate(r, default, known)
+    return inf if found is None else found.si
 
 
 def quantities(**named: tuple[Any, str]) -> dict[str, Any]:

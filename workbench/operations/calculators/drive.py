@@ -20,8 +20,8 @@ from designcalc.drive.piezo_stack import (
 )
 from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
 from designcalc.errors.sensors import count_size, filtered_noise, velocity_noise
-from designcalc.friction_stage.physics import clamp, loads, pads, tip_dynamics
-from workbench.operations.calculators.declaration import of, quantities
+from designcalc.friction_stage.physics import clamp, pads, tip_dynamics
+from workbench.operations.calculators.declaration import quantities
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,12 @@ class Drive:
     piezo_spacing: Annotated[float, "m", "D", "actuator.piezo_spacing"]
     tip_height: Annotated[float, "m", "h", "actuator.tip_height"]
     speed: Annotated[float, "m/s", "of the stage", "requirements.speed"]
-    tip_mass: Annotated[float, "kg", "with its share of the stacks", of(tip_dynamics.mass_on_piezos)]
+    tip_mass: Annotated[float, "kg", "with its share of the stacks", "mass.on_piezos"]
     piezos: Annotated[float, "", "under the tip", 3.0]
     blocking_force: Annotated[float, "N", "of a piezo", "piezo.blocking_force"]
     free_stroke: Annotated[float, "m", "of a piezo", "piezo.stroke"]
     friction: Annotated[float, "", "between tip and stage", "drive.friction"]
-    preload_ratio: Annotated[float, "", "preload over weight", of(loads.preload_ratio)]
+    preload_ratio: Annotated[float, "", "preload over weight", "load.preload/load.weight"]
     gravity: Annotated[float, "m/s^2", "", "environment.gravity"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
@@ -63,24 +63,20 @@ class Drive:
 class Stack:
     """Load of one piezo stack by the drive: tension by inertia and drive force, bending, heat, current."""
 
-    mass: Annotated[float, "kg", "that swings on the stacks", of(tip_dynamics.mass_on_piezos)]
+    mass: Annotated[float, "kg", "that swings on the stacks", "mass.on_piezos"]
     frequency: Annotated[float, "Hz", "of the drive", "actuator.frequency"]
-    inertia: Annotated[float, "kg*m^2", "of the same about the stacks' ends", of(tip_dynamics.inertia_on_piezos)]
-    rise: Annotated[float, "m", "of the tip, peak to peak", lambda r, v: tip_dynamics.usable_ellipse(r)[1]]
-    tilt: Annotated[float, "rad", "amplitude of the tip's rocking", of(tip_dynamics.tilt_amplitude)]
-    side_force: Annotated[float, "N", "of the tip on the stage", lambda r, v: r("drive.friction") * loads.tip_load(r)]
+    inertia: Annotated[float, "kg*m^2", "of the same about the stacks' ends", "inertia.on_piezos"]
+    rise: Annotated[float, "m", "of the tip, peak to peak", "ellipse.rise"]
+    tilt: Annotated[float, "rad", "amplitude of the tip's rocking", lambda r, _: tip_dynamics.tilt_amplitude(r)]
+    side_force: Annotated[float, "N", "of the tip on the stage", "drive.friction*load.of_tip"]
     tip_height: Annotated[float, "m", "h", "actuator.tip_height"]
     piezo_spacing: Annotated[float, "m", "D", "actuator.piezo_spacing"]
     piezos: Annotated[float, "", "that share the side force", 3.0]
     length: Annotated[float, "m", "of a stack", "piezo.length"]
-    free_length: Annotated[
-        float, "m", "proud of its bore", lambda r, v: r("piezo.length") + r("holder.floor") - r("holder.height")
-    ]
+    free_length: Annotated[float, "m", "proud of its bore", "piezo.length + holder.floor - holder.height"]
     area: Annotated[float, "m^2", "of the ceramic element", "piezo.element_area"]
     modulus: Annotated[float, "Pa", "of the ceramic", "piezo:youngs_modulus"]
-    clearance: Annotated[
-        float, "m", "in its bore, on the radius", lambda r, v: (r("holder.bore_diameter") - r("piezo.diameter")) / 2
-    ]
+    clearance: Annotated[float, "m", "in its bore, on the radius", "(holder.bore_diameter - piezo.diameter)/2"]
     capacitance: Annotated[float, "F", "", "piezo.capacitance"]
     voltage: Annotated[float, "V", "peak to peak", "piezo.highest_voltage"]
     loss_factor: Annotated[float, "", "tan(delta)", "piezo.loss_factor"]
@@ -105,10 +101,10 @@ class Stack:
 class TipOver:
     """Largest load on the tip and largest push with the stage off the middle of its travel, before a pad lifts."""
 
-    position: Annotated[float, "m", "of the stage from the middle", lambda r, v: r("stage.travel") / 2]
+    position: Annotated[float, "m", "of the stage from the middle", "stage.travel/2"]
     friction: Annotated[float, "", "between tip and stage", "drive.friction"]
     pad_friction: Annotated[float, "", "of the pads", "bearing.dynamic_friction"]
-    preload_ratio: Annotated[float, "", "preload over weight", of(loads.preload_ratio)]
+    preload_ratio: Annotated[float, "", "preload over weight", "load.preload/load.weight"]
     gravity: Annotated[float, "m/s^2", "", "environment.gravity"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
@@ -129,23 +125,19 @@ class Clamp:
     screw_diameter: Annotated[float, "m", "", "screws.clamp_long.diameter"]
     nut_factor: Annotated[float, "", "", "screws.clamp_long.nut_factor"]
     neck: Annotated[float, "m", "thickness of the neck", "base.clamp_neck"]
-    screw_lever: Annotated[
-        float, "m", "of the screw about the neck", lambda r, v: float(clamp.clamp_finger(r).screw_lever)
-    ]
+    screw_lever: Annotated[float, "m", "of the screw about the neck", lambda r, _: clamp.clamp_finger(r).screw_lever]
     press_lever: Annotated[
-        float, "m", "of the force on the actuator about the neck", lambda r, v: float(clamp.clamp_finger(r).press_lever)
+        float, "m", "of the force on the actuator about the neck", lambda r, _: clamp.clamp_finger(r).press_lever
     ]
-    press_angle: Annotated[float, "rad", "of that force from the screw's direction", of(clamp.press_angle)]
+    press_angle: Annotated[float, "rad", "of that force from the screw's direction", "angle.of_finger"]
     holder_diameter: Annotated[float, "m", "", "holder.diameter"]
     holder_height: Annotated[float, "m", "", "holder.height"]
-    play: Annotated[
-        float, "m", "of the holder in its pocket", lambda r, v: r("base.pocket_diameter") - v["holder_diameter"]
-    ]
+    play: Annotated[float, "m", "of the holder in its pocket", "base.pocket_diameter - option.holder_diameter"]
     apex_height: Annotated[
         float,
         "m",
         "of the tip over the holder's foot",
-        lambda r, v: r("holder.floor") + r("piezo.length") + r("actuator.tip_height"),
+        "holder.floor + piezo.length + actuator.tip_height",
     ]
     modulus: Annotated[float, "Pa", "of base and holder", "base:youngs_modulus"]
     poisson: Annotated[float, "", "of base and holder", "base:poisson_ratio"]
@@ -176,7 +168,7 @@ class Clamp:
 class Pads:
     """A crowned pad with its thin film on the way: spot, pressure, stiffness."""
 
-    load: Annotated[float, "N", "of the pad", of(pads.heaviest_pad)]
+    load: Annotated[float, "N", "of the pad", "load.heaviest_pad"]
     crown_radius: Annotated[float, "m", "of the pad", "pads.crown_radius"]
     film_thickness: Annotated[float, "m", "of the PTFE", "bearing.film_thickness"]
     film_modulus: Annotated[float, "Pa", "of the PTFE", "materials.ptfe.youngs_modulus"]
@@ -224,9 +216,7 @@ class Screw:
     pitch: Annotated[float, "m", "of the thread", "screws.way.pitch"]
     torque: Annotated[float, "N*m", "", "screws.way.torque"]
     nut_factor: Annotated[float, "", "0.1 greased to 0.3 dry", "screws.way.nut_factor"]
-    engagement: Annotated[
-        float, "m", "of the thread", lambda r, v: r("screws.way.length") - r("bearing_way.flange_thickness")
-    ]
+    engagement: Annotated[float, "m", "of the thread", "screws.way.length - bearing_way.flange_thickness"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
         thread = Thread(self.diameter, self.pitch)

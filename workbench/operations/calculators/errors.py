@@ -9,10 +9,9 @@ from designcalc.drive.friction_drive import resonance
 from designcalc.errors.sensors import abbe_error, cosine_error, lag_error
 from designcalc.errors.thermal import bow_of_layers, differential_growth, floor_motion
 from designcalc.friction_stage.checks.budget import budgets
-from designcalc.friction_stage.physics import loads, tip_dynamics
 from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 from stagecad.parameters.units import as_json
-from workbench.operations.calculators.declaration import of, quantities
+from workbench.operations.calculators.declaration import quantities
 
 
 @dataclass(frozen=True)
@@ -41,10 +40,8 @@ class Vibration:
 
     floor_velocity: Annotated[float, "m/s", "rms in each third octave", "environment.floor_velocity"]
     damping: Annotated[float, "", "damping ratio of the mass", "piezo.damping_ratio"]
-    stiffness: Annotated[
-        float, "N/m", "by default of tip and contact along the travel", of(tip_dynamics.holding_stiffness)
-    ]
-    mass: Annotated[float, "kg", "by default stage and payload", of(loads.moved_mass)]
+    stiffness: Annotated[float, "N/m", "by default of tip and contact along the travel", "stiffness.along"]
+    mass: Annotated[float, "kg", "by default stage and payload", "load.moved_mass"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
         first = resonance(self.stiffness, self.mass)
@@ -55,12 +52,8 @@ class Vibration:
 class Alignment:
     """Abbe and cosine error of a sensor that is offset and misaligned, and its lag in motion."""
 
-    offset: Annotated[
-        float, "m", "line of measurement to payload", lambda r, v: r("stage.thickness") / 2 + r("payload.height")
-    ]
-    angle: Annotated[
-        float, "rad", "turn of the stage", lambda r, v: 4 * r("bearing.way_straightness") / r("bearing_way.length")
-    ]
+    offset: Annotated[float, "m", "line of measurement to payload", "stage.thickness/2 + payload.height"]
+    angle: Annotated[float, "rad", "turn of the stage", "4*bearing.way_straightness/bearing_way.length"]
     travel: Annotated[float, "m", "", "stage.travel"]
     misalignment: Annotated[float, "rad", "beam to travel", "sensors.interferometer.misalignment"]
     speed: Annotated[float, "m/s", "of the stage", "requirements.speed"]
