@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,7 @@ class Rail:
         _positive("joint_ratio", self.joint_ratio, "")
         for name in ("poisson", "bed_poisson"):
             ratio = np.asarray(0.0 if getattr(self, name) is None else getattr(self, name))
-            if not np.all((ratio >= 0) & (ratio <= 0.5)):
-                raise InputError(f"rail: {name.replace('_', '-')}: must lie in 0 to 0.5")
+            require(np.all((ratio >= 0) & (ratio <= 0.5)), f"rail: {name.replace('_', '-')}: must lie in 0 to 0.5")
 
 
 @dataclass(frozen=True)
@@ -80,8 +79,7 @@ def joint_stiffness(rail: Rail, flange_ratio: ArrayLike) -> JointStiffness:
     Source: Slocum, Precision Machine Design (1992), section 7.5; spreadsheet of the thesis, appendix B.
     """
     tau = np.asarray(flange_ratio, float)
-    if not np.all(tau > 0):
-        raise InputError("rail: flange-ratio: must be above 0")
+    require(np.all(tau > 0), "rail: flange-ratio: must be above 0")
     bed = rail.poisson if rail.bed_poisson is None else rail.bed_poisson
     flange_shear, thread_shear = (np.pi / ((1 + np.asarray(nu)) * np.log(2)) for nu in (rail.poisson, bed))
     return JointStiffness(
@@ -126,8 +124,7 @@ def total_stiffness(rail: Rail, spacing_ratio: ArrayLike, flange_ratio: ArrayLik
     Source: thesis, appendix B; Slocum (1992), section 7.5.
     """
     M = np.asarray(spacing_ratio, float)
-    if not np.all(M > 1):
-        raise InputError("rail: spacing-ratio: must be above 1 (bolts would overlap)")
+    require(np.all(M > 1), "rail: spacing-ratio: must be above 1 (bolts would overlap)")
     bolt_joint = joint_stiffness(rail, flange_ratio).joint_per_diameter * rail.bolt_diameter
     lever = (rail.overhang_a / (rail.overhang_a + rail.overhang_b)) ** 2
     bending = bending_shear_compliance(rail) / (rail.bolt_diameter * (M - 1))

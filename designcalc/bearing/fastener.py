@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import k0
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -111,8 +111,7 @@ def strip_area_of_screw(thread: Thread, engagement: ArrayLike) -> Array:
 
 def _strip_area(thread: Thread, engagement: ArrayLike, diameter: float, overlap: float) -> Array:
     depth = np.asarray(engagement, float)
-    if not np.all(depth > 0):
-        raise InputError("fastener: engagement: must be above 0 m")
+    require(np.all(depth > 0), "fastener: engagement: must be above 0 m")
     return math.pi * depth / thread.pitch * diameter * (0.5 * thread.pitch + overlap / math.sqrt(3))
 
 
@@ -147,8 +146,7 @@ def cone_compliance(
 def head_pressure(force: ArrayLike, head_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
     """Mean pressure under a screw head, ``F/(pi/4 (Dh^2 - D^2))``, Pa."""
     F, head, hole = (np.asarray(v, float) for v in (force, head_diameter, hole_diameter))
-    if not (np.all(head > hole) and np.all(hole > 0)):
-        raise InputError("fastener: the head must be larger than its hole")
+    require(np.all(head > hole) and np.all(hole > 0), "fastener: the head must be larger than its hole")
     return F / (math.pi / 4 * (head**2 - hole**2))
 
 

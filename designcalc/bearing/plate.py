@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from designcalc.bearing.plate_elements import Place, Row, low_rank, outline
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -45,10 +45,8 @@ class Plate:
 
     def __post_init__(self) -> None:
         for name in ("length", "width", "thickness", "modulus", "density"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise InputError(f"plate: {name}: must be above 0")
-        if not -1 < self.poisson < 0.5:
-            raise InputError("plate: poisson: must lie in -1 to 0.5")
+            require(np.isfinite(getattr(self, name)) and getattr(self, name) > 0, f"plate: {name}: must be above 0")
+        require(-1 < self.poisson < 0.5, "plate: poisson: must lie in -1 to 0.5")
 
     @property
     def rigidity(self) -> float:

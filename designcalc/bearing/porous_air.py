@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import root_scalar
 from scipy.special import i0e, i1e
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 Array = NDArray[np.float64]
 
@@ -39,8 +39,7 @@ def load_of_feed(feed: ArrayLike, diameter: float, supply: float) -> Array:
         load of the shape of `feed`, between 0 and supply times area.
     """
     lam = np.asarray(feed, float)[..., None]
-    if not (np.all(lam > 0) and diameter > 0 and supply > 0):
-        raise InputError("air bearing: feed, diameter and supply must be above 0")
+    require(np.all(lam > 0) and diameter > 0 and supply > 0, "air bearing: feed, diameter and supply must be above 0")
     pressure, _ = _film(lam, supply)
     return np.pi / 4 * diameter**2 * ((pressure - ATMOSPHERE) @ _AREAS)
 
@@ -64,8 +63,7 @@ def feed_for(load: float, diameter: float, supply: float) -> float:
         InputError: a load outside the range of any feed: not between 0 and supply times area.
     """
     most = float(load_of_feed(1e3, diameter, supply))
-    if not 0 < load < most:
-        raise InputError(f"air bearing: load: {load:g} N must lie between 0 and {most:.4g} N, supply times area")
+    require(0 < load < most, f"air bearing: load: {load:g} N must lie between 0 and {most:.4g} N, supply times area")
 
     def excess(logarithm: float) -> float:
         return float(load_of_feed(math.exp(logarithm), diameter, supply)) / load - 1
@@ -76,8 +74,7 @@ def feed_for(load: float, diameter: float, supply: float) -> float:
 def load_of_gap(gap: ArrayLike, known_gap: float, known_load: float, diameter: float, supply: float) -> Array:
     """Load over gap of the bearing that carries `known_load` (N) at `known_gap` (m): ``lambda ~ h^(-3/2)``, N."""
     h = np.asarray(gap, float)
-    if not (np.all(h > 0) and known_gap > 0):
-        raise InputError("air bearing: gap: must be above 0")
+    require(np.all(h > 0) and known_gap > 0, "air bearing: gap: must be above 0")
     return load_of_feed(feed_for(known_load, diameter, supply) * (known_gap / h) ** 1.5, diameter, supply)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from designcalc.bearing.sliding import averaged_profile, pad_weights
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -24,11 +24,9 @@ class Surface:
 
     def __post_init__(self) -> None:
         for name in ("correlation_length", "wavelength"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"way profile: {name.replace('_', ' ')} must be above 0")
+            require(getattr(self, name) > 0, f"way profile: {name.replace('_', ' ')} must be above 0")
         for name in ("roughness", "waviness"):
-            if not getattr(self, name) >= 0:
-                raise InputError(f"way profile: {name} must be 0 or more")
+            require(getattr(self, name) >= 0, f"way profile: {name} must be 0 or more")
 
 
 def synthetic_profiles(
@@ -63,8 +61,7 @@ def synthetic_profiles(
     l = surface.correlation_length  # noqa: E741
     if not l <= contact_length / 3:
         raise InputError("way profile: correlation length: must be at most a third of the contact's diameter")
-    if not (length >= 20 * l and count >= 1):
-        raise InputError("way profile: length: must be at least twenty correlation lengths")
+    require(length >= 20 * l and count >= 1, "way profile: length: must be at least twenty correlation lengths")
     step = l / 4
     n = int(np.ceil((length + contact_length) / step)) + 1
     sigma = surface.roughness * np.sqrt(np.pi / 2) * np.sqrt(np.sqrt(np.pi) * l / (4 * np.pi / 15 * contact_length))

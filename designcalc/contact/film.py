@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -62,10 +62,8 @@ def film_contact(
         ("film modulus", film_modulus),
         ("substrate modulus", substrate_modulus),
     ):
-        if not value > 0:
-            raise InputError(f"sliding bearing: {name}: {value:g} must be above 0")
-    if not np.all(force > 0):
-        raise InputError("sliding bearing: load: must be above 0 N")
+        require(value > 0, f"sliding bearing: {name}: {value:g} must be above 0")
+    require(np.all(force > 0), "sliding bearing: load: must be above 0 N")
     # F/F_film + F/F_Hertz = 1 falls steadily with a: Newton in ln a from the larger of the two limits, where it is < 2.
     film_scale = 4 * crown_radius * thickness / (np.pi * film_modulus)
     hertz_scale = 3 * crown_radius / (4 * substrate_modulus)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import elliprd, elliprf
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 Array = NDArray[np.float64]
 
@@ -61,11 +61,11 @@ def contact_modulus(modulus_1: ArrayLike, poisson_1: ArrayLike, modulus_2: Array
     Source: Johnson, Contact Mechanics (1985), eq. 4.20.
     """
     e1, n1, e2, n2 = (np.asarray(v, float) for v in (modulus_1, poisson_1, modulus_2, poisson_2))
-    _require(np.all(e1 > 0) and np.all(e2 > 0), "modulus", "must be above 0 Pa")
+    require(np.all(e1 > 0) and np.all(e2 > 0), "hertz: modulus: must be above 0 Pa")
     for nu in (n1, n2):
-        _require(np.all((nu >= 0) & (nu <= 0.5)), "poisson", "must lie in 0 to 0.5")
+        require(np.all((nu >= 0) & (nu <= 0.5)), "hertz: poisson: must lie in 0 to 0.5")
     compliance = (1 - n1**2) / e1 + (1 - n2**2) / e2
-    _require(np.all(compliance > 0), "modulus", "both bodies are rigid: one modulus must be finite")
+    require(np.all(compliance > 0), "hertz: modulus: both bodies are rigid: one modulus must be finite")
     return 1 / compliance
 
 
@@ -86,7 +86,7 @@ def ellipse_ratio(curvature_ratio: ArrayLike) -> Array:
     Source: Johnson (1985), eq. 4.28, in Carlson's form (DLMF 19.25.1).
     """
     ratio = np.asarray(curvature_ratio, float)
-    _require(np.all((ratio >= 1e-200) & (ratio <= 1)), "curvature ratio", "must lie in 1e-200 to 1")
+    require(np.all((ratio >= 1e-200) & (ratio <= 1)), "hertz: curvature ratio: must lie in 1e-200 to 1")
     if np.all(ratio == 1.0):
         return np.ones(ratio.shape)
     target = np.log(ratio)
@@ -122,14 +122,14 @@ def relative_curvatures(
     """
     radii = [np.asarray(r, float) for r in (radius_1, radius_1_minor, radius_2, radius_2_minor)]
     for r in radii:
-        _require(np.all(r != 0) and not np.any(np.isnan(r)), "radius", "must not be zero")
+        require(np.all(r != 0) and not np.any(np.isnan(r)), "hertz: radius: must not be zero")
     first = 0.5 * (1 / radii[0] + 1 / radii[2])
     second = 0.5 * (1 / radii[1] + 1 / radii[3])
     small, large = np.minimum(first, second), np.maximum(first, second)
-    _require(
+    require(
         np.all(small >= 0) and np.all(large > 0),
-        "radius",
-        "the surfaces do not touch: the curvatures of each plane must add up to 0 or more, of one to above 0",
+        "hertz: radius: the surfaces do not touch: the curvatures of each plane must add up to 0 or more, of one to "
+        "above 0",
     )
     return small, large
 
@@ -162,8 +162,8 @@ def point_contact(
     Source: Johnson, Contact Mechanics (1985), section 4.2(c).
     """
     force, e_star = np.asarray(load, float), np.asarray(modulus, float)
-    _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N, and finite")
-    _require(np.all(e_star > 0) and np.all(np.isfinite(e_star)), "modulus", "must be above 0 Pa, and finite")
+    require(np.all(force > 0) and np.all(np.isfinite(force)), "hertz: load: must be above 0 N, and finite")
+    require(np.all(e_star > 0) and np.all(np.isfinite(e_star)), "hertz: modulus: must be above 0 Pa, and finite")
     radii = (
         radius_1,
         radius_1 if radius_1_minor is None else radius_1_minor,
@@ -171,7 +171,9 @@ def point_contact(
         radius_2 if radius_2_minor is None else radius_2_minor,
     )
     small, large = relative_curvatures(*radii)
-    _require(np.all(small > 0), "radius", "both bodies are straight in one plane: a line contact, which needs a length")
+    require(
+        np.all(small > 0), "hertz: radius: both bodies are straight in one plane: a line contact, which needs a length"
+    )
     k = ellipse_ratio(small / large)
     square = k**2
     a = np.cbrt(force * elliprd(0.0, 1.0, square) / (2 * np.pi * e_star * large))
@@ -179,7 +181,7 @@ def point_contact(
     approach = 3 * force * elliprf(0.0, square, 1.0) / (2 * np.pi * a * e_star)
     sharpest = np.min(np.broadcast_arrays(*(np.abs(np.asarray(radius, float)) for radius in radii)), axis=0)
     wide = "presses the bodies over a contact that is not small compared with their radii: larger than the smallest"
-    _require(np.all(b <= sharpest), "load", wide)
+    require(np.all(b <= sharpest), f"hertz: load: {wide}")
     return PointContact(
         load=force * np.ones_like(a),
         semi_axis_major=a,
@@ -210,7 +212,7 @@ def tangential_stiffness(
     Source: Mindlin (1949); Johnson (1985), eq. 7.43.
     """
     e1, n1, e2, n2 = (np.asarray(v, float) for v in (modulus_1, poisson_1, modulus_2, poisson_2))
-    _require(np.all(e1 > 0) and np.all(e2 > 0), "modulus", "must be above 0 Pa")
+    require(np.all(e1 > 0) and np.all(e2 > 0), "hertz: modulus: must be above 0 Pa")
     shear = 2 * (1 + n1) * (2 - n1) / e1 + 2 * (1 + n2) * (2 - n2) / e2
     return 8 * np.sqrt(contact.semi_axis_major * contact.semi_axis_minor) / shear
 
@@ -235,11 +237,11 @@ def line_contact(
     Source: Johnson (1985), eq. 4.43 to 4.45.
     """
     force, span, e_star = (np.asarray(v, float) for v in (load, length, modulus))
-    _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N, and finite")
-    _require(np.all(span > 0), "length", "must be above 0 m")
-    _require(np.all(e_star > 0), "modulus", "must be above 0 Pa")
+    require(np.all(force > 0) and np.all(np.isfinite(force)), "hertz: load: must be above 0 N, and finite")
+    require(np.all(span > 0), "hertz: length: must be above 0 m")
+    require(np.all(e_star > 0), "hertz: modulus: must be above 0 Pa")
     curvature = 1 / np.asarray(radius_1, float) + 1 / np.asarray(radius_2, float)
-    _require(np.all(curvature > 0), "radius", "1/R1 + 1/R2 must be above 0: the surfaces do not touch along a line")
+    require(np.all(curvature > 0), "hertz: radius: 1/R1 + 1/R2 must be above 0: the surfaces do not touch along a line")
     per_length = force / span
     half_width = np.sqrt(4 * per_length / (np.pi * e_star * curvature))
     return LineContact(
@@ -272,8 +274,3 @@ def load_at_stiffness(
     """Load (N) at which the tangent stiffness (N/m) is reached: ``F ~ stiffness^3``. Arguments as `point_contact`."""
     unit = point_contact(1.0, radius_1, radius_2, modulus, radius_1_minor, radius_2_minor)
     return (np.asarray(stiffness, float) / unit.stiffness) ** 3
-
-
-def _require(condition: object, name: str, rule: str) -> None:
-    if not condition:
-        raise InputError(f"hertz: {name}: {rule}")

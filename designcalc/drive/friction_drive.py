@@ -6,7 +6,7 @@ The tip lifts the stage as well as pushing it: the load on the tip is taken off 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,7 @@ def acceleration_limit(
 def preload_ratio_for(acceleration: ArrayLike, friction: ArrayLike, gravity: ArrayLike = GRAVITY) -> Array:
     """Preload over weight needed for an acceleration (m/s^2) with the tip about to lift the stage: ``a/(mu g) - 1``."""
     a, mu = np.asarray(acceleration, float), np.asarray(friction, float)
-    if not np.all(mu > 0):
-        raise InputError("friction drive: friction: must be above 0")
+    require(np.all(mu > 0), "friction drive: friction: must be above 0")
     return np.maximum(a / (mu * np.asarray(gravity, float)) - 1, 0.0)
 
 
@@ -87,8 +86,7 @@ def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float
 def resonance(stiffness: ArrayLike, mass: ArrayLike) -> Array:
     """``sqrt(k/m)/(2 pi)``, Hz, of a mass (kg) on a spring (N/m)."""
     k, m = np.asarray(stiffness, float), np.asarray(mass, float)
-    if not (np.all(k > 0) and np.all(m > 0)):
-        raise InputError("friction drive: stiffness and mass must be above 0")
+    require(np.all(k > 0) and np.all(m > 0), "friction drive: stiffness and mass must be above 0")
     return np.sqrt(k / m) / (2 * np.pi)
 
 

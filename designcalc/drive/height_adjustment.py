@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -80,8 +80,7 @@ def clamp_shift(
     slack, h, E, nu = (np.asarray(v, float) for v in (play, apex_height, modulus, poisson))
     if not (all(np.all(v > 0) for v in (D, H, h, E)) and np.all(slack >= 0) and np.all(rim >= 0)):
         raise InputError("height adjustment: diameter, heights and modulus must be above 0, play and force 0 or more")
-    if not np.all((nu >= 0) & (nu <= 0.5)):
-        raise InputError("height adjustment: Poisson's ratio must lie in 0 to 0.5")
+    require(np.all((nu >= 0) & (nu <= 0.5)), "height adjustment: Poisson's ratio must lie in 0 to 0.5")
     tilt = slack / H
     return ClampShift(
         squeeze=nu * rim / (np.pi * D / 2 * E),

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.drive.magnetic_teeth import MU_0
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -90,8 +90,7 @@ def magnet_forces(
     Source: virtual work on finite elements: Coulomb, IEEE Trans. Magn. 19 (1983) 2514.
     """
     for name, value in (("length", length), ("remanence", remanence), ("recoil permeability", recoil_permeability)):
-        if not value > 0:
-            raise InputError(f"teeth: magnet {name} must be above 0")
+        require(value > 0, f"teeth: magnet {name} must be above 0")
     network = _permeances(section, recoil_permeability, refinement)
     # Row and column 0 belong to the bar, whose potential is zero.
     P = network.permeance[1:, 1:]

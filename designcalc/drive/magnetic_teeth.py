@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gamma, jv, zeta
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 Array = NDArray[np.float64]
 
@@ -98,8 +98,7 @@ def _one_cell(
 ) -> TeethField:
     """The field of one cell."""
     for name, value in (("pitch", pitch), ("tooth-width", tooth_width), ("gap", gap), ("groove-depth", depth)):
-        if not (value > 0 and np.isfinite(value)):
-            raise InputError(f"teeth: {name}: {value:g} m must be above 0")
+        require(value > 0 and np.isfinite(value), f"teeth: {name}: {value:g} m must be above 0")
     _within("tooth-width", "tooth width over pitch", tooth_width / pitch, 0.02, 0.98)
     _within("gap", "gap over pitch", gap / pitch, 0.01, 10)
     _within("groove-depth", "groove depth over pitch", depth / pitch, 0.01, np.inf)
@@ -134,8 +133,7 @@ def ratio_map(width_ratios: Array, gap_ratios: Array, depth_ratio: float = 0.5) 
 
 
 def _within(key: str, name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(f"teeth: {key}: {name} {value:g} is outside the solution's range {low:g} to {high:g}")
+    require(low <= value <= high, f"teeth: {key}: {name} {value:g} is outside the solution's range {low:g} to {high:g}")
 
 
 @lru_cache(maxsize=256)

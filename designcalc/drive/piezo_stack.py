@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,10 @@ def stack_tension(
         spacing: D of the driven stacks, m.
     """
     m, J, f, Y, theta, D = (np.asarray(v, float) for v in (mass, inertia, frequency, rise, tilt, spacing))
-    _require(all(np.all(v >= 0) for v in (m, J, f, Y, theta)) and np.all(D > 0), "mass, inertia, frequency and motion")
+    require(
+        all(np.all(v >= 0) for v in (m, J, f, Y, theta)) and np.all(D > 0),
+        "piezo stack: mass, inertia, frequency and motion must be above 0",
+    )
     square = (2 * np.pi * f) ** 2
     return np.hypot(m * square * Y / 4, J * square * theta / D)
 
@@ -53,7 +56,7 @@ def drive_pull(force: ArrayLike, tip_height: ArrayLike, piezo_spacing: ArrayLike
         piezo_spacing: D, m, > 0.
     """
     F, h, D = (np.asarray(v, float) for v in (force, tip_height, piezo_spacing))
-    _require(np.all(D > 0) and np.all(h >= 0), "tip height and piezo spacing")
+    require(np.all(D > 0) and np.all(h >= 0), "piezo stack: tip height and piezo spacing must be above 0")
     return np.abs(F) * h / D
 
 
@@ -90,8 +93,11 @@ def side_load(
     """
     arrays = (np.asarray(v, float) for v in (force, length, free_length, area, modulus, clearance))
     F, L, free, A, E, play = np.broadcast_arrays(*arrays)
-    _require(all(np.all(v > 0) for v in (L, free, A, E)) and np.all(play >= 0), "lengths, area and modulus")
-    _require(np.all(free <= L), "the free length: at most the whole length, and both")
+    require(
+        all(np.all(v > 0) for v in (L, free, A, E)) and np.all(play >= 0),
+        "piezo stack: lengths, area and modulus must be above 0",
+    )
+    require(np.all(free <= L), "piezo stack: the free length: at most the whole length, and both must be above 0")
     F, EI, b = np.abs(F), E * A**2 / 12, L - free
     # Without a bore (b = 0) nothing props the stack.
     inside = b > 0
@@ -108,7 +114,7 @@ def side_load(
 def rocking_stiffness(stack_stiffness: ArrayLike, piezo_spacing: ArrayLike) -> Array:
     """Stiffness of the tip about the axis across the travel, on two stacks D apart: ``k D^2/2``, N m/rad."""
     k, D = np.asarray(stack_stiffness, float), np.asarray(piezo_spacing, float)
-    _require(np.all(k > 0) and np.all(D > 0), "stiffness and spacing")
+    require(np.all(k > 0) and np.all(D > 0), "piezo stack: stiffness and spacing must be above 0")
     return k * D**2 / 2
 
 
@@ -121,7 +127,7 @@ def sway_stiffness(length: ArrayLike, area: ArrayLike, modulus: ArrayLike) -> Ar
         modulus: E, Pa.
     """
     L, A, E = (np.asarray(v, float) for v in (length, area, modulus))
-    _require(all(np.all(v > 0) for v in (L, A, E)), "length, area and modulus")
+    require(all(np.all(v > 0) for v in (L, A, E)), "piezo stack: length, area and modulus must be above 0")
     return 3 * E * A**2 / 12 / L**3
 
 
@@ -138,14 +144,14 @@ def tip_inertia(mass: ArrayLike, circle: ArrayLike, tip_height: ArrayLike) -> Ar
         tip_height: h, m.
     """
     m, R, h = (np.asarray(v, float) for v in (mass, circle, tip_height))
-    _require(np.all(m > 0) and np.all(R > 0) and np.all(h > 0), "mass and lengths")
+    require(np.all(m > 0) and np.all(R > 0) and np.all(h > 0), "piezo stack: mass and lengths must be above 0")
     return m * (R**2 / 4 + h**2 / 12)
 
 
 def piezo_stiffness(blocking_force: ArrayLike, free_stroke: ArrayLike) -> Array:
     """Stiffness of a stack from the ends of its catalogue line, blocking force (N) over free stroke (m), N/m."""
     force, stroke = np.asarray(blocking_force, float), np.asarray(free_stroke, float)
-    _require(np.all(force > 0) and np.all(stroke > 0), "blocking force and free stroke")
+    require(np.all(force > 0) and np.all(stroke > 0), "piezo stack: blocking force and free stroke must be above 0")
     return force / stroke
 
 
@@ -167,11 +173,5 @@ def stack_heat(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike,
 def stack_current(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike) -> Array:
     """Peak current of a stack driven by a sine: ``2 pi f C V/2``, A; V peak to peak."""
     f, C, V = (np.asarray(v, float) for v in (frequency, capacitance, voltage))
-    if not (np.all(C > 0) and np.all(f >= 0)):
-        raise InputError("piezo stack: capacitance must be above 0, frequency 0 or more")
+    require(np.all(C > 0) and np.all(f >= 0), "piezo stack: capacitance must be above 0, frequency 0 or more")
     return np.pi * f * C * V
-
-
-def _require(condition: object, what: str) -> None:
-    if not condition:
-        raise InputError(f"piezo stack: {what} must be above 0")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 Array = NDArray[np.float64]
 
@@ -35,8 +35,7 @@ def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike
     Source: thesis, section 4.1 (rigid tip, first order in the strokes).
     """
     A, phi, D, h = (np.asarray(v, float) for v in (amplitude, phase, piezo_spacing, tip_height))
-    if not (np.all(D > 0) and np.all(h > 0)):
-        raise InputError("tip ellipse: piezo spacing and tip height must be above 0 m")
+    require(np.all(D > 0) and np.all(h > 0), "tip ellipse: piezo spacing and tip height must be above 0 m")
     return TipEllipse(
         along=4 * A * h / D * np.abs(np.sin(phi / 2)),
         normal=2 * A * np.abs(np.cos(phi / 2)),
@@ -54,8 +53,7 @@ def speed_of(travel: ArrayLike, frequency: ArrayLike) -> dict[str, Array]:
         frequency: f, Hz.
     """
     X, f = np.asarray(travel, float), np.asarray(frequency, float)
-    if not (np.all(X > 0) and np.all(f >= 0)):
-        raise InputError("tip ellipse: travel of the tip must be above 0, the frequency 0 or more")
+    require(np.all(X > 0) and np.all(f >= 0), "tip ellipse: travel of the tip must be above 0, the frequency 0 or more")
     base = X * f
     return {"stopping": base, "coasting": 2 * base, "apex": np.pi * base}
 
@@ -63,7 +61,6 @@ def speed_of(travel: ArrayLike, frequency: ArrayLike) -> dict[str, Array]:
 def frequency_for(speed: ArrayLike, travel: ArrayLike) -> dict[str, Array]:
     """Drive frequency, Hz, that each law of `speed_of` needs for a speed (m/s) and a travel X (m)."""
     v, X = np.asarray(speed, float), np.asarray(travel, float)
-    if not (np.all(v >= 0) and np.all(X > 0)):
-        raise InputError("tip ellipse: travel of the tip must be above 0, the speed 0 or more")
+    require(np.all(v >= 0) and np.all(X > 0), "tip ellipse: travel of the tip must be above 0, the speed 0 or more")
     base = v / X
     return {"stopping": base, "coasting": base / 2, "apex": base / np.pi}

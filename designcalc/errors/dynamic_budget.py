@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 Response = NDArray[np.complex128]
@@ -55,8 +55,7 @@ class PositionLoop:
 
     def __post_init__(self) -> None:
         values = (self.crossover, self.resonance, self.damping, self.filter_corner, self.sample_rate)
-        if not all(value > 0 for value in values):
-            raise InputError("position loop: frequencies and damping must be above 0")
+        require(all(value > 0 for value in values), "position loop: frequencies and damping must be above 0")
 
     def plant(self, frequency: Array) -> Response:
         """Position over position commanded, without the loop."""

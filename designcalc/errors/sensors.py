@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 Array = NDArray[np.float64]
 
@@ -11,9 +11,8 @@ Array = NDArray[np.float64]
 def count_size(span: ArrayLike, bits: ArrayLike) -> Array:
     """Step of a converter over a span (m): ``span/2^bits``, m; bits 1 to 32, whole."""
     n, whole = np.asarray(bits, float), np.asarray(span, float)
-    if not np.all((n >= 1) & (n <= 32) & (n == np.round(n))):
-        raise InputError("sensors: bits: must be a whole number in 1 to 32")
-    _require(np.all(whole > 0), "span", "must be above 0 m")
+    require(np.all((n >= 1) & (n <= 32) & (n == np.round(n))), "sensors: bits: must be a whole number in 1 to 32")
+    require(np.all(whole > 0), "sensors: span: must be above 0 m")
     return whole / 2**n
 
 
@@ -27,8 +26,7 @@ def filtered_noise(noise: ArrayLike, bandwidth: ArrayLike, cutoff: ArrayLike) ->
         bandwidth, cutoff: Hz, cutoff at most the bandwidth.
     """
     wide, narrow = np.asarray(bandwidth, float), np.asarray(cutoff, float)
-    if not np.all((narrow > 0) & (narrow <= wide)):
-        raise InputError("sensors: cutoff: must lie above 0 and at most at the bandwidth")
+    require(np.all((narrow > 0) & (narrow <= wide)), "sensors: cutoff: must lie above 0 and at most at the bandwidth")
     return np.asarray(noise, float) * np.sqrt(narrow / wide)
 
 
@@ -42,7 +40,7 @@ def velocity_noise(count: ArrayLike, rate: ArrayLike) -> Array:
         rate: samples per second, Hz.
     """
     step, f = np.asarray(count, float), np.asarray(rate, float)
-    _require(np.all(step > 0) and np.all(f > 0), "count and rate", "must be above 0")
+    require(np.all(step > 0) and np.all(f > 0), "sensors: count and rate: must be above 0")
     return step / np.sqrt(6.0) * f
 
 
@@ -53,22 +51,23 @@ def lag_error(speed: ArrayLike, bandwidth: ArrayLike) -> Array:
         InputError: bandwidth not above 0.
     """
     f = np.asarray(bandwidth, float)
-    if not np.all(f > 0):
-        raise InputError("sensors: bandwidth: must be above 0 Hz")
+    require(np.all(f > 0), "sensors: bandwidth: must be above 0 Hz")
     return np.asarray(speed, float) / (2 * np.pi * f)
 
 
 def abbe_error(offset: ArrayLike, angle: ArrayLike) -> Array:
     """``offset sin(angle)``, m; `offset` of the measured from the line of interest (m), `angle` of the stage (rad)."""
     turn = np.asarray(angle, float)
-    _require(np.all(np.abs(turn) <= np.pi / 2), "angle", "must lie in -90 to 90 deg")
+    require(np.all(np.abs(turn) <= np.pi / 2), "sensors: angle: must lie in -90 to 90 deg")
     return np.asarray(offset, float) * np.sin(turn)
 
 
 def cosine_error(travel: ArrayLike, misalignment: ArrayLike) -> Array:
     """``travel (1 - cos(angle))``, m, computed without cancellation as ``2 travel sin^2(angle/2)``."""
     length, turn = np.asarray(travel, float), np.asarray(misalignment, float)
-    _require(np.all(length >= 0) and np.all(np.abs(turn) <= np.pi / 2), "misalignment", "must lie in -90 to 90 deg")
+    require(
+        np.all(length >= 0) and np.all(np.abs(turn) <= np.pi / 2), "sensors: misalignment: must lie in -90 to 90 deg"
+    )
     return 2 * length * np.sin(turn / 2) ** 2
 
 
@@ -86,10 +85,5 @@ def air_index_error(path: ArrayLike, temperature_change: ArrayLike, pressure_cha
     Source: Birch, Downs, Metrologia 31 (1994) 315.
     """
     length, dt, dp = (np.asarray(v, float) for v in (path, temperature_change, pressure_change))
-    _require(np.all(length >= 0), "path", "must be 0 m or more")
+    require(np.all(length >= 0), "sensors: path: must be 0 m or more")
     return length * (0.93e-6 * np.abs(dt) + 2.7e-9 * np.abs(dp))
-
-
-def _require(condition: object, name: str, rule: str) -> None:
-    if not condition:
-        raise InputError(f"sensors: {name}: {rule}")

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -37,8 +37,7 @@ def bow_of_layers(
     """
     L, t1, t2, e1, e2 = (np.asarray(v, float) for v in (length, thickness_1, thickness_2, modulus_1, modulus_2))
     for name, value in (("length", L), ("thickness", t1), ("thickness", t2), ("modulus", e1), ("modulus", e2)):
-        if not np.all(value > 0):
-            raise InputError(f"thermal: {name}: must be above 0")
+        require(np.all(value > 0), f"thermal: {name}: must be above 0")
     m, n, h = t1 / t2, e1 / e2, t1 + t2
     share = 6 * (1 + m) ** 2 / (3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n)))
     return np.abs(np.asarray(expansion_1, float) - np.asarray(expansion_2, float)) * share / h * L**2 / 8

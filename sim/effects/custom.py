@@ -18,7 +18,7 @@ from typing import Any
 
 from sim.effects.catalogue import library, valid_name
 from sim.effects.effect import Axis, Effect, Parameter
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.own_code import line_of, told
 
@@ -154,8 +154,7 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
     if not isinstance(parameter, Parameter):
         raise InputError(f"{where}: parameters must hold Parameter(...), not {type(parameter).__name__}")
     at = f"{where}: parameter '{parameter.name}'"
-    if not valid_name(str(parameter.name)):
-        raise InputError(f"{at}: the name must be lower-case letters, digits and underscores")
+    require(valid_name(str(parameter.name)), f"{at}: the name must be lower-case letters, digits and underscores")
     if parameter.name in names:
         raise InputError(f"{at}: is declared twice")
     names.add(parameter.name)
@@ -173,8 +172,7 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
         raise InputError(
             f"{at}: start {parameter.default:g} is outside its bounds {parameter.low:g} to {parameter.high:g}"
         )
-    if not abs(parameter.default) < float("inf"):
-        raise InputError(f"{at}: start {parameter.default:g} is not a finite number")
+    require(abs(parameter.default) < float("inf"), f"{at}: start {parameter.default:g} is not a finite number")
 
 
 def _record() -> Axis:
@@ -230,8 +228,7 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
     if single.shape != ():
         raise InputError(f"{where}: gives shape {single.shape} at one instant; must be one number")
     for values in (value, single):
-        if not np.all(np.isfinite(values)):
-            raise InputError(f"{where}: is not finite at the parameters' defaults")
+        require(np.all(np.isfinite(values)), f"{where}: is not finite at the parameters' defaults")
     return value.shape == ()
 
 
@@ -241,8 +238,7 @@ def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effe
     value = _number(where, _call(path, where, signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
     if value.shape != (ROWS,):
         raise InputError(f"{where}: gives shape {value.shape} for a signal of {ROWS} rows; must be ({ROWS},)")
-    if not np.all(np.isfinite(value)):
-        raise InputError(f"{where}: is not finite at the parameters' defaults")
+    require(np.all(np.isfinite(value)), f"{where}: is not finite at the parameters' defaults")
 
 
 def _number(where: str, value: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 FREQUENCY = math.pi
 """rad/s, of the listing; the path does not depend on it."""
@@ -72,8 +72,7 @@ def tip_ellipse(piezo_spacing: float, tip_height: float, stroke: float, phase: f
     """
     if not (piezo_spacing > 0.0 and math.isfinite(piezo_spacing)):
         raise InputError(f"actuator.piezo_spacing = {piezo_spacing:g} m; must be positive")
-    if not (tip_height > 0.0 and math.isfinite(tip_height)):
-        raise InputError(f"actuator.tip_height = {tip_height:g} m; must be positive")
+    require(tip_height > 0.0 and math.isfinite(tip_height), f"actuator.tip_height = {tip_height:g} m; must be positive")
     n = 720
     angle = 2.0 * math.pi * np.arange(n) / n
     first, second = stroke * np.sin(angle), stroke * np.sin(angle - phase)

@@ -13,7 +13,7 @@ from sim.effects.effect import AddedOscillator, Axis, Backlash, DelayedSpeed, Ef
 from sim.integration.compiled import kernels
 from sim.integration.drive import Drive, compressed, delayed
 from sim.integration.problem import FORCE, FRICTION, WORKS, Body, Input, Laws, Layout, Problem, Tolerance
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 SCALE = 1e-3
 """Scale of position and velocity, m and m/s: an error is kept below tolerance times (scale + value)."""
@@ -175,8 +175,7 @@ def _mechanics(model: Model, drive: Drive, mass: float) -> tuple[Drive, _Mechani
                 f"simulation: effect '{effect.name}' acts on a drive, and here the motion itself is imposed"
             )
         if isinstance(part, Backlash):
-            if not drive.stiffness > 0.0:
-                raise InputError(f"simulation: effect '{effect.name}' needs a drive that pulls a spring")
+            require(drive.stiffness > 0.0, f"simulation: effect '{effect.name}' needs a drive that pulls a spring")
             half_gap += 0.5 * part.gap * drive.stiffness
         elif isinstance(part, FirstOrderLag):
             if lag > 0.0:

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.effects.catalogue import Model
 from sim.integration.drive import Drive, force_at
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 if TYPE_CHECKING:
     from sim.integration.plan import Plan
@@ -54,8 +54,7 @@ class Settings:
     most_steps: int = 20_000_000  # attempts after which the integration fails
 
     def __post_init__(self) -> None:
-        if not (self.mass > 0.0 and math.isfinite(self.mass)):
-            raise InputError(f"simulation: mass = {self.mass:g} kg; must be positive")
+        require(self.mass > 0.0 and math.isfinite(self.mass), f"simulation: mass = {self.mass:g} kg; must be positive")
         if not 1e-13 <= self.tolerance <= 1e-2:
             raise InputError(f"simulation: tolerance = {self.tolerance:g}; must lie between 1e-13 and 1e-2")
         for name, unit, low in (("load", "N", 0.0), ("temperature", "degC", ABSOLUTE_ZERO)):

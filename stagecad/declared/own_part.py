@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.consent import give_consent, require_consent
 from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.names import is_identifier
 from stagecad.parameters.own_code import own_code
@@ -136,8 +136,7 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
     """The definition in a file that the user has consented to run."""
     module = _module(path, file_digest(path))
     for word in REQUIRED:
-        if not hasattr(module, word):
-            raise InputError(f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
+        require(hasattr(module, word), f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
     for word, (example, form) in VALUES.items():
         found = getattr(module, word, example)
         several, items = isinstance(example, tuple), found if isinstance(found, tuple | list) else (found,)

@@ -26,6 +26,12 @@ class InputError(ValueError):
         super().__init__(one_line(message))
 
 
+def require(condition: object, message: str) -> None:
+    """Refuse input that does not satisfy a condition."""
+    if not condition:
+        raise InputError(message)
+
+
 class ViolationsError(InputError):
     """Several violated rules of one design. `str` is the line of the first, sufficient by itself.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.entry import Entry, FileEntry
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.iso286 import deviations, in_range, is_class
 from stagecad.parameters.machine import packaged_machine
@@ -111,8 +111,7 @@ def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> Pa
 def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str, FileEntry]) -> None:
     for key, value in content.items():
         path = f"{prefix}.{key}"
-        if not path.isprintable():
-            raise InputError(f"{name}: the key {path!r} contains characters that cannot be printed")
+        require(path.isprintable(), f"{name}: the key {path!r} contains characters that cannot be printed")
         if not isinstance(value, dict):
             entries[path] = FileEntry(_scalar(value, f"{name}: {path}"), f"{name}: {path}")
         elif "value" in value or (value and set(value) <= {"tolerance", "origin", "free"}):

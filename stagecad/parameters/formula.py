@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import (
     DIMENSIONLESS,
     SYMBOLS,
@@ -153,8 +153,7 @@ class Formula:
         if found.dimension != unit_dimension(unit):
             wanted = f"'{unit}' or a multiple of it" if unit else "a number without unit"
             raise InputError(f"{place} = '{SIGN}{self.text}': is {_unit_text(found.dimension)}; wanted {wanted}")
-        if not math.isfinite(found.si):
-            raise InputError(f"{place} = '{SIGN}{self.text}': has no finite value")
+        require(math.isfinite(found.si), f"{place} = '{SIGN}{self.text}': has no finite value")
         return found.si
 
     def evaluate(self, parameter: Callable[[str], Value], functions: Functions | None = None) -> Value:

@@ -2,7 +2,7 @@
 
 import re
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f]')
@@ -21,8 +21,7 @@ def identifier(name: str, place: str) -> str:
     Raises:
         InputError: it is none; `place` begins the message.
     """
-    if not is_identifier(name):
-        raise InputError(f"{place}: a name has small letters, digits and _, and begins with a letter")
+    require(is_identifier(name), f"{place}: a name has small letters, digits and _, and begins with a letter")
     return name
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from stagecad.parameters.entry import FileEntry
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.machine import Machine
 from stagecad.parameters.schema import Declaration, nearest_key
 
@@ -12,8 +12,7 @@ def override(
     text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry], machine: Machine
 ) -> tuple[str, FileEntry]:
     """Key and entry of a text `KEY=VALUE`, with the tolerance class of the entry that it replaces."""
-    if not text.isprintable():
-        raise InputError(f"--set {text!r}: contains characters that cannot be printed")
+    require(text.isprintable(), f"--set {text!r}: contains characters that cannot be printed")
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key or not value:
         raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")

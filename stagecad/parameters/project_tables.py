@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import parse_quantity, quoted
@@ -185,8 +185,7 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
             f"give its {' and '.join(missing)}"
         )
     origin = texts.get(SOURCE) or f"{file}, {name}"
-    if not origin.isprintable():
-        raise InputError(f"{place}, column {SOURCE}: contains characters that cannot be printed")
+    require(origin.isprintable(), f"{place}, column {SOURCE}: contains characters that cannot be printed")
     stated = origin.startswith(("thesis ", "catalogue ", "assumed: ", "measured: "))
     return Row(name, values, origin if stated else f"catalogue {origin}")
 

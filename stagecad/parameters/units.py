@@ -19,7 +19,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 BASES = ("m", "kg", "s", "A", "K", "rad")
 Dimension = tuple[Fraction, ...]
@@ -336,8 +336,7 @@ def _split(text: Any, shown: str, place: str) -> tuple[float, float | None, str]
         if deviation is None:
             raise InputError(f"{place}{shown} has no number after +-; write it like '1.79 +- 0.01 kg'")
         std, end = _number(deviation[0], shown, place), deviation.end()
-        if not 0.0 <= std < math.inf:
-            raise InputError(f"{place}{shown} has an uncertainty that is not a positive number")
+        require(0.0 <= std < math.inf, f"{place}{shown} has an uncertainty that is not a positive number")
     rest = plain[end:].strip()
     if rest[:1] in (".", "+", "-", ",") or (rest[:1].isdigit() and not rest.startswith("1/")):
         raise InputError(f"{place}{shown} is not a quantity; one number, then one unit, like '12 mm'")

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_input, read_named
 from sysid.experiment.experiment import Experiment, Place, Revision
 from sysid.experiment.file_lock import file_lock
@@ -101,8 +101,7 @@ def append_revision(
 
 def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Revision, Path]:
     """Go back to the rung before the last; the last one is kept in `ladder/undone/`."""
-    if not (experiment.folder / "ladder").is_dir():
-        raise InputError(f"{experiment.path}: nothing to undo; no effect was added yet")
+    require((experiment.folder / "ladder").is_dir(), f"{experiment.path}: nothing to undo; no effect was added yet")
     with history_lock(experiment, timeout), _readable_errors():
         _recover(experiment)
         rungs = _read_rungs(experiment.folder / "ladder")

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import parse_quantity
@@ -161,8 +161,7 @@ def quantity_text(table: TomlTable, key: str, unit: str) -> str:
 
 def check_size(value: float, written: str, where: str) -> None:
     """Refuse a value, SI, that is not finite, or with whose square nothing can be computed."""
-    if not math.isfinite(value):
-        raise InputError(f"{where}: {written} is not finite")
+    require(math.isfinite(value), f"{where}: {written} is not finite")
     if value and not 1.0 / LARGEST <= abs(value) <= LARGEST:
         raise InputError(
             f"{where}: {written} is {value:.3g} in SI units; {1.0 / LARGEST:g} to {LARGEST:g} are possible"

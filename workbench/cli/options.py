@@ -19,7 +19,7 @@ import click
 from click.core import ParameterSource
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError, ViolationsError, one_line
+from stagecad.parameters.errors import InputError, ViolationsError, one_line, require
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -181,10 +181,8 @@ def _need_writable(file: Path) -> None:
     above = next(folder for folder in file.absolute().parents if folder.exists())
     if file.is_dir():
         raise InputError(f"--json {file}: is a folder; a file is required")
-    if not above.is_dir():
-        raise InputError(f"--json {file}: {above} is a file, not a folder")
-    if not os.access(file if file.exists() else above, os.W_OK):
-        raise InputError(f"--json {file}: cannot be written")
+    require(above.is_dir(), f"--json {file}: {above} is a file, not a folder")
+    require(os.access(file if file.exists() else above, os.W_OK), f"--json {file}: cannot be written")
 
 
 def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:

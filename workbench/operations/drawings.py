@@ -16,7 +16,7 @@ from drawings.artefacts.parallel_sheets import chosen_sheets as chosen_by_part
 from drawings.artefacts.parallel_sheets import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.solids.artefacts.outputs import write_manifest, write_stored
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import body_masses
@@ -260,6 +260,5 @@ def cached_file(key: str, name: str) -> Path:
     path = ArtefactStore().folder / "entries" / key / name
     if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3,4}", name):
         raise InputError(f"{key}/{name}: no file of the cache")
-    if not path.is_file():
-        raise InputError(f"{name}: no such file in the cache; make the solids again")
+    require(path.is_file(), f"{name}: no such file in the cache; make the solids again")
     return path

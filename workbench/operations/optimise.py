@@ -19,7 +19,7 @@ from designcalc.optimisation.optimise import Outcome, margins_document, optimise
 from designcalc.optimisation.search import search
 from designcalc.optimisation.space import Free, free_parameters
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.rules.registry import violations
 from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
@@ -356,8 +356,7 @@ def write_study(
 def time_limit(text: str | None) -> float:
     """Time of `--time`, s; infinite without it."""
     seconds = math.inf if text is None else parse_quantity(text, "s", "--time")
-    if not seconds > 0:
-        raise InputError(f"--time '{text}': must be above 0")
+    require(seconds > 0, f"--time '{text}': must be above 0")
     return seconds
 
 

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from stagecad.declared.own_part import REQUIRED, run_file
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.machine import packaged_machine
 from workbench.operations.design import Design
 from workbench.operations.drawings import sheet_document, write_flat, write_sheets
@@ -112,8 +112,7 @@ def _draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[di
 def _step_solids(path: Path) -> list[tuple[str, Any]]:
     import cadquery as cq
 
-    if not path.is_file():
-        raise InputError(f"{path}: cannot be read: No such file or directory")
+    require(path.is_file(), f"{path}: cannot be read: No such file or directory")
     try:
         shape = cq.importers.importStep(str(path))
     except Exception as error:

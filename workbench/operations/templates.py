@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.effects.catalogue import library, valid_name
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.names import identifier
@@ -58,8 +58,7 @@ def write_effect(path: Path) -> str:
     name = path.stem
     if path.suffix != ".py":
         raise InputError(f"{path}: must end in .py")
-    if not valid_name(name):
-        raise InputError(f"{path}: the effect is named after its file: lower-case words joined by underscores")
+    require(valid_name(name), f"{path}: the effect is named after its file: lower-case words joined by underscores")
     if name in library():
         raise InputError(f"{path}: a built-in effect is named '{name}'; choose another")
     if path.exists():

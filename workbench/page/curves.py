@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.atomic import atomic_path
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 MOST_COLUMNS = 8000
 BLOCK = 64
@@ -41,8 +41,7 @@ def _blocks(folder: Path, number: int) -> Path:
 def read_curves(folder: Path, number: int) -> np.ndarray:
     """The array (k, n) that `write_curves` wrote, mapped into memory."""
     path = folder / f"curves_{number}.npy"
-    if not path.is_file():
-        raise InputError(f"curves {number}: there are none")
+    require(path.is_file(), f"curves {number}: there are none")
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
     except ValueError:

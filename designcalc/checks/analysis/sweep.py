@@ -13,7 +13,7 @@ import numpy as np
 from designcalc.checks.analysis.masses_over_values import masses_over
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import as_json, from_si, parse_quantity, to_si
 
@@ -73,8 +73,7 @@ def read_range(text: str, design: Design) -> Range:
         count = int(parts[2]) if len(parts) == 3 else DEFAULT_POINTS
     except ValueError:
         count = 0
-    if not 2 <= count <= 10000:
-        raise InputError(f"--sweep '{text}': the number of points must be a whole number from 2 to 10000")
+    require(2 <= count <= 10000, f"--sweep '{text}': the number of points must be a whole number from 2 to 10000")
     if not np.isfinite([low, high]).all() or low == high:
         raise InputError(f"--sweep '{text}': the ends must be finite and differ")
     # Twelve digits keep 'stage.thickness=12 mm' out of 12.000000000000002.

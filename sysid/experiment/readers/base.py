@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from sysid.experiment.readers.format import Format
 
 MOST_BYTES = 2 * 1024**3
@@ -84,8 +84,7 @@ def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
     if found.st_size > MOST_BYTES:
         most = f"{MOST_BYTES / 1024**3:g} GB"
         raise InputError(f"{shown_path(name)}: is larger than {most}; split it, or keep every n-th row")
-    if not start.strip():
-        raise InputError(f"{name}: the file is empty; one header row and at least two rows of numbers are required")
+    require(start.strip(), f"{name}: the file is empty; one header row and at least two rows of numbers are required")
 
 
 def file_sha256(path: Path) -> str:

@@ -5,7 +5,7 @@ from inspect import cleandoc
 
 import click
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options
 from workbench.operations.calculate import CALCULATORS, calculate
@@ -64,8 +64,7 @@ def _written(name: str, arguments: Sequence[str]) -> dict[str, str]:
     words = list(arguments)
     while words:
         word = words.pop(0)
-        if not word.startswith("--"):
-            raise InputError(f"calc {name}: '{word}' belongs to no option; write --key value")
+        require(word.startswith("--"), f"calc {name}: '{word}' belongs to no option; write --key value")
         flag, equals, value = word[2:].partition("=")
         if not equals:
             if not words:

@@ -22,7 +22,7 @@ from sim.experiments.tip import PHASES, STROKES, tip_ellipse
 from sim.integration.simulate import SimulationError
 from sim.stage.studies import ON_REQUEST, STUDY_NAMES
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import as_json, parse_quantity
 from stagecad.processes import fork_map, parallel_map
 from sysid.experiment.experiment import find_experiment
@@ -137,8 +137,7 @@ def moving_mass(design: Values, given: str | None) -> float:
 def parse_mass(text: str) -> float:
     """Mass written as a quantity, kg."""
     mass = parse_quantity(text, "kg", "--mass")
-    if not 0.0 < mass < float("inf"):
-        raise InputError(f"--mass {text}: must be positive and finite")
+    require(0.0 < mass < float("inf"), f"--mass {text}: must be positive and finite")
     return mass
 
 

@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_path
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from workbench.operations.measurement.experiment import consent as consent_to
 from workbench.operations.measurement.experiment import python_files
 from workbench.operations.measurement.new_experiment import (
@@ -133,8 +133,7 @@ async def take_records(request: Request, body: FilesBody) -> list[dict[str, Any]
     project, stored = project_of(request), []
     for file in body.files:
         source = project.inside(plain_name(file))
-        if not source.is_file():
-            raise InputError(f"{file}: no such file in this folder")
+        require(source.is_file(), f"{file}: no such file in this folder")
         stored.append(await _store(project, body.name, file, _pieces(source)))
     return stored
 

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse
 from pydantic import Field
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from workbench.operations.measurement.experiment import results_key
 from workbench.operations.result import finite
 from workbench.page.project import plain_name
@@ -121,8 +121,7 @@ def exported(request: Request, name: str, file: str) -> FileResponse:
     project = project_of(request)
     folder = project.experiment(name)
     path = project.results / results_key(project.results, folder, project.folder) / "export" / plain_name(file)
-    if not path.is_file():
-        raise InputError(f"{name}: no exported file '{file}'")
+    require(path.is_file(), f"{name}: no exported file '{file}'")
     return FileResponse(path, media_type="application/octet-stream", filename=file)
 
 
@@ -132,8 +131,7 @@ def report(request: Request, name: str) -> FileResponse:
     project = project_of(request)
     folder = project.experiment(name)
     path = project.results / results_key(project.results, folder, project.folder) / "report.html"
-    if not path.is_file():
-        raise InputError(f"{name}: no report yet; compare or diagnose first")
+    require(path.is_file(), f"{name}: no report yet; compare or diagnose first")
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
 
 
