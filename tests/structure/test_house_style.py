@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15198,
-    "designcalc": 10699,
-    "sim": 12693,
-    "sysid": 20241,
+    "stagecad": 15158,
+    "designcalc": 10663,
+    "sim": 12667,
+    "sysid": 20235,
     "drawings": 12109,
-    "workbench": 15561,
+    "workbench": 15514,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
