@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12667,
     "sysid": 20235,
     "drawings": 12109,
-    "workbench": 15514,
+    "workbench": 15523,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
