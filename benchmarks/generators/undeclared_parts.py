@@ -407,6 +407,33 @@ def unified_stud() -> W:
     return stud.faces("<Z").workplane().polarArray(19.05, 45, 360, 4).hole(7.9375)
 
 
+def wedge_block() -> W:
+    block = W("XZ").polyline([(0, 0), (70, 0), (70, 12), (40, 42), (0, 42)]).close().extrude(-50)
+    slope = W(cq.Plane(origin=(55, 25, 27), xDir=(0, 1, 0), normal=(1, 0, 1)))
+    block = block.cut(slope.rect(30, 24, forConstruction=True).vertices().circle(2.1).extrude(-12))
+    return block.cut(slope.circle(8).extrude(-10))
+
+
+def crossed_pin() -> W:
+    """Holes that end at the axis of the pin, and a flat in which one of them begins."""
+    pin = W("YZ").circle(12).extrude(90).cut(W("XY").workplane(offset=8).center(65, 0).rect(20, 30).extrude(10))
+    pin = pin.cut(W("XY").workplane(offset=-20).center(25, 0).circle(3).extrude(40))
+    return pin.cut(W("XY").center(65, 0).circle(2.1).extrude(20)).cut(W("XZ").center(45, 0).circle(2).extrude(-20))
+
+
+def seat_housing() -> W:
+    """A bore that is wider at both ends, with a groove, and a hole that ends in it."""
+    body = W("XY").circle(30).extrude(45).cut(W("XY").circle(18).extrude(12)).cut(W("XY").circle(12).extrude(45))
+    body = body.cut(W("XY").workplane(offset=20).circle(20).extrude(25))
+    body = body.cut(W("XY").workplane(offset=38).circle(21.5).extrude(1.8))
+    return body.cut(W("XZ").center(0, 16).circle(3).extrude(40))
+
+
+def nozzle() -> W:
+    outline = [(3, 0), (15, 0), (15, 10), (8, 30), (8, 45), (5, 45), (3, 25)]
+    return W("XZ").polyline(outline).close().revolve(360, (0, 0, 0), (0, 1, 0))
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -417,6 +444,7 @@ PARTS: dict[str, Callable[[], W]] = {
         spring_seat, tube_flange, blind_flange, square_flange, stepped_bushing, tapered_hub, v_pulley, crank_arm,
         lens_cell, mirror_plate, optical_post, rail, dowel_plate, t_slot_table, u_channel, ribbed_bracket, knob,
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
-        two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud,
+        two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
+        seat_housing, nozzle,
     )
 }  # fmt: skip

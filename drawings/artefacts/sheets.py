@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from drawings.sheets.assembly import AssemblyDescription, MachineSize
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
-    from stagecad.parameters.dimension import Dimension
     from stagecad.solids.modelling.verification import DimensionVerifier
 
 FORMATS = ("dxf", "svg", "pdf", "png")
@@ -193,6 +192,7 @@ def _part_sheets(
     part: BuiltPart, source: PartSource, design: Any, plain: Any, folder: Path, *, exact: bool
 ) -> tuple[Sequence[Sheet], list[str]]:
     """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder."""
+    from drawings.dimensions.consistency import mistakes
     from drawings.pmi.ap242 import ap242_bytes
     from drawings.sheets.part import part_sheets
     from stagecad.solids.modelling.verification import DimensionVerifier
@@ -200,20 +200,13 @@ def _part_sheets(
     module: Any = source.definition()
     verifier = DimensionVerifier(part.solid)
     described, notes = describe(part, source, design, plain, verifier)
-    require_declared(module, described.dimensions, verifier)
+    stated = getattr(module, "VIEWS", ())
+    for mistake in mistakes(stated, described.dimensions, described.requirements, verifier):
+        raise InputError(f"{getattr(module, 'path', source.kind)}: {mistake}")
     kind = source.kind
     (folder / f"{kind}_ap242.step").write_bytes(ap242_bytes(kind, module, design, described.solid, verifier))
     sheets = part_sheets(described, design, verifier, exact=exact)
     return sheets, write_definition(described, notes, design, verifier, sheets, folder)
-
-
-def require_declared(module: Any, dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> None:
-    """Check that each dimension that a user's file declares is on the solid."""
-    for dimension in dimensions if hasattr(module, "path") else ():
-        try:
-            verifier.measure(dimension)
-        except LookupError as error:
-            raise InputError(f"{module.path}: dimension '{dimension.name}': {error.args[0]}") from None
 
 
 def write_definition(

@@ -13,24 +13,15 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from drawings.dimensions.consistency import contradictions, is_on, miscounted, parallel, separate
 from drawings.dimensions.levels import NEAR, SQUARE, Levels
-from drawings.dimensions.small_edges import AXES, is_fillet, like_edges
+from drawings.dimensions.small_edges import AXES, along_of, corners, is_fillet, like_edges, outward_normal
 from drawings.views.segment_index import SegmentIndex, lines_of
-from drawings.views.view import View, dot
-from stagecad.parameters.dimension import (
-    FORM,
-    DatumFeature,
-    Dimension,
-    FaceRequirement,
-    GeometricTolerance,
-    Point,
-    SurfaceTexture,
-)
+from drawings.views.view import View, auxiliary, dot, projection_of
+from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
-ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
-"""Characteristics of orientation and of location; `stagecad.parameters.dimension.FORM` are those of form."""
 IN_VIEW = 0.1
 """Half side of the box about a point of an edge in which a line of a view must lie, mm."""
 
@@ -123,7 +114,7 @@ def definition(
     drawn = [(view, lines_of(view.on("VISIBLE", "HIDDEN"))) for view in views if not view.clip]
     faces = []
     for number, surface in enumerate(verifier.surfaces, start=1):
-        tolerances = [r for r in requirements if _is_on(surface, r)]
+        tolerances = [r for r in requirements if is_on(surface, r)]
         faces.append(
             FaceDefinition(
                 number,
@@ -141,70 +132,6 @@ def definition(
     if not notes.packaged:
         wrong += contradictions(verifier, dimensions, requirements, roughness)
     return Definition(tuple(faces), superfluous, tuple(wrong))
-
-
-def contradictions(
-    verifier: DimensionVerifier,
-    dimensions: Sequence[Dimension],
-    requirements: Sequence[FaceRequirement],
-    roughness: float,
-) -> Iterator[str]:
-    """Tolerances of form that are not smaller than those of orientation, or these than those of location (ISO 1101),
-    and fits with a roughness above an eighth of their tolerance.
-
-    Args:
-        roughness: Ra of faces without a mark, um.
-    """
-    for number, surface in enumerate(verifier.surfaces, start=1):
-        own = [r for r in requirements if isinstance(r, GeometricTolerance) and _is_on(surface, r)]
-        for finer, coarser in ((FORM, ORIENTATION), (FORM, LOCATION), (ORIENTATION, LOCATION)):
-            for one in (r for r in own if r.characteristic in finer):
-                for other in (r for r in own if r.characteristic in coarser and r.value <= one.value):
-                    yield (
-                        f"the {one.characteristic} {one.value:g} of face {number} is not smaller than its "
-                        f"{other.characteristic} {other.value:g}, which includes it"
-                    )
-    marked = [r for r in requirements if isinstance(r, SurfaceTexture)]
-    for d in dimensions:
-        if d.kind != "diameter" or d.deviations is None or d.direction is None:
-            continue
-        low, high = d.deviations
-        most = 1e3 * (high - low) / 8
-        faces = [s for s in verifier.surfaces if s.is_round(d.value / 2) and s.off_axis(d.points[0]) < NEAR]
-        own = next((r.roughness for r in marked for s in faces if _is_on(s, r)), roughness)
-        if own > most:
-            yield f"Ra {own:g} of '{d.name}' is too rough for its tolerance of {high - low:g} mm: Ra {most:.2g} at most"
-
-
-def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool = True) -> Iterator[str]:
-    """Diameters given for more features than the solid has; with `alike`, also fillets and chamfers, and diameters for
-    holes of which some go through and some do not.
-    """
-    for d in dimensions:
-        if alike and d.kind in ("radius", "chamfer") and d.count > 1:
-            edges = len(set(like_edges(verifier, d).values()))
-            if edges < d.count:
-                yield f"'{d.name}' is given for {d.count} edges, the solid has {edges} of this size"
-        if d.kind not in ("diameter", "tap_drill") or d.direction is None:
-            continue
-        try:
-            found = verifier.holes(d)
-        except (LookupError, StopIteration):
-            continue  # of a cone
-        if len(found) == d.count:
-            ends = {verifier.open_ends(surface, d.direction) for surface in found}
-            if alike and len({len(end) for end in ends}) > 1:
-                yield f"'{d.name}' is one dimension for holes that go through and holes that do not"
-            continue
-        separate = _separate(verifier.surfaces, found[0].radius)
-        if separate < d.count:
-            yield f"'{d.name}' is given for {d.count} features, the solid has {separate} of this diameter"
-
-
-def _separate(surfaces: Sequence[Surface], radius: float) -> int:
-    """Number of round features of a radius."""
-    like = [surface for surface in surfaces if surface.is_round(radius)]
-    return len({(s.axis_key, tuple(round(end, 3) for end in s.extent(s.axis_key[3:]))) for s in like})  # type: ignore[arg-type]
 
 
 class _Part:
@@ -258,13 +185,13 @@ class _Part:
     def _feature_at(self, along: Point, point: Point) -> Hashable:
         """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
         flat = [(n, s) for n, s in enumerate(self._surfaces) if s.kind == "PLANE" and s.holds(point)]
-        square = [n for n, surface in flat if _parallel(surface, along)]
+        square = [n for n, surface in flat if parallel(surface, along)]
         if square or (flat and self._notes.packaged):
             return square[0] if square else flat[0][0]
         if flat and not square:
             return ("level", round(dot(point, along), 2))
         for surface in self._surfaces:
-            if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not _parallel(surface, along):
+            if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not parallel(surface, along):
                 reach = dot(surface.origin, surface.axis)
                 foot = (o - reach * a for o, a in zip(surface.origin, surface.axis, strict=True))
                 return tuple(round(value, 2) + 0.0 for value in foot)
@@ -290,7 +217,7 @@ class _Part:
 
     def _on_circle(self, surface: Surface) -> str:
         """An upright axis on a circle of equal sectors: by its radius, or the distance of neighbours."""
-        if self._notes.turned == 1 or surface.kind == "PLANE" or not _parallel(surface, AXES["z"]):
+        if self._notes.turned == 1 or surface.kind == "PLANE" or not parallel(surface, AXES["z"]):
             return ""
         radius = math.hypot(surface.origin[0], surface.origin[1])
         apart = 2 * radius * math.sin(math.pi / self._notes.turned)
@@ -323,7 +250,7 @@ class _Part:
     def _cone(self, surface: Surface) -> str:
         """A drill point, or a cone between round faces about its axis."""
         for other in self._surfaces:
-            if other.kind == "CYLINDER" and other.off_axis(surface.origin) < NEAR and _parallel(other, surface.axis):
+            if other.kind == "CYLINDER" and other.off_axis(surface.origin) < NEAR and parallel(other, surface.axis):
                 return "drill point or cone at the end of a bore"
         return ""
 
@@ -335,7 +262,7 @@ class _Part:
             return ""
         across = [along] if surface.kind == "PLANE" else [name for name in AXES if name != along]
         for name in across:
-            found = self.levels[name].located_by(dot(origin, AXES[name]))
+            found = self.levels[name].located_by(dot(origin, AXES[name]), face=surface.kind == "PLANE")
             if not found:
                 return ""
             names.append(found)
@@ -362,10 +289,10 @@ class _StatedPart(_Part):
         if d.kind in ("diameter", "tap_drill") and d.direction is not None:
             try:
                 holes = self._verifier.holes(d)
-            except (LookupError, StopIteration):
+            except LookupError:
                 self._cones.append(d)
                 return
-            every = len(holes) < d.count and _separate(self._surfaces, holes[0].radius) <= d.count
+            every = len(holes) < d.count and separate(self._surfaces, holes[0].radius) <= d.count
             for number, surface in enumerate(self._surfaces):
                 if surface.is_round(holes[0].radius) and (every or any(surface.is_coaxial(hole) for hole in holes)):
                     self._sizes.setdefault(number, d.name)
@@ -403,15 +330,15 @@ class _StatedPart(_Part):
         if surface.kind == "PLANE":
             for d in self._depths:
                 across = surface.holds(d.points[1]) or self._is_floor(surface, d)
-                if d.direction and _parallel(surface, d.direction) and across:
+                if d.direction and parallel(surface, d.direction) and across:
                     return d.name
             return self._by_vertices(surface) or self._notes.defines(_middle(surface))
         if surface.kind == "CYLINDER":
-            if slanting := self._slanting(surface):
+            if slanting := self._slanting(surface) or self._square_to_face(surface):
                 return slanting
             for d in self._circles:
                 centre, _ = d.points
-                if d.direction is None or not _parallel(surface, d.direction):
+                if d.direction is None or not parallel(surface, d.direction):
                     continue
                 across = [name for name, unit in AXES.items() if abs(dot(unit, d.direction)) < SQUARE]
                 placed = all(self.levels[name].located_by(dot(centre, AXES[name])) for name in across)
@@ -432,6 +359,36 @@ class _StatedPart(_Part):
                     return "; ".join(dict.fromkeys((d.name, *levels)))
         return ""
 
+    def _square_to_face(self, surface: Surface) -> str:
+        """A hole square to a slanting face, placed by its corners: by distances from an edge of it, or levels."""
+        for face in self._surfaces:
+            if face.kind != "PLANE" or along_of(face.axis) or not parallel(face, surface.axis):
+                continue
+            view, placed = projection_of(auxiliary(outward_normal(face))), self._by_vertices(face)
+            names = [placed] if placed else []
+            for way in (view.right, view.up) if placed else ():
+                name = along_of(way)
+                level = dot(surface.origin, AXES[name] if name else way)
+                names.append(self.levels[name].located_by(level) if name else self._from_edge(level, way, face, placed))
+            if placed and all(names):
+                return "; ".join(dict.fromkeys(names))
+        return ""
+
+    def _from_edge(self, level: float, way: Point, face: Surface, placed: str) -> str:
+        """The last of the distances in a direction that lead from a corner of a slanting face to a level."""
+        ends = [(d.name, sorted(dot(p, way) for p in d.points)) for d in self._distances if self._is_in(d, way)]
+        known = {dot(corner, way): placed for corner in corners(face)}
+        for _ in ends:
+            for name, (low, high) in ends:
+                for here, there in ((low, high), (high, low)):
+                    if any(abs(here - one) < NEAR for one in known):
+                        known.setdefault(there, name)
+        return next((name for one, name in known.items() if abs(one - level) < NEAR), "")
+
+    @staticmethod
+    def _is_in(d: Dimension, way: Point) -> bool:
+        return d.direction is not None and abs(dot(d.direction, way)) > 1 - SQUARE
+
     def _is_floor(self, surface: Surface, d: Dimension) -> bool:
         """Whether a plane face is the floor of a stepped hole whose depth is declared, or of one of its equals."""
         assert d.direction is not None
@@ -439,7 +396,7 @@ class _StatedPart(_Part):
             return False
         middle = _middle(surface)
         return any(
-            other.kind == "CYLINDER" and _parallel(other, d.direction) and other.off_axis(middle) < NEAR
+            other.kind == "CYLINDER" and parallel(other, d.direction) and other.off_axis(middle) < NEAR
             for other in self._surfaces
             if d.count > 1 or other.off_axis(d.points[1]) < NEAR
         )
@@ -447,10 +404,10 @@ class _StatedPart(_Part):
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""
         names: list[str] = []
-        for corner in surface.vertices:
+        for corner in corners(surface):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > SQUARE:
-                    found = self.levels[name].located_by(dot(corner, unit))
+                    found = self.levels[name].located_by(dot(corner, unit), face=along_of(surface.axis) is not None)
                     if not found:
                         return ""
                     names.append(found)
@@ -478,11 +435,11 @@ class _StatedPart(_Part):
 
     def _cone(self, surface: Surface) -> str:
         """A drill point below a depth, a countersink, or a cone between diameters at located levels."""
-        along = next((name for name in AXES if _parallel(surface, AXES[name])), None)
+        along = next((name for name in AXES if parallel(surface, AXES[name])), None)
         if along is None:
             return ""
         for d in self._cones:
-            if d.direction and _parallel(surface, d.direction) and "countersink" in d.name:
+            if d.direction and parallel(surface, d.direction) and "countersink" in d.name:
                 low, high = surface.extent(AXES[along])
                 own = surface.off_axis(d.points[0]) < NEAR or d.count > 1
                 wide = max(map(surface.off_axis, surface.vertices), default=0.0)
@@ -532,19 +489,6 @@ def _middle(surface: Surface) -> Point:
 def _turned(vector: Point, angle: float) -> Point:
     c, s = math.cos(angle), math.sin(angle)
     return (c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2])
-
-
-def _parallel(surface: Surface, axis: Point) -> bool:
-    return abs(abs(dot(surface.axis, axis)) - 1.0) < SQUARE
-
-
-def _is_on(surface: Surface, requirement: FaceRequirement) -> bool:
-    """Whether a requirement is for a face: one of its points is on it, or on the axis of a round one."""
-    if isinstance(requirement, GeometricTolerance | DatumFeature) and requirement.round:
-        return surface.kind == "CYLINDER" and any(
-            _parallel(surface, requirement.normal) and surface.off_axis(point) < NEAR for point in requirement.points
-        )
-    return any(surface.holds(point) for point in requirement.points)
 
 
 def _is_shown(surface: Surface, view: View, lines: SegmentIndex) -> bool:

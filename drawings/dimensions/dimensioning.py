@@ -43,20 +43,17 @@ from drawings.dimensions.text import (
     wrapped_lines,
 )
 from drawings.views.segment_index import enlarged, lines_of
-from drawings.views.view import View, degrees_of, dot
+from drawings.views.view import Segment, View, degrees_of, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
     FaceRequirement,
     GeometricTolerance,
-    Point,
     SurfaceTexture,
 )
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.verification import DimensionVerifier
 
-EXACT = 1e-6
-"""Greatest difference of the solid from a declared value, before rounding, mm."""
-
+ROUND = ("CYLINDER", "SPHERE", "TORUS")
 OUTLINED = 0.02
 """Half side of the box at the end of a diameter in which its outline must be drawn, mm."""
 SEEN = 6
@@ -135,13 +132,11 @@ class _Builder:
 
     def add(self, group: list[Dimension]) -> None:
         """Add the specification of one dimension, or of the callout of a feature."""
-        for dimension in group:
-            self._verify(dimension)
         head = group[0]
         if head.table:
             self._tabulate(group)
             return
-        view = self._view_of(head) or next(iter(_preferred(self.views, head.view, head.points)), None)
+        view = self._view_of(head) or next(iter(_preferred(self.views, head)), None)
         if self.stated and view is not None and len(group) == 1:
             view = self._where_outlined(view, head)
         if view is None:
@@ -171,13 +166,24 @@ class _Builder:
         lines = lines_of(view.on("VISIBLE", "HIDDEN"))
         return all(lines.count_in(enlarged((*end, *end), OUTLINED)) for end in (spec.first, spec.second))
 
-    def _compare_view(self, view: View, head: Dimension) -> None:
-        """Note a dimension that is in another view than declared, and a hole whose mouth its view does not show."""
+    def _compare_view(self, view: View, head: Dimension | FaceRequirement) -> None:
+        """Note a dimension that is in another view than declared, and what of it its view does not show: the mouth of a
+        hole, the ends of a distance."""
         as_declared = head.view in ("any", view.name, view.projection.name)
         if not as_declared and not (head.view == "section" and view.cut):
+            name = f"datum {head.letter}" if isinstance(head, DatumFeature) else f"'{head.name}'"
             self.elsewhere.append(
-                f"'{head.name}' is declared for the view '{head.view}', which does not show it: it is in '{view.name}'"
+                f"{name} is declared for the view '{head.view}', which does not show it: it is in '{view.name}'"
             )
+        if not isinstance(head, Dimension):
+            return
+        if self.stated and head.kind in ("linear", "pitch") and head.direction:
+            u, v = view.projection.to_view(head.direction)
+            axes = [c for c in view.on("CENTRE") if isinstance(c, Segment) and _is_across(c, u, v)]
+            shown = lines_of([*view.on("VISIBLE", "HIDDEN", "THREAD"), *axes])
+            ends = map(view.projection.to_view, head.points)
+            if not all(shown.count_in(enlarged((*end, *end), 5 * OUTLINED)) for end in ends):
+                self.elsewhere.append(f"'{head.name}' ends where the view '{view.name}' shows no line")
         if head.kind in ("diameter", "tap_drill") and head.direction and not view.cut and self._is_circle(view, head):
             (u, v), radius = view.projection.to_view(head.points[0]), head.value / 2
             turns = [math.tau * number / 16 for number in range(16)]
@@ -230,16 +236,9 @@ class _Builder:
             case _:
                 return self._callout(view, [dimension])
 
-    def _verify(self, dimension: Dimension) -> None:
-        if not dimension.points:
-            return
-        measured = self.gauge.measure(dimension)
-        if measured is not None and abs(measured - dimension.value) > EXACT:
-            raise ValueError(f"'{dimension.name}': declared {dimension.value!r}, the solid measures {measured!r}")
-
     def _view_of(self, dimension: Dimension) -> View | None:
         """The view that shows a dimension best; None where no view shows it in true size."""
-        preferred = _preferred(self.views, dimension.view, dimension.points)
+        preferred = _preferred(self.views, dimension)
         details = [v for v in self.views if v.clip and any(_parallel(v, p) for p in preferred)]
         details = [
             v
@@ -267,7 +266,10 @@ class _Builder:
             case "pitch_circle":
                 return self._is_circle(view, dimension)
             case "radius":
-                return self._surface(dimension).kind != "CYLINDER" or abs(abs(dot(along, eye)) - 1) < SQUARE
+                return (
+                    self.gauge.face_on(dimension.points[0], *ROUND).kind != "CYLINDER"
+                    or abs(abs(dot(along, eye)) - 1) < SQUARE
+                )
             case _:
                 return True
 
@@ -315,7 +317,7 @@ class _Builder:
         if d.kind != "radius":
             centre = view.projection.to_view(d.points[0])
             return RoundSpec(view.name, "diameter", centre, d.value / 2, 45.0, 180.0, text, d.value, names)
-        centre = view.projection.to_view(centre_of_round(self._surface(d), d.points[-1]))
+        centre = view.projection.to_view(centre_of_round(self.gauge.face_on(d.points[0], *ROUND), d.points[-1]))
         at = view.projection.to_view(d.points[-1])
         towards = degrees_of((at[0] - centre[0], at[1] - centre[1]))
         return RoundSpec(view.name, "radius", centre, d.value, towards, 20.0, text, d.value, names)
@@ -349,12 +351,6 @@ class _Builder:
         names, equal = tuple(d.name for d in group), equal_holes(view, holes[0], self.gauge) if round_ends else ()
         return CalloutSpec(view.name, at, radius, lines, names, equal, outward)
 
-    def _surface(self, dimension: Dimension) -> Surface:
-        for surface in self.gauge.surfaces:
-            if surface.kind in ("CYLINDER", "SPHERE", "TORUS") and surface.holds(dimension.points[0]):
-                return surface
-        raise LookupError(f"'{dimension.name}': no round face at {dimension.points[0]}")
-
     def require(self, requirement: FaceRequirement) -> None:
         """Add a datum, a tolerance or a texture on the line as which its face is seen."""
         if isinstance(requirement, DatumFeature) and requirement.targets:
@@ -363,9 +359,10 @@ class _Builder:
                 TargetSpec(view.name, view.projection.to_view(point), f"{requirement.letter}{index}")
                 for index, point in enumerate(requirement.points, start=1)
             ]
-        for view in _preferred(self.views, requirement.view, requirement.points):
+        for view in _preferred(self.views, requirement):
             line = edge_of_face(view, requirement, self.gauge)
             if line:
+                self._compare_view(view, requirement)
                 self.specs.append(self._on_face(view, line, requirement))
                 return
         self.missing.append(getattr(requirement, "name", getattr(requirement, "letter", "")))
@@ -409,19 +406,25 @@ class _Builder:
         return self.gauge.measure(bore) or 0.0
 
 
-def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> list[View]:
-    """Views for what is declared for a view: that of its name, a section through the points, views from its side."""
+def _preferred(views: Sequence[View], declared: Dimension | FaceRequirement) -> list[View]:
+    """Views for a declaration: that of its name, a section or auxiliary view at its points, views from its side."""
 
     def rank(view: View) -> tuple[int, float]:
-        if view.name == name:
+        plane = {"section": view.cut, "auxiliary": view.face}.get(declared.view)
+        if view.name == declared.view:
             return (0, 0.0)
-        if name == "section" and view.cut:
-            return (1, -sum(map(view.cut.holds, points)))
-        if view.projection.name == name:
+        if plane:
+            along = getattr(declared, "direction", None) or plane.normal
+            return (1, -sum(map(plane.holds, declared.points)) - abs(dot(along, plane.normal)))
+        if view.projection.name == declared.view:
             return (2, -view.scale)
         return (3, 0.0)
 
     return sorted((view for view in views if not view.clip and view.projection.name != "iso"), key=rank)
+
+
+def _is_across(line: Segment, u: float, v: float) -> bool:
+    return abs((line.end[0] - line.start[0]) * u + (line.end[1] - line.start[1]) * v) < 1e-3
 
 
 def _parallel(one: View, other: View) -> bool:

@@ -80,7 +80,10 @@ def rim_of_chamfer(view: View, chamfer: Dimension, gauge: DimensionVerifier) -> 
 def equal_holes(view: View, hole: Dimension, gauge: DimensionVerifier) -> tuple[Point2, ...]:
     """Centres of the other holes to which a callout applies, those nearest to the declared one first."""
     at = view.projection.to_view(hole.points[0])
-    centres = {view.projection.to_view(surface.origin) for surface in gauge.holes(hole)}
+    try:
+        centres = {view.projection.to_view(surface.origin) for surface in gauge.holes(hole)}
+    except LookupError:
+        return ()
     others = sorted((math.dist(at, centre), centre) for centre in centres)
     return tuple(centre for away, centre in others if away > 1e-3)[:MOST_CHOICES]
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.frame import cross, subtract
 
 NEAR = 2e-3
 """Levels closer than this are one, mm."""
@@ -55,16 +56,19 @@ class Levels:
         self._levels: list[float] = []
         self._private: set[int] = set()
         self._names: dict[int, str] = {}
+        self._at_middle = ""  # dimension that ends on a plane face at the level 0
         rows: list[dict[int, float]] = []
         for d in own:
             row: dict[int, float] = {}
             for place, (point, sign) in enumerate(zip(d.points[:2], (-1.0, 1.0), strict=True)):
                 # The end of a drilled hole is at no level of another face, even if it is at the same height.
                 drilled = place == 1 and d.kind == "depth" and bool(d.feature)
-                private = drilled and not isinstance(feature_at(point), int)
+                private = drilled and (strict or not isinstance(feature_at(point), int))
                 number, side = self._unknown(dot(point, axis), private=private)
                 row[number] = row.get(number, 0.0) + sign * side
                 self._names.setdefault(number, d.name)
+                if abs(dot(point, axis)) < NEAR and not private and isinstance(feature_at(point), int):
+                    self._at_middle = d.name
             rows.append(row)
         rows += self._outlines(dimensions, axis)
         for d in halved:
@@ -94,10 +98,10 @@ class Levels:
         first = [d for d in own if d not in repeats]
         self.superfluous = _closing(first, feature_at)
 
-    def located_by(self, level: float) -> str:
-        """Name of what locates a level; empty where nothing does."""
+    def located_by(self, level: float, *, face: bool = False) -> str:
+        """Name of what locates a level; empty where nothing does, as for a plane face at a middle by chance."""
         if abs(level) < NEAR and self._datum:
-            return "middle, axis or datum plane"
+            return self._at_middle if face and self._strict else "middle, axis or datum plane"
         if name := self._direct(level):
             return name
         for known, name in self._in_row:
@@ -182,7 +186,8 @@ class Levels:
                 matrix[index, number] = coefficient
         null = _null_space(matrix)
         free = np.abs(null).max(axis=1, initial=0.0) < 1e-6
-        zero = [number for number, level in enumerate(self._levels) if abs(level) < NEAR and self._datum]
+        shared = [number for number in range(count) if number not in self._private]
+        zero = [number for number in shared if abs(self._levels[number]) < NEAR and self._datum]
         references = zero[:1] or ([] if self._symmetric or self._strict else list(range(count)))
         best = set(np.flatnonzero(free).tolist())
         for reference in references:
@@ -225,9 +230,7 @@ def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hash
 def _is_on(d: Dimension, point: Point) -> bool:
     """Whether a point is on the round face of a diameter, however long this is."""
     assert d.direction is not None
-    away = [p - a for p, a in zip(point, d.points[0], strict=True)]
-    reach = sum(a * b for a, b in zip(away, d.direction, strict=True))
-    return abs(math.hypot(*(a - reach * b for a, b in zip(away, d.direction, strict=True))) - d.value / 2) < NEAR
+    return abs(math.hypot(*cross(subtract(point, d.points[0]), d.direction)) - d.value / 2) < NEAR
 
 
 def _is_along(d: Dimension, axis: Point) -> bool:

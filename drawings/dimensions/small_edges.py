@@ -67,8 +67,14 @@ def is_chamfer(surface: Surface, surfaces: Sequence[Surface]) -> bool:
 
 def outward_normal(surface: Surface) -> Point:
     """Normal of a plane face out of the material."""
-    normal = surface.face.normalAt(surface.face.Center()).toTuple()
-    return (round(normal[0], 9) + 0.0, round(normal[1], 9) + 0.0, round(normal[2], 9) + 0.0)
+    sign = math.copysign(1.0, dot(surface.face.normalAt(surface.face.Center()).toTuple(), surface.axis))
+    x, y, z = (round(sign * a, 15) + 0.0 for a in surface.axis)
+    return (x, y, z)
+
+
+def corners(surface: Surface) -> list[Point]:
+    """Corners of the outline of a plane face, without those of holes in it."""
+    return [vertex.toTuple() for vertex in surface.face.outerWire().Vertices()]
 
 
 def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]:

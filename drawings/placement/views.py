@@ -69,9 +69,9 @@ def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, 
     eye = loose.projection.towards_eye
     parent = next(
         other.view
-        for other in every
-        if not (other.view.clip or other.view.cut)
-        and other.view.projection.name != "iso"
+        for other in sorted(every, key=lambda one: one.view.cut is not None)
+        if not other.view.clip
+        and other.view.projection.name not in ("iso", "auxiliary")
         and abs(dot(other.view.projection.towards_eye, eye)) < 1e-6
     )
     found = []

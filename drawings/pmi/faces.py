@@ -7,10 +7,11 @@ point, the round feature whose axis contains it, the end of a bore, the two oute
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from drawings.dimensions.consistency import parallel
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.verification import NEAR, DimensionVerifier, Surface
@@ -57,14 +58,14 @@ def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceA
         case "linear" | "depth":
             return _distance(verifier, dimension, along)
         case "diameter" | "tap_drill" | "thread":
-            return _pattern(verifier, _round(verifier, points, along), dimension.count)
+            return _pattern(verifier, verifier.round_about(points, along)[0], dimension.count)
         case "radius":
-            face = _on(verifier, points[0], "CYLINDER", "SPHERE", "TORUS")
+            face = verifier.face_on(points[0], "CYLINDER", "SPHERE", "TORUS")
             return _pattern(verifier, face, dimension.count)
         case "chamfer":
-            return _chamfer(_on(verifier, points[0], "PLANE", "CONE"), along)
+            return _chamfer(verifier.face_on(points[0], "PLANE", "CONE"), along)
         case "slope":
-            return FaceAssociation((_on(verifier, points[0], "PLANE").face,), (_reference(verifier, along).face,))
+            return FaceAssociation((verifier.face_on(points[0], "PLANE").face,), (_reference(verifier, along).face,))
         case "angle":
             ends = [_axis(verifier, point, (1.0, 0.0, 0.0)) for point in points[:2]]
             if ends[0] is None or ends[1] is None:
@@ -78,8 +79,8 @@ def faces_at(verifier: DimensionVerifier, points: Iterable[Point], normal: Point
     """The faces of a datum or a geometrical tolerance, one for each point."""
 
     def at(point: Point) -> Surface:
-        on = (s for s in verifier.surfaces if s.holds(point) and (s.kind != "PLANE" or _parallel(s, normal)))
-        return next(on, None) or _round(verifier, (point,), normal)
+        on = (s for s in verifier.surfaces if s.holds(point) and (s.kind != "PLANE" or parallel(s, normal)))
+        return next(on, None) or verifier.round_about((point,), normal)[0]
 
     return tuple(at(point).face for point in points)
 
@@ -111,17 +112,17 @@ def _side(end: _End, point: Point, other: Point, along: Point) -> Side:
 
 def _distance_is_along(first: Surface | None, second: Surface | None, along: Point) -> bool:
     """Whether two axes are parallel and their shortest distance is along a direction."""
-    if first is None or second is None or not _parallel(first, second.axis) or "SPHERE" in (first.kind, second.kind):
+    if first is None or second is None or not parallel(first, second.axis) or "SPHERE" in (first.kind, second.kind):
         return False
     apart = second.off_axis(first.origin)
-    return apart > NEAR and abs(abs(dot(_minus(second.origin, first.origin), along)) - apart) < NEAR
+    return apart > NEAR and abs(abs(dot(second.origin, along) - dot(first.origin, along)) - apart) < NEAR
 
 
 def _place(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
     for surface in verifier.surfaces:
         if surface.place(point, along) is not None and surface.holds(point):
             if surface.kind == "PLANE":
-                return _End((surface.face,), _parallel(surface, along))
+                return _End((surface.face,), parallel(surface, along))
             return _End((surface.face,), False, surface, on_surface=True)
     return _axis(verifier, point, along) or _level(verifier, point, along)
 
@@ -154,14 +155,14 @@ def _beyond(surface: Surface, point: Point) -> float:
 def _level(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
     """The nearest plane face through a point; else the edge at the end of a bore; else the two outermost faces."""
     at = dot(point, along)
-    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and _parallel(s, along)]
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and parallel(s, along)]
     here = [s for s in planes if abs(dot(s.origin, along) - at) < NEAR]
     reach = max((s.radius for s in verifier.surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR), default=0.0)
     gap, plane = min(((_gap(s, point), s) for s in here), key=lambda pair: pair[0], default=(math.inf, None))
     if plane and gap < 2 * reach + NEAR:
         return _End((plane.face,), True)
     for s in verifier.surfaces:
-        if s.kind == "CYLINDER" and _parallel(s, along) and s.off_axis(point) < NEAR:
+        if s.kind == "CYLINDER" and parallel(s, along) and s.off_axis(point) < NEAR:
             ends = _edges_at(s, along, at)
             if ends:
                 return _End((ends[0],), True)
@@ -203,29 +204,6 @@ def _chamfer(surface: Surface, along: Point) -> FaceAssociation:
     return FaceAssociation(tuple(ends[0][:1]), tuple(ends[1][:1]), oriented=True)
 
 
-def _round(verifier: DimensionVerifier, points: Sequence[Point], axis: Point) -> Surface:
-    point, touch = points[0], points[1] if len(points) > 1 else None
-    for kind in ("CYLINDER", "CONE"):
-        for s in verifier.surfaces:
-            if s.kind != kind or not _parallel(s, axis) or s.off_axis(point) > NEAR:
-                continue
-            if kind == "CYLINDER":
-                met = _beyond(s, point) < NEAR and (not touch or s.holds(touch))
-            else:
-                radius = s.radius + s.taper * dot(_minus(point, s.origin), s.axis)
-                met = not touch or abs(s.off_axis(touch) - radius) < NEAR
-            if met:
-                return s
-    raise LookupError(f"no round face about {axis} through {point}")
-
-
-def _on(verifier: DimensionVerifier, point: Point, *kinds: str) -> Surface:
-    for surface in verifier.surfaces:
-        if surface.kind in kinds and surface.holds(point):
-            return surface
-    raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
-
-
 def _reference(verifier: DimensionVerifier, along: Point) -> Surface:
     """The largest round face parallel or normal to a direction, as the reference of a slope."""
     cylinders = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
@@ -240,7 +218,7 @@ def _pattern(verifier: DimensionVerifier, first: Surface, count: int) -> FaceAss
     like = [s for s in verifier.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
     # A bore may be cut into several faces about one axis, and two holes may share an axis.
     alike = _of_size(like, first)
-    for faces in (like, alike, [s for s in alike if s.kind != "CYLINDER" or _parallel(s, first.axis)]):
+    for faces in (like, alike, [s for s in alike if s.kind != "CYLINDER" or parallel(s, first.axis)]):
         for features in (_features(faces), [[s] for s in faces]):
             if len(features) == count and any(first in feature for feature in features):
                 return FaceAssociation(tuple(s.face for feature in features for s in feature), count=count)
@@ -270,11 +248,3 @@ def _one_feature(one: Surface, other: Surface) -> bool:
     if one.kind in ("SPHERE", "TORUS"):
         return math.dist(one.origin, other.origin) < NEAR
     return abs(abs(dot(one.axis, other.axis)) - 1) < SQUARE and one.off_axis(other.origin) < NEAR
-
-
-def _parallel(surface: Surface, along: Point) -> bool:
-    return abs(abs(dot(surface.axis, along)) - 1) < SQUARE
-
-
-def _minus(a: Point, b: Point) -> Point:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])

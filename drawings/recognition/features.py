@@ -7,15 +7,19 @@ ends of a slot; other parts of cylinders are fillets. Millimetres, part coordina
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from drawings.dimensions.small_edges import AXES, NEAR, SQUARE, WHOLE, along_of, is_chamfer
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
+from stagecad.parameters.threads import threads
+from stagecad.solids.modelling.frame import subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 WIDEST_CHAMFER = 1.3
 """Diameter of a cone of 90 degrees at the mouth of a hole, over that of the hole, up to which it is a chamfer."""
+NARROWEST_SINK = 50.0
+"""Whole angle of a countersink, degrees; a narrower cone is a taper."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class Hole:
         into: unit vector into the material.
         steps: radius, and distance of its end from the mouth, from the mouth on.
         faces: of the steps.
-        through: whether both ends are open.
+        way_out: where its end is open: `through`, `to bore`, or `one wall` of several; empty for a blind hole.
         sink: diameter of a countersink at the mouth, and its whole angle, degrees; 0 without one.
     """
 
@@ -45,8 +49,12 @@ class Hole:
     into: Point
     steps: tuple[tuple[float, float], ...]
     faces: tuple[Surface, ...]
-    through: bool
+    way_out: str
     sink: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def through(self) -> bool:
+        return bool(self.way_out)
 
     @property
     def kind(self) -> tuple[object, ...]:
@@ -55,7 +63,7 @@ class Hole:
         steps = tuple(
             (round(r, 3), 0.0 if self.through and r == self.steps[-1][0] else round(d, 2)) for r, d in self.steps
         )
-        return (tuple(round(a, 6) + 0.0 for a in self.into), level, steps, self.through, round(self.sink[0], 3))
+        return (tuple(round(a, 6) + 0.0 for a in self.into), level, steps, self.way_out, round(self.sink[0], 3))
 
 
 @dataclass(frozen=True)
@@ -77,6 +85,7 @@ class Features:
     shafts: tuple[Section, ...]
     fillets: tuple[Surface, ...]
     chamfers: tuple[Surface, ...]
+    grooves: tuple[Section, ...]  # within a hole, wider than what is in front of them
     cones: tuple[Surface, ...]
     spheres: tuple[Surface, ...]
     slanted: tuple[Surface, ...]
@@ -88,7 +97,8 @@ def features_of(verifier: DimensionVerifier) -> Features:
     surfaces = verifier.surfaces
     round_faces, parts = _round_and_partial(surfaces)
     inner = [s for s in round_faces if not s.outward]
-    holes = tuple(_holes(inner, [s for s in surfaces if s.kind == "CONE"], verifier))
+    grooves: list[Section] = []
+    holes = tuple(_holes(inner, [s for s in surfaces if s.kind == "CONE"], verifier, grooves))
     in_holes = {id(face) for hole in holes for face in hole.faces}
     slots = tuple(_slots(parts))
     in_slots = {id(end) for slot in slots for end in slot.ends}
@@ -100,6 +110,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
         tuple(_sections(s for s in round_faces if s.outward)),
         tuple(s for s in surfaces if (s.kind == "TORUS" or any(s is part for part in parts)) and id(s) not in in_slots),
         chamfers,
+        tuple(grooves),
         tuple(s for s in surfaces if s.kind == "CONE" and id(s) not in taken),
         tuple(s for s in surfaces if s.kind == "SPHERE"),
         tuple(s for s in surfaces if s.kind == "PLANE" and along_of(s.axis) is None and id(s) not in taken),
@@ -164,7 +175,9 @@ def _extent(face: Surface, axis: Point) -> tuple[float, float]:
     return low, high
 
 
-def _holes(inner: list[Surface], cones: list[Surface], verifier: DimensionVerifier) -> Iterator[Hole]:
+def _holes(
+    inner: list[Surface], cones: list[Surface], verifier: DimensionVerifier, grooves: list[Section]
+) -> Iterator[Hole]:
     """Chains of sections about one axis that follow each other, with the cones between them and at their ends."""
     by_axis: dict[tuple[float, ...], list[Section]] = {}
     for section in _sections(inner):
@@ -181,10 +194,10 @@ def _holes(inner: list[Surface], cones: list[Surface], verifier: DimensionVerifi
             cones_between = (_extent(cone, axis) for cone in own)
             bridged = any(abs(low - gap[0]) < NEAR and abs(high - gap[1]) < NEAR for low, high in cones_between)
             if gap[1] - gap[0] > NEAR and not bridged:
-                yield _hole(chain, own, axis, verifier)
+                yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
                 chain = []
             chain.append(section)
-        yield _hole(chain, own, axis, verifier)
+        yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
 
 
 def replace_axis(section: Section, axis: Point) -> Section:
@@ -194,67 +207,99 @@ def replace_axis(section: Section, axis: Point) -> Section:
     return Section(section.radius, -section.high, -section.low, section.face)
 
 
-def _hole(chain: list[Section], cones: list[Surface], axis: Point, verifier: DimensionVerifier) -> Hole:
-    """A hole from its sections in the order along the axis."""
-    face = chain[0].face
-    on_axis = moved(face.origin, axis, -dot(face.origin, axis))
-    ends = [chain[0].low, chain[-1].high]
-    tips = {}
-    for side, end in ((-1.0, 0), (1.0, 1)):
+@dataclass(frozen=True)
+class _Chain:
+    """Sections about one axis that follow each other, from the mouth on, and what is at both ends."""
+
+    sections: list[Section]
+    axis: Point  # from the mouth into the material
+    tips: dict[int, tuple[Surface, float]]  # cone at the mouth (0) and at the end (1), and how far it reaches
+    is_open: list[bool]
+    is_free: list[bool]  # whether no material is beyond the end
+
+    def turned(self) -> "_Chain":
+        """The chain from its other end on."""
+        x, y, z = self.axis
+        flipped = [Section(s.radius, -s.high, -s.low, s.face) for s in self.sections[::-1]]
+        tips = {1 - end: (cone, -far) for end, (cone, far) in self.tips.items()}
+        return _Chain(flipped, (-x + 0.0, -y + 0.0, -z + 0.0), tips, self.is_open[::-1], self.is_free[::-1])
+
+
+def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, verifier: DimensionVerifier) -> _Chain:
+    """A chain from its wider open end; of two equal ones from that at the outside of a hollow part, or else from that
+    towards the eye of the top, front or right view."""
+    chain = _Chain(sections, axis, {}, [], [])
+    on_axis = moved(sections[0].face.origin, axis, -dot(sections[0].face.origin, axis))
+    reach = [verifier.size * part / 40 for part in range(1, 40)]
+    for end, side, level in ((0, -1.0, sections[0].low), (1, 1.0, sections[-1].high)):
         for cone in cones:
-            low, high = _extent(cone, axis)
-            near, far = (high, low) if side < 0 else (low, high)
-            if abs(near - ends[end]) < NEAR:
-                tips[end] = (cone, far)
-    open_ends = []
-    for end, side in ((0, -1.0), (1, 1.0)):
-        reach = tips[end][1] if end in tips else ends[end]
-        section = chain[0 if end == 0 else -1]
-        around = moved(on_axis, axis, reach + side * 0.02)
+            near, far = _extent(cone, axis)[:: -1 if end == 0 else 1]
+            if abs(near - level) < NEAR:
+                chain.tips[end] = (cone, far)
+        cone, far = chain.tips.get(end, (None, level))
         # The cone of a drill becomes narrower than the hole.
-        drilled = end in tips and min(map(tips[end][0].off_axis, tips[end][0].vertices)) < section.radius - NEAR
-        open_ends.append(not verifier.is_inside(around) and not drilled)
-    # The mouth is the wider open end; of two equal ones that towards the eye of the top, front or right view.
-    radii = [chain[0].radius, chain[-1].radius]
-    upward = is_usual(axis)
-    if all(open_ends):
-        # A hole in a wall of a hollow part begins at its outside.
-        reach = [verifier.size * part / 40 for part in range(1, 40)]
-        free = [
-            not any(verifier.is_inside(moved(on_axis, axis, ends[end] + side * by)) for by in reach)
-            for end, side in ((0, -1.0), (1, 1.0))
-        ]
-        upward = free[1] if free[0] != free[1] else upward
-    first = (
-        1
-        if open_ends[1] and (not open_ends[0] or radii[1] > radii[0] + NEAR or (radii[1] > radii[0] - NEAR and upward))
-        else 0
-    )
-    side = 1.0 if first == 1 else -1.0
-    into = (-side * axis[0] + 0.0, -side * axis[1] + 0.0, -side * axis[2] + 0.0)
-    start = ends[first]
-    sink = (0.0, 0.0)
-    for end in [end for end in tips if open_ends[end]]:
-        cone, far = tips[end]
-        wide = max(cone.off_axis(vertex) for vertex in cone.vertices)
-        start = far if end == first else start
-        if wide <= WIDEST_CHAMFER * chain[-end].radius and abs(abs(cone.taper) - 1.0) < 1e-4:
-            del tips[end]
-        elif end == first:
-            sink = (2 * wide, 2 * math.degrees(math.atan(abs(cone.taper))))
-    ordered = chain if first == 0 else chain[::-1]
-    if along_of(axis) is None:
+        narrow = cone is not None and min(map(cone.off_axis, cone.vertices)) < sections[-end].radius - NEAR
+        chain.is_open.append(not verifier.is_inside(moved(on_axis, axis, far + side * 0.02)) and not narrow)
+        chain.is_free.append(not any(verifier.is_inside(moved(on_axis, axis, level + side * by)) for by in reach))
+    upward = chain.is_free[1] if chain.is_free[0] != chain.is_free[1] else is_usual(axis)
+    wider = sections[-1].radius - sections[0].radius
+    turn = chain.is_open[1] and (not chain.is_open[0] or wider > NEAR or (wider > -NEAR and upward))
+    return chain.turned() if turn else chain
+
+
+def _holes_of(chain: _Chain, verifier: DimensionVerifier, grooves: list[Section]) -> Iterator[Hole]:
+    """The hole of a chain as long as it does not become wider, and the one from its other end."""
+    main, rest = chain.sections[:1], list[Section]()
+    for number, section in enumerate(chain.sections[1:], start=1):
+        narrower = [later for later in chain.sections[number + 1 :] if later.radius <= main[-1].radius + NEAR]
+        if abs(section.radius - main[-1].radius) < NEAR:
+            main[-1] = replace(main[-1], high=section.high)
+        elif section.radius < main[-1].radius:
+            main.append(section)
+        elif narrower or not all(chain.is_open):
+            grooves.append(section)
+        else:
+            rest = chain.sections[number:]
+            break
+    way_out = ""
+    if all(chain.is_open):
+        beyond = moved(
+            main[0].face.origin, chain.axis, chain.sections[-1].high + 0.02 - dot(main[0].face.origin, chain.axis)
+        )
+        bores = (s for s in verifier.surfaces if s.kind == "CYLINDER" and not s.outward)
+        to_bore = any(s.off_axis(beyond) < s.radius for s in bores if not s.is_coaxial(main[0].face))
+        way_out = "through" if chain.is_free[1] else "to bore" if to_bore else "one wall"
+    yield _hole(main, chain, verifier, way_out)
+    other = chain.turned()
+    if rest or _sink(other)[0]:
+        yield _hole(other.sections[: len(rest)] or other.sections, other, verifier, "" if rest else way_out)
+
+
+def _sink(chain: _Chain) -> tuple[float, float]:
+    """Diameter and whole angle, degrees, of the countersink at the mouth of a chain; 0 for a chamfer or taper."""
+    cone = chain.tips[0][0] if 0 in chain.tips and chain.is_open[0] else None
+    if cone is None:
+        return (0.0, 0.0)
+    wide, angle = max(map(cone.off_axis, cone.vertices)), 2 * math.degrees(math.atan(abs(cone.taper)))
+    chamfer = wide <= WIDEST_CHAMFER * chain.sections[0].radius and abs(abs(cone.taper) - 1.0) < 1e-4
+    return (0.0, 0.0) if chamfer or angle < NARROWEST_SINK else (2 * wide, angle)
+
+
+def _hole(sections: list[Section], chain: _Chain, verifier: DimensionVerifier, way_out: str) -> Hole:
+    """A hole of the sections at the mouth of a chain."""
+    face, into, sink = sections[0].face, chain.axis, _sink(chain)
+    on_axis = moved(face.origin, into, -dot(face.origin, into))
+    start = chain.tips[0][1] if 0 in chain.tips else sections[0].low
+    if along_of(into) is None:
         # Its mouth is an ellipse: it begins where the axis meets the face.
-        corners = sorted(ordered[0].face.vertices, key=lambda vertex: dot(vertex, into))
+        corners = sorted(face.vertices, key=lambda vertex: dot(vertex, into))
         planes = [s for s in verifier.surfaces if s.kind == "PLANE" and any(map(s.holds, corners[:1]))]
-        open_faces = [s for s in planes if abs(dot(s.axis, axis)) > 0.1]
-        if open_faces:
-            plane = open_faces[0]
-            gap = [o - a for o, a in zip(plane.origin, on_axis, strict=True)]
-            start = sum(g * n for g, n in zip(gap, plane.axis, strict=True)) / dot(axis, plane.axis)
-    steps = tuple((s.radius, abs((s.high if first == 0 else s.low) - start)) for s in ordered)
-    used = [s.face for s in ordered] + [tip[0] for tip in tips.values()]
-    return Hole(moved(on_axis, axis, start), into, steps, tuple(used), all(open_ends), sink)
+        for plane in [s for s in planes if abs(dot(s.axis, into)) > 0.1][:1]:
+            start = dot(subtract(plane.origin, on_axis), plane.axis) / dot(into, plane.axis)
+    steps = tuple((s.radius, s.high - start) for s in sections)
+    # The cone of a drill, and a countersink.
+    cones = [cone for end, (cone, _) in chain.tips.items() if not chain.is_open[end] or (end == 0 and sink[0])]
+    return Hole(moved(on_axis, into, start), into, steps, (*(s.face for s in sections), *cones), way_out, sink)
 
 
 def _slots(parts: list[Surface]) -> Iterator[Slot]:
@@ -285,3 +330,10 @@ def _slots(parts: list[Surface]) -> Iterator[Slot]:
         used |= {id(one), id(other)}
         first, second = sorted((centre(one), centre(other)))
         yield Slot((first, second), one.axis, one.radius, (one, other))
+
+
+def tap_drill_of(drill: float) -> str:
+    """Designation of the metric coarse thread with a tap drill, for a drill in inches of the unified one; or empty."""
+    inches = abs(10 * drill - round(10 * drill)) > 1e-3
+    usual = (one for one in threads().values() if ("coarse" in one.source or (inches and one.name.startswith("unc"))))
+    return next((one.designation for one in usual if abs(one.tap_drill - drill) < (0.1 if inches else 0.01)), "")

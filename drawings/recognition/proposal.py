@@ -8,20 +8,19 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.small_edges import AXES, NEAR, along_of, is_fillet, is_mirrored, outward_normal
-from drawings.recognition.features import Features, Hole, features_of, middle_of_face
+from drawings.dimensions.small_edges import AXES, NEAR, along_of, corners, is_fillet, is_mirrored, outward_normal
+from drawings.recognition.features import Features, Hole, features_of, middle_of_face, tap_drill_of
+from drawings.recognition.levels import AXIS, FACE, MOUTH, Level, row_of_equal_steps
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.visible import (
     PREFERRED,
     VIEW_OF,
     VisibleLines,
-    cross,
     extremes,
     negative,
     on_outline,
@@ -30,26 +29,13 @@ from drawings.recognition.visible import (
     tidy,
     views_along,
 )
-from drawings.views.view import PROJECTIONS, dot
+from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Point
-from stagecad.parameters.threads import threads
+from stagecad.solids.modelling.frame import cross
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 ANOTHER_VIEW = 25.0
 """Cost of each less usual view, mm."""
-FACE, AXIS, MOUTH = "face", "axis", "mouth"
-"""Kinds of level: of a face, of the axis of a round feature, of the mouth of a slanting hole, seen in one view only."""
-
-
-@dataclass(frozen=True)
-class _Level:
-    """A coordinate that must be given: points of the part at which it can be measured, and equal features there."""
-
-    at: float
-    points: tuple[Point, ...]
-    view: str = ""
-    kind: str = FACE
-    of: frozenset[str] = frozenset()
 
 
 def propose(verifier: DimensionVerifier) -> Proposal:
@@ -73,7 +59,9 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
     datums = tuple(proposed_datums(verifier, builder.features, views, diameters))
-    return Proposal(tuple(found), questions, problems(found), builder.with_inside(views, found), datums)
+    views = builder.with_inside(views, found)
+    found = builder.in_section(found) if "front section" in views else found
+    return Proposal(tuple(found), questions, problems(found), views, datums)
 
 
 def _without_superfluous(
@@ -97,8 +85,8 @@ class _Builder:
         self.centred = centred_axes(verifier)
         self.proposed: list[Proposed] = []
         self.questions: list[str] = []
-        self._levels: dict[str, list[_Level]] = defaultdict(list)
-        self._spans: dict[str, tuple[str, _Level, _Level]] = {}
+        self._levels: dict[str, list[Level]] = defaultdict(list)
+        self._spans: dict[str, tuple[str, Level, Level]] = {}
         self.lines = VisibleLines(verifier)
         self._low, self._high = verifier.box
 
@@ -114,7 +102,9 @@ class _Builder:
         try:
             # Points of faces that should be one differ by the accuracy of the file.
             measured = self.verifier.measure(as_dimension(one))
-        except (LookupError, StopIteration):
+        except LookupError:
+            return
+        if measured is not None and abs(measured - value) > NEAR:
             return
         self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
 
@@ -132,7 +122,9 @@ class _Builder:
             if centre:
                 self._pitch_circle(f"pitch circle {number}", centre, group)
                 for name, at in self._across(head.into, centre):
-                    self._levels[name].append(_Level(at, (centre,), self._view_of(head), AXIS))
+                    self._levels[name].append(Level(at, (centre,), self._view_of(head), AXIS))
+            elif self._view_of(head) == "auxiliary":
+                self._on_face(f"place {number}", group)
             elif self._view_of(head) == "section":
                 for count, hole in enumerate(group, start=1):
                     self._slanting(f"angle {number}" if count == 1 else f"angle {number}.{count}", hole)
@@ -140,11 +132,32 @@ class _Builder:
                 for hole in group:
                     for name, at in self._across(hole.into, hole.mouth):
                         equal = frozenset((f"hole {number}",))
-                        self._levels[name].append(_Level(at, (hole.mouth,), self._view_of(hole), AXIS, equal))
+                        self._levels[name].append(Level(at, (hole.mouth,), self._view_of(hole), AXIS, equal))
 
     def _view_of(self, hole: Hole) -> str:
-        """View from the side of the mouth of a hole; the section for a slanting one."""
-        return VIEW_OF.get(tidy(negative(hole.into)), "section")
+        """View from the side of the mouth of a hole; for a slanting one that against its face, or else the section."""
+        face = along_of(hole.into) is None and self._face_of(hole)
+        return "auxiliary" if face else VIEW_OF.get(tidy(negative(hole.into)), "section")
+
+    def _face_of(self, hole: Hole) -> Surface | None:
+        """The slanting face to which a hole is square."""
+        faces = (s for s in self.features.slanted if Cut(s.origin, outward_normal(s), "").holds(hole.mouth, NEAR))
+        return next((face for face in faces if abs(dot(face.axis, hole.into)) > 1 - 1e-6), None)
+
+    def _on_face(self, name: str, group: Sequence[Hole]) -> None:
+        """Distances of holes in a slanting face from its lowest corner, or of pairs about a middle plane."""
+        face = self._face_of(group[0])
+        assert face is not None
+        view = projection_of(auxiliary(outward_normal(face)))
+        for way in (view.right, view.up):
+            corner = min(corners(face), key=lambda one: dot(one, way))
+            levels = {round(dot(hole.mouth, way), 3): hole.mouth for hole in group}
+            for level, mouth in sorted(levels.items()):
+                mirror = levels.get(-level) if (along_of(way) or " ") in self.centred else None
+                start = mirror if mirror and level > 0 else corner
+                if mirror is None or level > 0:
+                    value = dot(mouth, way) - dot(start, way)
+                    self.add("linear", name, value, tidy(start), tidy(mouth), tidy(way), view="auxiliary")
 
     def _slanting(self, name: str, hole: Hole) -> None:
         """Angle of a hole against the face that it begins in, and the levels of the point where its axis meets it."""
@@ -161,7 +174,7 @@ class _Builder:
         self.add("angle", name, angle, mouth, end, start, view="section")
         view = self.lines.open_view(normal, mouth)
         for axis, at in self._across(normal, mouth):
-            self._levels[axis].append(_Level(at, (mouth,), view, MOUTH))
+            self._levels[axis].append(Level(at, (mouth,), view, MOUTH))
 
     def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
         return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
@@ -177,7 +190,7 @@ class _Builder:
             at = moved(hole.mouth, hole.into, (start + end) / 2)
             on = self._touch(hole.mouth, hole.into, radius, (start, end))
             step = name if number == last else f"{name} counterbore" + (f" {number + 1}" if number else "")
-            note: dict[str, Any] = {"note": "through"} if number == last and hole.through and last >= 0 else {}
+            note: dict[str, Any] = {"note": hole.way_out} if number == last and hole.through else {}
             at, direction = (on[0], on[1]) if on else (at, None)
             self.add("diameter", step, 2 * radius, tidy(at), along, direction, **common, **note)
             if number < last or not hole.through:
@@ -185,8 +198,9 @@ class _Builder:
                 self.add("depth", f"{step} depth", end, tidy(hole.mouth), tidy(end_point), into, **common)
         if hole.sink[0]:
             text: dict[str, Any] = {"note": f"x {hole.sink[1]:.0f}°"}
-            self.add("diameter", f"{name} countersink", hole.sink[0], tidy(hole.mouth), along, **common, **text)
-        thread = _tapped(2 * hole.steps[-1][0]) if len(hole.steps) == 1 and not hole.sink[0] else ""
+            out = next(unit for unit in AXES.values() if abs(dot(unit, along)) < 0.9)
+            self.add("diameter", f"{name} countersink", hole.sink[0], tidy(hole.mouth), along, out, **common, **text)
+        thread = tap_drill_of(2 * hole.steps[-1][0]) if len(hole.steps) == 1 and not hole.sink[0] else ""
         if thread:
             self.questions.append(
                 f"{name}: is {2 * hole.steps[-1][0]:g} mm the tap drill of {thread}? Then declare it with d.tapped(...)"
@@ -255,7 +269,7 @@ class _Builder:
             )
             for centre in slot.centres:
                 for name, at in self._across(axis, centre):
-                    self._levels[name].append(_Level(at, (tidy(centre),), view, AXIS))
+                    self._levels[name].append(Level(at, (tidy(centre),), view, AXIS))
         for number, (key, group) in enumerate(groups.items(), start=1):
             (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
             ends = [tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
@@ -265,14 +279,16 @@ class _Builder:
     def round_features(self) -> None:
         """Diameters of shafts and bosses, radii of fillets and balls."""
         shafts: dict[tuple[object, ...], list[Any]] = defaultdict(list)
-        for shaft in self.features.shafts:
-            shafts[(round(shaft.radius, 3), round(abs(dot(shaft.face.axis, (1, 2, 4))), 3))].append(shaft)
+        grooves = self.features.grooves
+        for shaft in (*self.features.shafts, *grooves):
+            key = (round(shaft.radius, 3), shaft in grooves, round(abs(dot(shaft.face.axis, (1, 2, 4))), 3))
+            shafts[key].append(shaft)
         for number, group in enumerate(shafts.values(), start=1):
             shaft = group[0]
             axis = shaft.face.axis
             at = moved(shaft.face.origin, axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, axis))
             on = self._touch(moved(at, axis, -1e-3), axis, shaft.radius, (0.0, 2e-3))
-            view = self._side_view(axis, shaft.radius, at)
+            view = "section" if shaft in grooves else self._side_view(axis, shaft.radius, at)
             count = {"count": len(group)} if len(group) > 1 else {}
             direction = on[1] if on else None
             self.add(
@@ -289,7 +305,7 @@ class _Builder:
                 foot = moved(one.face.origin, axis, (one.low + one.high) / 2 - dot(one.face.origin, axis))
                 for name, level in self._across(axis, foot):
                     self._levels[name].append(
-                        _Level(level, (tidy(foot),), VIEW_OF.get(tidy(positive(axis)), "top"), AXIS)
+                        Level(level, (tidy(foot),), VIEW_OF.get(tidy(positive(axis)), "top"), AXIS)
                     )
         rounds: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
         for face in (*self.features.fillets, *self.features.spheres):
@@ -300,7 +316,7 @@ class _Builder:
                 foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
                 for name, level in self._across(face.axis, foot):
                     view = self.lines.open_view(face.axis, middle_of_face(face))
-                    self._levels[name].append(_Level(level, (tidy(foot),), view, AXIS))
+                    self._levels[name].append(Level(level, (tidy(foot),), view, AXIS))
         for number, faces in enumerate(rounds.values(), start=1):
             circular = [face for face in faces if face.kind == "CYLINDER"] or faces
             face = circular[0]
@@ -362,17 +378,17 @@ class _Builder:
             if name is not None:
                 at = dot(surface.origin, AXES[name])
                 points = (*surface.vertices, *extremes(surface))
-                self._levels[name].append(_Level(at, points or (tidy(middle_of_face(surface)),)))
+                self._levels[name].append(Level(at, points or (tidy(middle_of_face(surface)),)))
         for surface in self.features.spheres:
             for name, unit in AXES.items():
                 out = next(axis for axis in AXES.values() if axis != unit)
                 point = tidy(moved(surface.origin, out, surface.radius))
-                self._levels[name].append(_Level(dot(surface.origin, unit), (point,)))
+                self._levels[name].append(Level(dot(surface.origin, unit), (point,)))
         for surface in self.features.slanted:
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
-                    for vertex in surface.vertices:
-                        self._levels[name].append(_Level(dot(vertex, unit), (vertex,)))
+                    for vertex in corners(surface):
+                        self._levels[name].append(Level(dot(vertex, unit), (vertex,)))
         self._cone_ends()
         for number, name in enumerate(AXES):
             self._axis_levels(name, self._low[number], self._high[number])
@@ -391,16 +407,16 @@ class _Builder:
                 if radius < NEAR or key in done:
                     continue
                 done.add(key)
-                self._levels[name].append(_Level(at, (vertex,)))
+                self._levels[name].append(Level(at, (vertex,)))
                 if not any(abs(one.radius - radius) < NEAR and one.is_coaxial(cone) for one in known):
                     foot = tidy(moved(cone.origin, AXES[name], at - dot(cone.origin, AXES[name])))
                     out = tuple((v - f) / radius for v, f in zip(vertex, foot, strict=True))
-                    view = self._side_view(cone.axis, radius, foot)
+                    view = self._side_view(cone.axis, radius, foot) if cone.outward else "section"
                     number = 1 + sum(one.name.startswith("cone") for one in self.proposed)
                     self.add("diameter", f"cone {number}", 2 * radius, foot, AXES[name], out, view=view)
 
     def _axis_levels(self, name: str, low: float, high: float) -> None:
-        rows: list[_Level] = []
+        rows: list[Level] = []
         for level in sorted(self._levels[name], key=lambda one: one.at):
             if rows and abs(level.at - rows[-1].at) < NEAR:
                 last = rows[-1]
@@ -420,15 +436,16 @@ class _Builder:
         else:
             self._from_datum(name, rows, ends)
 
-    def _pairs(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
+    def _pairs(self, name: str, rows: list[Level], ends: list[Level]) -> None:
         """Distances of levels at both sides of the middle; a level at one side only is given from an end."""
-        spaced = [row for row in _row_of_equal_steps(rows) if abs(row.at) > NEAR]
+        spaced = [row for row in row_of_equal_steps(rows) if abs(row.at) > NEAR]
         spaced = spaced if spaced and abs(spaced[0].at + spaced[-1].at) < NEAR else []
-        self._pitch(name, _row_of_equal_steps(rows) if spaced else [])
+        self._pitch(name, row_of_equal_steps(rows) if spaced else [])
         for row in rows:
-            if row in ends or row in spaced or abs(row.at) < NEAR:
+            middle = abs(row.at) < NEAR
+            if row in ends or row in spaced or (middle and row.kind != FACE):
                 continue
-            mirror = next((other for other in rows if abs(other.at + row.at) < NEAR), None)
+            mirror = None if middle else next((other for other in rows if abs(other.at + row.at) < NEAR), None)
             if mirror is None:
                 start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
                 start = start or next((one for one in rows if abs(one.at) < NEAR and row.kind == AXIS), None)
@@ -440,7 +457,7 @@ class _Builder:
                 what = "spacing" if row.kind == AXIS else "distance"
                 self._between(f"{name} {what}", name, row, mirror)
 
-    def _from_outline(self, name: str, row: _Level) -> None:
+    def _from_outline(self, name: str, row: Level) -> None:
         """Distance of a flat or key seat from the opposite outline of a round part."""
         shaft = max(self.features.shafts, key=lambda shaft: shaft.radius, default=None)
         inner = self._in_section(name, row, row)
@@ -458,28 +475,28 @@ class _Builder:
         opposite: Point = tuple(-math.copysign(radius, row.at) if n == number else v for n, v in enumerate(on))  # type: ignore[assignment]
         self.add("linear", f"{name} place", abs(row.at) + radius, tidy(opposite), on, AXES[name], view=view, order=1)
 
-    def _from_datum(self, name: str, rows: list[_Level], ends: list[_Level]) -> None:
+    def _from_datum(self, name: str, rows: list[Level], ends: list[Level]) -> None:
         """Distances from a datum: the lower end, else the middle axis of the part."""
         axis = next((row for row in rows if abs(row.at) < NEAR or row.kind == AXIS), None)
         datum = ends[0] if ends else axis
         if datum is None:
             return
-        spaced = _row_of_equal_steps(rows)
+        spaced = row_of_equal_steps(rows)
         self._pitch(name, spaced)
         for row in rows:
             if row is not datum and row not in ends[1:] and row not in spaced[1:]:
                 self._between(f"{name} place", name, datum, row)
 
-    def _pitch(self, name: str, spaced: list[_Level]) -> None:
+    def _pitch(self, name: str, spaced: list[Level]) -> None:
         """The distance of neighbours in a row of equal features."""
         if spaced:
             (one, other), view = self._points(name, spaced[0], spaced[-1])
             steps = len(spaced) - 1
             self.add("pitch", f"{name} pitch", (spaced[-1].at - spaced[0].at) / steps, one, other, steps, view=view)
 
-    def _between(self, what: str, name: str, first: _Level, second: _Level, order: int | None = None) -> None:
+    def _between(self, what: str, name: str, first: Level, second: Level, order: int | None = None) -> None:
         (one, other), view = self._points(name, first, second)
-        rank = order if order is not None else 2 if second.kind == FACE else 1
+        rank = order if order is not None else 1 if second.view else 2
         self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], view=view, order=rank)
         if self.proposed:
             self._spans.setdefault(self.proposed[-1].name, (name, first, second))
@@ -487,18 +504,28 @@ class _Builder:
     def in_fewer_views(self, proposed: list[Proposed]) -> list[Proposed]:
         """The proposals without views of which other views show all distances."""
         for view in ("right", "left", "back", "bottom", "top"):
-            used = {one.fields.get("view") for one in proposed} | {"front"}
+            used: set[str] = {one.fields.get("view", "front") for one in proposed} | {"front"}
             moved_to: dict[str, Proposed] = {}
             inside = [one for one in proposed if one.fields.get("view") == view]
             for one in inside:
-                name, first, second = self._spans.get(one.name, ("x", _Level(0.0, ()), _Level(0.0, ())))
-                shown, points, other = self._best(name, first, second, views_along(name, used - {view}))
-                if shown:
-                    fields = {**one.fields, "view": other}
-                    moved_to[one.name] = replace(one, arguments=(*points, *one.arguments[2:]), fields=fields)
+                if found := self._in_views(one, used - {view}):
+                    moved_to[one.name] = found
             if len(moved_to) == len(inside):
                 proposed = [moved_to.get(one.name, one) for one in proposed]
         return proposed
+
+    def in_section(self, proposed: list[Proposed]) -> list[Proposed]:
+        """The proposals with the ends of those in the front view on lines that it has as a section."""
+        self.lines.cut_front()
+        inside = [one if one.fields.get("view") == "front" else None for one in proposed]
+        return [(one and self._in_views(one, {"front"})) or own for one, own in zip(inside, proposed, strict=True)]
+
+    def _in_views(self, one: Proposed, views: Collection[str]) -> Proposed | None:
+        """A distance in that of some views that shows it best; None for others, or if no view shows it."""
+        name, first, second = self._spans.get(one.name, ("x", Level(0.0, ()), Level(0.0, ())))
+        shown, points, view = self._best(name, first, second, views_along(name, views))
+        fields = {**one.fields, "view": view}
+        return replace(one, arguments=(*points, *one.arguments[2:]), fields=fields) if shown else None
 
     def with_inside(self, views: tuple[str, ...], proposed: Sequence[Proposed]) -> tuple[str, ...]:
         """The views, the front view as a section through the middle where this shows the holes, else with hidden lines
@@ -517,7 +544,7 @@ class _Builder:
             front = "front hidden"
         return (front, *(view for view in views if view != "front")) if front else views
 
-    def _points(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str]:
+    def _points(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str]:
         """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
         wanted = [view for view in (second.view, first.view) if view in views_along(name)]
         shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
@@ -525,7 +552,7 @@ class _Builder:
         return inner or (points, view)
 
     def _best(
-        self, name: str, first: _Level, second: _Level, views: Sequence[str]
+        self, name: str, first: Level, second: Level, views: Sequence[str]
     ) -> tuple[bool, tuple[Point, Point], str]:
         """Whether one of some views shows two levels, and the points and the view that show them best."""
         found: list[tuple[float, Point, Point, str]] = []
@@ -544,7 +571,7 @@ class _Builder:
         shown = all(self.lines.seen(point, view) == 0.0 or level.kind == AXIS for point, level in ends)
         return shown, (tidy(one), tidy(other)), view
 
-    def _in_section(self, name: str, first: _Level, second: _Level) -> tuple[tuple[Point, Point], str] | None:
+    def _in_section(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str] | None:
         """Ends of a distance to a face within the part, in a section through the middle of this face."""
         for surface in self.verifier.surfaces:
             if (
@@ -558,7 +585,7 @@ class _Builder:
                 return (tidy(start), tidy(inside)), "section"
         return None
 
-    def _shown(self, level: _Level, view: str) -> list[tuple[float, Point]]:
+    def _shown(self, level: Level, view: str) -> list[tuple[float, Point]]:
         """Points of a level in a view with their costs; the axes of holes in the view along them."""
         if level.kind != FACE and level.view == view:
             return [(0.0, point) for point in level.points[:8]]
@@ -569,21 +596,3 @@ class _Builder:
         step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
         u, v = PROJECTIONS[view].to_view(AXES[name])
         return round(abs(step[0] * v - step[1] * u), 3)
-
-
-def _row_of_equal_steps(rows: list[_Level]) -> list[_Level]:
-    """The longest row of three or more equally spaced levels of equal features."""
-    found: list[_Level] = []
-    for feature in sorted({one for row in rows for one in row.of}):
-        equal = [row for row in rows if feature in row.of]
-        steps = [b.at - a.at for a, b in pairwise(equal)]
-        if len(equal) > max(2, len(found)) and max(steps) - min(steps) < NEAR:
-            found = equal
-    return found
-
-
-def _tapped(drill: float) -> str:
-    """Designation of the metric coarse thread with a tap drill, for a drill in inches of the unified one; or empty."""
-    inches = abs(10 * drill - round(10 * drill)) > 1e-3
-    usual = (one for one in threads().values() if ("coarse" in one.source or (inches and one.name.startswith("unc"))))
-    return next((one.designation for one in usual if abs(one.tap_drill - drill) < (0.1 if inches else 0.01)), "")

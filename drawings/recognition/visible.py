@@ -7,9 +7,11 @@ from typing import Any
 from drawings.dimensions.small_edges import AXES, along_of, outward_normal
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
+from drawings.views.section import cut_shape
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
-from drawings.views.view import PROJECTIONS, Point2, dot
+from drawings.views.view import PROJECTIONS, Cut, Point2, dot
 from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.frame import cross
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 LINE_NEAR = 0.02
@@ -50,12 +52,17 @@ class VisibleLines:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
         u, v = PROJECTIONS[view].to_view(point)
         if view not in self._lines:
-            self._lines[view] = _visible(self._verifier, view)
+            self._lines[view] = _visible(self._verifier.solid.wrapped, view)
         lines, ends = self._lines[view]
         if (round(u, 2) + 0.0, round(v, 2) + 0.0) in ends:
             return 0.0
         box = (u - LINE_NEAR, v - LINE_NEAR, u + LINE_NEAR, v + LINE_NEAR)
         return PASSING if lines.count_in(box) else None
+
+    def cut_front(self) -> None:
+        """Take the lines of a section through the middle for those of the front view."""
+        cut = Cut((0.0, 0.0, 0.0), PROJECTIONS["front"].towards_eye, "")
+        self._lines["front"] = _visible(cut_shape(self._verifier.solid.wrapped, cut), "front")
 
     def open_view(self, axis: Point, point: Point) -> str:
         """View along an axis from the side on which a point is not covered."""
@@ -74,9 +81,9 @@ def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tup
     return tuple(view for view in true_size if view in of)
 
 
-def _visible(verifier: DimensionVerifier, name: str) -> tuple[SegmentIndex, set[Point2]]:
+def _visible(shape: Any, name: str) -> tuple[SegmentIndex, set[Point2]]:
     """Visible lines of a view, and where they end, view coordinates."""
-    curves = project(verifier.solid.wrapped, PROJECTIONS[name], hidden=False)["VISIBLE"]
+    curves = project(shape, PROJECTIONS[name], hidden=False)["VISIBLE"]
     rows = [list(curve_points(curve)) for curve in curves]
     ends = {(round(u, 2) + 0.0, round(v, 2) + 0.0) for row in rows for u, v in (row[0], row[-1])}
     near = {(round(u + a, 2), round(v + b, 2)) for u, v in ends for a in NEIGHBOURS for b in NEIGHBOURS}
@@ -97,10 +104,6 @@ def positive(vector: Point) -> Point:
     """A direction or its opposite, whichever is along an axis of the part."""
     vector = tidy(vector)
     return vector if vector > (0.0, 0.0, 0.0) else negative(vector)
-
-
-def cross(a: Point, b: Point) -> Point:
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @dataclass(frozen=True)

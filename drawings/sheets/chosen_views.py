@@ -8,9 +8,9 @@ front view cut through the origin, `front hidden` one with hidden lines.
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from drawings.dimensions.small_edges import AXES
+from drawings.dimensions.small_edges import AXES, along_of, outward_normal
 from drawings.sheets.plans import SheetPlan, ViewPlan
-from drawings.views.view import PROJECTIONS, Cut, dot
+from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -71,12 +71,27 @@ def chosen_plan(
         view = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
         cut, beside = Cut(point, normal, letter), names.get("front", "front")
         views.append(ViewPlan(f"section {letter}-{letter}", view, beside, cut=cut))
+    for face in slanting_faces([*dimensions, *requirements], verifier):
+        views.append(ViewPlan(f"auxiliary {len(views)}", auxiliary(face.normal), face=face))
     x, y, z = (b - a for a, b in zip(*verifier.box, strict=True))
     scale = usual_scale((x, y, z), [view.projection for view in views])
     wide, tall = 0.87 * (x + y), 0.5 * (x + y) + z
     picture = next((one for one in SCALES if one <= scale and max(one * wide, one * tall) <= PICTURE), SCALES[-1])
     views.append(ViewPlan("iso", "iso", scale=picture))
     return SheetPlan(name, ("A3", "A2", "A1", "A0"), scale, tuple(views))
+
+
+def slanting_faces(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[Cut]:
+    """Planes of the slanting faces that declarations for an auxiliary view are on, one of each normal."""
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is None]
+    found: dict[Point, Cut] = {}
+    for one in (one for one in declared if one.view == "auxiliary"):
+        for cut in (Cut(plane.origin, outward_normal(plane), "") for plane in planes):
+            along = getattr(one, "direction", None)
+            if any(map(cut.holds, one.points)) or (along and abs(dot(along, cut.normal)) > 1 - 1e-6):
+                found.setdefault(cut.normal, cut)
+                break
+    return list(found.values())
 
 
 def _beside(view: str, wanted: Sequence[str]) -> str:

@@ -21,12 +21,12 @@ from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrid
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.sheets.title_block import TitleBlock, revision_box, title_box
-from drawings.views.centre_lines import axes_of, centre_lines
+from drawings.views.centre_lines import axes_of, centre_lines, centre_mark
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
-from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, Point2, View, dot
+from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import DatumFeature, Dimension, FaceRequirement, GeometricTolerance, Point
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -70,6 +70,19 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
     return tuple(found)
 
 
+def _slanting_mouths(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[tuple[Point, Point, float]]:
+    """Points at which the axes of holes at a declared angle meet a face, its normal, and the radius of the hole."""
+    found: list[tuple[Point, Point, float]] = []
+    for d in (d for d in dimensions if d.kind == "angle" and d.direction):
+        for s in verifier.surfaces:
+            along = dot(s.axis, d.direction or s.axis)
+            if s.kind == "CYLINDER" and abs(along) > 1e-6 and max(map(s.off_axis, d.points)) < 1e-3:
+                x, y, z = (a - along * b for a, b in zip(s.axis, d.direction or s.axis, strict=True))
+                size = math.hypot(x, y, z)
+                found.append((d.points[0], (x / size, y / size, z / size), s.radius))
+    return found
+
+
 def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -> float:
     """Radius of the conical chamfer of a tapped hole; 0 without one. A larger cone is that of something else."""
     level, found = dot(mouth, into), 0.0
@@ -88,6 +101,7 @@ def part_views(
     holes: Sequence[ThreadedHole] = (),
     mesh: Mesh | None = None,
     circles: Sequence[tuple[Point, Point | None, float]] = (),
+    mouths: Sequence[tuple[Point, Point, float]] = (),
     *,
     exact: bool = True,
 ) -> tuple[tuple[View, ...], ...]:
@@ -97,14 +111,14 @@ def part_views(
     outside = {(plan.projection, plan.hidden) for sheet in plans for plan in sheet.views if not plan.cut}
     seen_from = faces_of_views(drawn, mesh) if exact else lambda projection: drawn
 
-    def projection_of(name: str, hidden: bool) -> dict[Layer, tuple[Curve, ...]]:
-        faces = drawn if hidden else seen_from(PROJECTIONS[name])
-        return project(faces, PROJECTIONS[name], hidden=hidden, exact=exact, simple=True)
+    def projected_of(name: str, hidden: bool) -> dict[Layer, tuple[Curve, ...]]:
+        faces = drawn if hidden else seen_from(projection_of(name))
+        return project(faces, projection_of(name), hidden=hidden, exact=exact, simple=True)
 
-    projected = {(name, hidden): projection_of(name, hidden) for name, hidden in outside}
+    projected = {(name, hidden): projected_of(name, hidden) for name, hidden in outside}
 
     def view(plan: ViewPlan, sheet_scale: float) -> View:
-        scale, projection, label, clip = plan.scale or sheet_scale, PROJECTIONS[plan.projection], "", None
+        scale, projection, label, clip = plan.scale or sheet_scale, projection_of(plan.projection), "", None
         curves: dict[Layer, tuple[Curve, ...]]
         if plan.cut:
             left = cut_shape(shape, plan.cut)
@@ -119,7 +133,9 @@ def part_views(
             curves["VISIBLE"] = (*without_mouths(curves["VISIBLE"], holes, projection), *threads["VISIBLE"])
             eye = projection.towards_eye
             spaced = [Arc(projection.to_view(at), r) for at, axis, r in circles if axis and abs(dot(axis, eye)) > 0.999]
-            curves["CENTRE"] = (*centre_lines(curves, axes, projection, scale, plan.symmetry), *spaced)
+            faced = [(projection.to_view(at), r) for at, normal, r in mouths if abs(dot(normal, eye)) > 0.999]
+            marks = [mark for at, radius in faced for mark in centre_mark(at, radius, scale)]
+            curves["CENTRE"] = (*centre_lines(curves, axes, projection, scale, plan.symmetry), *spaced, *marks)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])
             curves = {layer: clipped(lines, *clip) for layer, lines in curves.items()}
@@ -128,7 +144,15 @@ def part_views(
         if scale != sheet_scale:
             label = f"{label} ({scale_text(scale)})".strip()
         return View(
-            plan.name, projection, curves, scale, label=label, clip=clip, cut=plan.cut, aligned_with=plan.aligned_with
+            plan.name,
+            projection,
+            curves,
+            scale,
+            label=label,
+            clip=clip,
+            cut=plan.cut,
+            face=plan.face,
+            aligned_with=plan.aligned_with,
         )
 
     return tuple(tuple(view(plan, sheet.scale) for plan in sheet.views) for sheet in plans)
@@ -177,7 +201,8 @@ def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, 
     plans = tuple(plan for plan, _ in changed)
     holes = threaded_holes(part.dimensions, verifier)
     circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
-    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, exact=exact)
+    mouths = _slanting_mouths(part.dimensions, verifier)
+    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, mouths, exact=exact)
     sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(
         replace(sheet, unapplied=(*problems, *sheet.unapplied))
@@ -240,8 +265,8 @@ def _arranged(
     """Views, annotations, notes and upper left corner of the hole table on the smallest paper on which they fit."""
     every = annotated_views(views, shown.specs)
     for plan_of_view in plan.views:
-        if _is_opposite(plan_of_view, plan):
-            # Third-angle projection has no place for it next to that view.
+        if plan_of_view.face or _is_opposite(plan_of_view, plan):
+            # Third-angle projection has no place for it next to another view.
             every = detached(every, plan_of_view.name)
     loose = [v.name for v in plan.views if v.name in DETACHABLE and v.aligned_with and not _is_opposite(v, plan)]
     variants = {"": every}
@@ -267,7 +292,7 @@ def _is_opposite(view: ViewPlan, plan: SheetPlan) -> bool:
     parent = next((other for other in plan.views if other.name == view.aligned_with), None)
     if parent is None:
         return False
-    eyes = (PROJECTIONS[one.projection].towards_eye for one in (view, parent))
+    eyes = (projection_of(one.projection).towards_eye for one in (view, parent))
     return dot(*eyes) < -0.5
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drawings.sheets.frame import Paper
-from drawings.views.view import PROJECTIONS, Cut
+from drawings.views.view import Cut, projection_of
 from stagecad.parameters.dimension import FaceRequirement, Point
 from stagecad.parameters.machine import content, packaged_machine
 
@@ -24,10 +24,11 @@ class ViewPlan:
     """Plan of a view."""
 
     name: str  # as in `drawings.views.view.View`
-    projection: str  # key of `drawings.views.view.PROJECTIONS`
+    projection: str  # name for `drawings.views.view.projection_of`
     aligned_with: str = ""  # name of the view with which it is aligned
     hidden: bool = False  # whether it shows hidden lines
     cut: Cut | None = None  # plane of a section
+    face: Cut | None = None  # plane of the slanting face that an auxiliary view shows
     detail: tuple[Point, float] | None = None  # centre, part coordinates, and radius of a detail, mm
     letter: str = ""  # of a detail
     scale: float | None = None  # if it differs from that of the sheet
@@ -61,7 +62,7 @@ def sheet_of_requirement(plans: tuple[SheetPlan, ...], requirement: FaceRequirem
     found: list[tuple[bool, SheetPlan]] = []
     for plan in plans:
         for view in plan.views:
-            eye = PROJECTIONS[view.projection].towards_eye
+            eye = projection_of(view.projection).towards_eye
             named = view.name == requirement.view or (requirement.view == "section" and view.cut is not None)
             if named and abs(sum(a * b for a, b in zip(eye, requirement.normal, strict=True))) < 1e-6:
                 found.append((view.cut is None or any(map(view.cut.holds, requirement.points)), plan))

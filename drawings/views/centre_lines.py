@@ -1,6 +1,6 @@
 """Centre lines and centre marks of round features, and lines of symmetry (ISO 128-2, line type 04.1).
 
-A circle, or more than half of one, gets a centre mark. A feature seen from the side, whose outlines are mirror images
+A circle, or half of one, gets a centre mark. A feature seen from the side, whose outlines are mirror images
 about its axis, gets a centre line.
 """
 
@@ -25,8 +25,8 @@ BEYOND = 3.0
 """Length of a centre line beyond the outline, mm on the paper."""
 NEAR = 0.02
 """Greatest deviation of two outlines from mirror symmetry, mm."""
-MOST = 180.0
-"""Sum of the angles of the arcs of a circle above which it gets a centre mark, degrees."""
+LEAST = 179.5
+"""Sum of the angles of the arcs of a circle from which on it gets a centre mark, as the end of a slot does, degrees."""
 
 
 @dataclass(frozen=True)
@@ -89,11 +89,16 @@ def centre_lines(
     """Centre lines of a view."""
     shown = [curve for layer in ("VISIBLE", "HIDDEN") for curve in curves.get(layer, ())]
     beyond = BEYOND / scale
-    lines = [*_crosses(shown, beyond), *_sides(shown, axes, projection, beyond), *_symmetry(shown, symmetry, beyond)]
+    axes = list(axes)
+    lines = [
+        *_crosses(shown, axes, projection, beyond),
+        *_sides(shown, axes, projection, beyond),
+        *_symmetry(shown, symmetry, beyond),
+    ]
     return cleaned(lines)[0]
 
 
-def _crosses(shown: list[Curve], beyond: float) -> Iterator[Segment]:
+def _crosses(shown: list[Curve], axes: Iterable[Axis], projection: Projection, beyond: float) -> Iterator[Segment]:
     turns: dict[tuple[float, float, float], float] = {}
     for curve in shown:
         if isinstance(curve, Arc):
@@ -101,12 +106,31 @@ def _crosses(shown: list[Curve], beyond: float) -> Iterator[Segment]:
             turns[key] = turns.get(key, 0.0) + curve.end_angle - curve.start_angle
     reach: dict[Point2, float] = {}
     for (x, y, radius), covered in turns.items():
-        if covered > MOST:
+        if covered > LEAST:
             reach[x, y] = max(reach.get((x, y), 0.0), radius)
-    for (x, y), radius in sorted(reach.items()):
-        r = radius + beyond
-        yield Segment((x - r, y), (x + r, y))
-        yield Segment((x, y - r), (x, y + r))
+    # The mouth of a hole in a round face is no arc, though it is seen as one.
+    bent = [curve.points for curve in shown if isinstance(curve, Polyline)]
+    for axis in axes:
+        (x, y), radius = projection.to_view(axis.origin), axis.radius
+        along = abs(sum(a * b for a, b in zip(axis.direction, projection.towards_eye, strict=True)))
+        if along > 1 - 1e-6 and any(
+            all(abs(math.dist(point, (x, y)) - radius) < NEAR for point in points) for points in bent
+        ):
+            key = (round(x, 3) + 0.0, round(y, 3) + 0.0)
+            reach[key] = max(reach.get(key, 0.0), radius)
+    for at, radius in sorted(reach.items()):
+        yield from _cross(at, radius + beyond)
+
+
+def centre_mark(at: Point2, radius: float, scale: float) -> Iterator[Segment]:
+    """Centre mark of a feature of a radius."""
+    return _cross(at, radius + BEYOND / scale)
+
+
+def _cross(at: Point2, arm: float) -> Iterator[Segment]:
+    x, y = at
+    yield Segment((x - arm, y), (x + arm, y))
+    yield Segment((x, y - arm), (x, y + arm))
 
 
 def _sides(shown: list[Curve], axes: Iterable[Axis], projection: Projection, beyond: float) -> Iterator[Segment]:

@@ -7,6 +7,7 @@ at 1:1, with the projection of the part's origin as origin. Paper: (x, y) from t
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Literal
 
 from stagecad.parameters.dimension import Point
@@ -98,6 +99,21 @@ PROJECTIONS = {
 """Third angle: the top view is above the front view, the right view to its right, the bottom view below it."""
 
 
+@cache
+def projection_of(name: str) -> Projection:
+    """The projection of a name: one of `PROJECTIONS`, or `auxiliary X Y Z`, against a slanting face of this normal."""
+    if name in PROJECTIONS:
+        return PROJECTIONS[name]
+    x, y, z = (float(word) for word in name.split()[1:])
+    size = math.hypot(x, y)
+    return Projection("auxiliary", (-y / size, x / size, 0.0), (-x * z / size, -y * z / size, size))
+
+
+def auxiliary(normal: Point) -> str:
+    """Name of the projection against a slanting face."""
+    return f"auxiliary {' '.join(map(repr, normal))}"
+
+
 @dataclass(frozen=True)
 class Cut:
     """The cutting plane of a section; the material on the side of the eye is removed."""
@@ -124,6 +140,7 @@ class View:
     label_at: Point2 | None = None  # middle of the base line of the label, paper; default just below the view
     clip: tuple[Point2, float] | None = None  # centre and radius of the circle of a detail, view coordinates
     cut: Cut | None = None  # plane of a section; None for a view from outside
+    face: Cut | None = None  # plane of the slanting face that an auxiliary view shows
     aligned_with: str = ""  # name of the view with which it is aligned; empty for none
 
     def on(self, *layers: Layer) -> list[Curve]:

@@ -38,9 +38,10 @@ the points give the first and the last and `count` the number of distances. `sag
 chord between its two points. `pitch_circle`: diameter of the circle on which `count` equal features are equally spaced.
 """
 
-View = Literal["top", "bottom", "front", "back", "left", "right", "section", "iso", "any"]
+View = Literal["top", "bottom", "front", "back", "left", "right", "section", "auxiliary", "iso", "any"]
 VIEWS = get_args(View)
-"""The preferred view of a dimension: `top` looks down z, `front` along +y (x to the right), `right` along -x."""
+"""The preferred view of a dimension: `top` looks down z, `front` along +y (x to the right), `right` along -x,
+`auxiliary` against a slanting face on which its points are."""
 
 
 @dataclass(frozen=True)

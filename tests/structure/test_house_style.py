@@ -14,12 +14,13 @@ BUDGET = {
     "designcalc": 10663,
     "sim": 12667,
     "sysid": 20235,
-    "drawings": 12109,
+    "drawings": 12375,
     "workbench": 15523,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
-    "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits",
+    "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits; "
+    "auxiliary views, bores from both ends, declarations that contradict the solid or each other",
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",

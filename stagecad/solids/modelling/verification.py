@@ -206,17 +206,17 @@ class DimensionVerifier:
                 whole = abs(self._place(points[1], along) - self._place(points[0], along))
                 return whole / dimension.count
             case "sag":
-                half, radius = math.dist(points[0], points[1]) / 2, self._on(points[0], "SPHERE").radius
+                half, radius = math.dist(points[0], points[1]) / 2, self.face_on(points[0], "SPHERE").radius
                 return radius - math.sqrt(radius**2 - half**2)
             case "diameter" | "tap_drill":
-                return 2 * self._radius_about(points, along)
+                return 2 * self.round_about(points, along)[1]
             case "radius":
-                return self._on(points[0], "CYLINDER", "SPHERE", "TORUS").radius
+                return self.face_on(points[0], "CYLINDER", "SPHERE", "TORUS").radius
             case "chamfer":
-                low, high = self._on(points[0], "PLANE", "CONE").extent(along)
+                low, high = self.face_on(points[0], "PLANE", "CONE").extent(along)
                 return high - low
             case "slope":
-                sine = abs(dot(self._on(points[0], "PLANE").axis, along))
+                sine = abs(dot(self.face_on(points[0], "PLANE").axis, along))
                 return sine / math.sqrt(1 - sine**2)
             case "angle":
                 return self._angle(points[0], points[1], along)
@@ -231,17 +231,20 @@ class DimensionVerifier:
         """The round faces of all equal holes that a diameter or tap drill applies to, one per hole.
 
         Where the solid has not as many parallel ones as the dimension counts (holes on a circle, radial), only the
-        declared one.
+        declared one. LookupError for a cone.
         """
         axis = dimension.direction
         if axis is None:
             raise LookupError(f"dimension '{dimension.name}' has no axis")
-        radius, point = self._radius_about(dimension.points, axis), dimension.points[0]
+        (_, radius), point = self.round_about(dimension.points, axis), dimension.points[0]
         like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]
         at = dot(point, axis)
-        first = next(
+        here = [
             s for s in like if s.off_axis(point) < NEAR and s.extent(axis)[0] - NEAR <= at <= s.extent(axis)[1] + NEAR
-        )
+        ]
+        if not here:
+            raise LookupError(f"'{dimension.name}' is the diameter of a cone")
+        first = here[0]
         same_ends = [s for s in like if math.dist(s.extent(axis), first.extent(axis)) < NEAR]
         same_mouth = [s for s in like if min(abs(a - b) for a, b in zip(s.extent(axis), first.extent(axis))) < NEAR]
         for group in (like, same_mouth, same_ends):
@@ -253,35 +256,31 @@ class DimensionVerifier:
                 return found
         return [first]
 
-    def _on(self, point: Point, *kinds: str) -> Surface:
+    def face_on(self, point: Point, *kinds: str) -> Surface:
         """The face at a point, of one of the kinds."""
         for surface in self.surfaces:
             if surface.kind in kinds and surface.holds(point):
                 return surface
         raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
 
-    def _radius_about(self, points: tuple[Point, ...], axis: Point) -> float:
-        """Radius about `axis` at the first point, on the axis; a second point, on the face, selects one of several."""
+    def round_about(self, points: tuple[Point, ...], axis: Point) -> tuple[Surface, float]:
+        """Round face about `axis` at the first point, on the axis, and its radius there; a second point, on the face,
+        selects one of several."""
         point, touch = points[0], points[1] if len(points) > 1 else None
         at = dot(point, axis)
-        for surface in self._of("CYLINDER", axis):
-            low, high = surface.extent(axis)
-            if (
-                surface.off_axis(point) < NEAR
-                and low - NEAR <= at <= high + NEAR
-                and (not touch or surface.holds(touch))
-            ):
-                return surface.radius
-        for surface in self._of("CONE", axis):
+        for surface in (s for kind in ("CYLINDER", "CONE") for s in self._of(kind, axis) if s.off_axis(point) < NEAR):
             radius = surface.radius + surface.taper * dot(subtract(point, surface.origin), surface.axis)
-            if surface.off_axis(point) < NEAR and (not touch or abs(surface.off_axis(touch) - radius) < NEAR):
-                return radius
+            low, high = surface.extent(axis) if surface.kind == "CYLINDER" else (at, at)
+            away = surface.off_axis(touch) - radius if touch else 0.0
+            held = not touch or (surface.holds(touch) if surface.kind == "CYLINDER" else abs(away) < NEAR)
+            if held and low - NEAR <= at <= high + NEAR:
+                return surface, radius
         raise LookupError(f"no round face about {axis} through {point}")
 
     def _pitch_circle(self, dimension: Dimension) -> float:
         """Diameter of a circle of equally spaced holes, mm."""
         (centre, hole), axis = dimension.points, dimension.direction or (0.0, 0.0, 1.0)
-        radius = self._radius_about((hole,), axis)
+        radius = self.round_about((hole,), axis)[1]
         like = [s for s in self._of("CYLINDER", axis) if abs(s.radius - radius) < NEAR]
         first = next(surface for surface in like if surface.off_axis(hole) < NEAR)
         out = _across(subtract(first.origin, centre), axis)

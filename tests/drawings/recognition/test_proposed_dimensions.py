@@ -22,7 +22,7 @@ from workbench.operations.proposed_part import draw_file
 
 FREE_FORM = ("bspline", "revolution", "extrusion")
 """Kinds of face that no dimension defines: the sheet says that the model does."""
-QUICK = ("plate", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut", "angled_holes")
+QUICK = ("keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut", "angled_holes", "wedge_block", "crossed_pin")
 
 
 @cache
@@ -98,6 +98,32 @@ def test_features_are_recognised() -> None:
     plate = features_of(DimensionVerifier(PARTS["slotted_plate"]().solids().val()))
     assert [round(slot.radius, 6) for slot in plate.slots] == [4.0, 4.0]
     assert len(features_of(DimensionVerifier(PARTS["gib"]().solids().val())).chamfers) == 2
+
+
+def test_a_bore_is_called_out_from_both_ends_and_a_hole_into_it_is_not_called_through() -> None:
+    found = features_of(proposed("seat_housing")[0])
+    upright = [hole for hole in found.holes if abs(hole.into[2]) == 1.0]
+    steps = {hole.into[2]: [round(value, 3) for step in hole.steps for value in step] for hole in upright}
+    assert steps == {-1.0: [20.0, 25.0, 12.0, 33.0], 1.0: [18.0, 12.0]}
+    assert [hole.way_out for hole in upright] == ["through", ""]
+    assert [(round(groove.radius, 6), round(groove.high - groove.low, 6)) for groove in found.grooves] == [(21.5, 1.8)]
+    assert [hole.way_out for hole in found.holes if abs(hole.into[1]) == 1.0] == ["to bore"]
+
+
+def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
+    """The end of the taper is within the outline of another diameter."""
+    sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
+    assert set(sizes) == {6.0, 10.0, 16.0, 30.0} and not any("countersink" in name for name in sizes.values())
+
+
+def test_holes_in_a_slanting_face_are_placed_in_an_auxiliary_view() -> None:
+    _, proposal = proposed("wedge_block")
+    shown = {one.name: one.value for one in proposal.dimensions if one.fields["view"] == "auxiliary"}
+    assert {"hole 1", "hole 1 depth", "hole 2", "hole 2 depth"} < set(shown)
+    across = math.hypot(70 - 55, 27 - 12)
+    assert sorted(value for name, value in shown.items() if name.startswith("place")) == pytest.approx(
+        [across - 12, across, 30.0, across + 12], abs=1e-6
+    )
 
 
 def test_a_row_of_holes_does_not_define_the_outline_beyond_it() -> None:
