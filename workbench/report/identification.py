@@ -61,6 +61,8 @@ WIDTH = 8.4
 """Inches of a figure of the report."""
 MOST_CORRELATED = 14
 """Parameters up to which the matrix of correlations is shown."""
+PRESENT = "present"
+"""File of what is stated now, beside the sections."""
 MOST_RECORDS = 6
 """Records whose channels are drawn as logged."""
 MOST_OVERLAYS = 3
@@ -73,7 +75,10 @@ Section = dict[str, Any]
 
 def write_report(result: Reported, out: Path) -> Path:
     """Write the section of a result, and its figures, below the folder `out`; then the report, which is returned."""
-    folder = result.experiment.results_in(out)
+    folder, stated = result.experiment.results_in(out), result.experiment.stated
+    # The model as it stands now, which sections of other models do not have.
+    now = {"text": stated.text, "effects": list(stated.effects)}
+    atomic_write_text(folder / "sections" / PRESENT, json.dumps(now))
     if isinstance(result, Addition | Restoration):
         return refresh_ladder(folder, ladder(result.experiment))
     if isinstance(result, Ladder):
@@ -271,7 +276,8 @@ def keep_section(folder: Path, section: Section) -> Path:
 
 def _compose(folder: Path, sections: Sequence[Section]) -> Path:
     """Write the report of sections, the newest last."""
-    atomic_write_text(folder / REPORT, report_html(folder.name, ordered_sections(sections)))
+    now = json.loads((folder / "sections" / PRESENT).read_text("utf-8"))
+    atomic_write_text(folder / REPORT, report_html(folder.name, ordered_sections(sections), now))
     return folder / REPORT
 
 
@@ -306,18 +312,24 @@ def ordered_sections(sections: Sequence[Section]) -> list[Section]:
     return sorted(kept, key=lambda s: (s["kind"] != "ladder", s["number_in_report"]))
 
 
-def report_html(name: str, sections: Sequence[Section]) -> str:
-    """The report as one self-contained page."""
-    about = next((s for s in reversed(sections) if "rig" in s), None)
+def report_html(name: str, sections: Sequence[Section], now: Mapping[str, Any]) -> str:
+    """The report as one self-contained page; `now` is the text of the experiment and its effects."""
+    about = next((s | {"text": now["text"]} for s in reversed(sections) if "rig" in s), None)
     newest = max((s["number_in_report"] for s in sections if s["kind"] != "ladder"), default=0)
     made = f"stagecad {__version__}, {date.today().isoformat()}"
-    values = {"sections": sections, "about": about, "newest": newest, "summary": summary_of(sections), "made": made}
+    values = {
+        "sections": sections,
+        "about": about,
+        "newest": newest,
+        "summary": summary_of(sections, now["effects"]),
+        "made": made,
+    }
     return render("identification.html", name=name, **values)
 
 
-def summary_of(sections: Sequence[Section]) -> str:
-    """The sentence of the present model: that of its diagnosis, of the ladder, or of the newest section."""
-    told = [s for s in sections if s.get("summary")]
-    model = next((s["effects"] for s in told if s["kind"] == "ladder"), told[-1]["effects"] if told else None)
-    of_model = sorted((s for s in told if s["effects"] == model), key=lambda s: s["kind"] != "diagnose")
-    return of_model[0]["summary"] if of_model else ""
+def summary_of(sections: Sequence[Section], model: Sequence[str]) -> str:
+    """The sentence of the present model: that of its diagnosis, of the ladder, or of another section on it."""
+    # The law of a name is that of the rig where the file names none.
+    names = [name.partition(":")[0] for name in model]
+    told = [s for s in sections if s.get("summary") and [e.partition(":")[0] for e in s["effects"]] == names]
+    return next((s["summary"] for s in sorted(told, key=lambda s: s["kind"] != "diagnose")), "")

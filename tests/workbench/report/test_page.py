@@ -82,7 +82,11 @@ def rung(number: int, effects: list[str], added: list[str], over: float) -> dict
 
 def ladder(name: str, rungs: list[dict]) -> Ladder:
     """The ladder of an experiment of which nothing but the name is read."""
-    return Ladder(Experiment(cast(StatedExperiment, SimpleNamespace(folder=name, revisions=()))), rungs, False)
+    return Ladder(
+        Experiment(cast(StatedExperiment, SimpleNamespace(folder=name, revisions=(), text="", effects=()))),
+        rungs,
+        False,
+    )
 
 
 class Links(HTMLParser):
@@ -116,6 +120,9 @@ def test_the_ladder_is_a_page_that_fetches_nothing_and_is_the_same_twice(tmp_pat
     assert before == {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
 
 
+NOW = {"text": "", "effects": ["coulomb"]}
+
+
 def section(kind: str, effects: list[str], sha: str, number: int) -> dict:
     return {"kind": kind, "effects": effects, "records": {"fit": sha}, "number_in_report": number}
 
@@ -137,16 +144,16 @@ def test_a_section_that_cannot_be_read_is_written_again(tmp_path: Path) -> None:
 
 
 def test_names_from_files_are_text_on_the_page() -> None:
-    page = report_html("<script>alert(1)</script>", [])
+    page = report_html("<script>alert(1)</script>", [], NOW)
     assert "<script>" not in page
 
 
 def test_warnings_stand_above_the_headline() -> None:
     section = rung(0, ["coulomb"], [], 2.0) | {"kind": "suggest", "title": "Title", "state": "good", "number": "1"}
     section |= {"headline": "The headline.", "number_in_report": 1, "motions": {"rows": [], "title": "", "note": ""}}
-    page = report_html("rig", [section | {"warnings": ["one <column> is wrong"]}])
+    page = report_html("rig", [section | {"warnings": ["one <column> is wrong"]}], NOW)
     assert page.index("Warning: one &lt;column&gt; is wrong") < page.index("The headline.")
-    assert "Warning:" not in report_html("rig", [section])
+    assert "Warning:" not in report_html("rig", [section], NOW)
 
 
 def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
@@ -175,6 +182,8 @@ def test_the_report_begins_with_the_state_of_the_present_model_in_a_sentence(fit
     present = section("diagnose", ["coulomb", "stribeck"], "sha", 1) | {"summary": summary_sentence(errors, "Add it.")}
     older = section("compare", ["coulomb"], "sha", 2) | {"summary": "Of another model."}
     ladder = {"kind": "ladder", "effects": ["coulomb", "stribeck"], "number_in_report": 3, "summary": "Of the ladder."}
-    sentence = summary_of([ladder, present, older])
+    sentence = summary_of([ladder, present, older], ["coulomb", "stribeck:rational"])
     assert said in sentence and "1.20 × the noise. Add it." in sentence
-    assert summary_of([present, older]) == "Of another model."
+    # After an undo.
+    assert summary_of([present, older], ["coulomb"]) == "Of another model."
+    assert summary_of([present], ["coulomb"]) == ""
