@@ -1,6 +1,7 @@
 """`stagecad optimize` as the user types it."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,10 @@ FREE = ["--free", "actuator.stroke_amplitude=4 um:12 um"]
 
 def _document(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
     assert stagecad(["optimize", "--no-solids", "--budget", "30", *words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
+    said = capsys.readouterr()
+    # While it searches.
+    assert re.match(r"best so far: \d+ rules violated, \d+ of \d+ checks failed: ", said.err), said.err
+    return json.loads(said.out)
 
 
 @pytest.fixture(autouse=True)

@@ -85,7 +85,9 @@ class Guard:
             request = Request(scope)
             upload = scope["path"].startswith(UPLOAD_PATH)
             limit = self.upload_limit if upload else JSON_LIMIT
-            answer = self._refusal(request, upload) or self._entrance(request) or _size_refusal(request, limit)
+            length = request.headers.get("content-length", "0")
+            small = length.isdigit() and int(length) <= limit
+            answer = self._refusal(request, upload) or self._entrance(request) or (None if small else _too_large(limit))
             if answer is not None:
                 await answer(scope, receive, send)
             else:
@@ -146,11 +148,6 @@ class Guard:
             await self.app(scope, counted, with_headers)
         if received > limit and not started:
             await _too_large(limit)(scope, receive, send)
-
-
-def _size_refusal(request: Request, limit: int) -> Response | None:
-    length = request.headers.get("content-length", "0")
-    return None if length.isdigit() and int(length) <= limit else _too_large(limit)
 
 
 def _too_large(limit: int) -> Response:

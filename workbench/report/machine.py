@@ -95,17 +95,13 @@ def _sheets(drawings: Mapping[str, Any], page: Path, design: Design) -> list[dic
     shown = []
     for name, sheet in drawings["sheets"].items():
         files = {Path(file).suffix: Path(file) for file in sheet["files"]}
+        # Small enough for an overview.
+        small = reduced_sheet(ArtefactStore(), design, files[".png"], sha256(files[".png"].read_bytes()))
         entry = {key: sheet[key] for key in ("paper", "scale", "hits")}
-        entry |= {"title": name.replace("_", " "), "picture": _reduced(files[".png"], design)}
+        entry |= {"title": name.replace("_", " "), "picture": data_url(small.data(SMALL))}
         entry |= {"opens": link(files[".svg"], page)["href"], "files": [link(file, page) for file in files.values()]}
         shown.append(entry)
     return shown
-
-
-def _reduced(path: Path, design: Design) -> str:
-    """A sheet's picture, small enough for an overview."""
-    entry = reduced_sheet(ArtefactStore(), design, path, sha256(path.read_bytes()))
-    return data_url(entry.data(SMALL))
 
 
 def _mass(kilograms: float) -> str:

@@ -58,6 +58,7 @@ def command(
                 assert write_back is not None
                 result = write_fitted(experiment, write_back)
     show(run, result.lines())
-    if isinstance(result, Reported) and result.experiment.has_report(run.out):
-        result.write_report(run.out)
+    last = [result, *getattr(result, "steps", ())][-1]
+    if isinstance(last, Reported) and last.experiment.has_report(run.out):
+        last.write_report(run.out)
     run.emit(result.to_json())

@@ -1,5 +1,6 @@
 """`stagecad optimize`: the nearest design without violated rules and failed checks."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options, whole_number, without_rules
 from workbench.operations.levels import reached_levels
-from workbench.operations.optimise import Search, optimised, time_limit
+from workbench.operations.optimise import BestSoFar, Search, optimised, time_limit
 
 FREE = "Let a parameter change within a range, or among choices KEY=A|B, besides those marked free in the file."
 LEVELS = "Show instead how far Table 1 can be met: each requirement alone, all together, and the Pareto fronts."
@@ -49,8 +50,20 @@ def command(
     wanted = Search(**effort, seconds=time_limit(limit))
     if levels and (target is not None or wanted.keep):
         raise InputError("--levels: --keep and --write are not used with it")
+    told: set[tuple[int, int]] = set()
+
+    def better(best: BestSoFar) -> None:
+        found = best.to_json()
+        if (counts := (found["rules"], found["failing"])) not in told:
+            told.add(counts)
+            values = ", ".join(f"{key} = {after}" for key, _, after in found["changes"]) or "as it is"
+            run.note(
+                "best so far: {rules} rules violated, {failing} of {required} checks failed: ".format(**found) + values
+            )
+
     with run.reporting() as report:
-        result = (reached_levels if levels else optimised)(run.design, wanted, report)
+        one = reached_levels if levels else partial(optimised, better=better)
+        result = one(run.design, wanted, report)
     if run.json_target is None:
         show(run, result.lines())
     document, lines, drawn = result.write_results(run.out / "optimize", figures, target, relax)

@@ -202,10 +202,6 @@ def _ellipse(study: Any) -> dict[str, Columns]:
     }
 
 
-def _coupling(study: Any) -> dict[str, Columns]:
-    return {f"stage_coupling_{name}": motion_columns(run, 1001) for name, run in study.runs.items()}
-
-
 def _planar(study: Any) -> dict[str, Columns]:
     found = {}
     for drive in study.runs:
@@ -256,7 +252,7 @@ _STUDIES = {
     "speed": _speed,
     "travel_map": _travel_map,
     "ellipse": _ellipse,
-    "coupling": _coupling,
+    "coupling": lambda study: {f"stage_coupling_{k}": motion_columns(run, 1001) for k, run in study.runs.items()},
     "planar": _planar,
     "positioning": _positioning,
     "hunting": _hunting,
