@@ -23,7 +23,8 @@ def write_curves(folder: Path, number: int, series: Mapping[str, np.ndarray]) ->
         starts = np.arange(0, array.shape[1], BLOCK)
         # fmin and fmax pass over NaN.
         _save(
-            _blocks(folder, number), np.stack([np.fmin.reduceat(array, starts, 1), np.fmax.reduceat(array, starts, 1)])
+            folder / f"extremes_{number}.npy",
+            np.stack([np.fmin.reduceat(array, starts, 1), np.fmax.reduceat(array, starts, 1)]),
         )
     first = array[0]
     return {"curves": number, "series": names, "rows": int(first.size), "from": float(first[0]), "to": float(first[-1])}
@@ -32,10 +33,6 @@ def write_curves(folder: Path, number: int, series: Mapping[str, np.ndarray]) ->
 def _save(path: Path, array: np.ndarray) -> None:
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
         np.save(stream, array)
-
-
-def _blocks(folder: Path, number: int) -> Path:
-    return folder / f"extremes_{number}.npy"
 
 
 def read_curves(folder: Path, number: int) -> np.ndarray:
@@ -53,7 +50,7 @@ def read_curves(folder: Path, number: int) -> np.ndarray:
 
 def read_blocks(folder: Path, number: int) -> np.ndarray | None:
     """Extremes of the curves in blocks (2, k, n / BLOCK), mapped into memory; None for short curves."""
-    path = _blocks(folder, number)
+    path = folder / f"extremes_{number}.npy"
     return np.load(path, mmap_mode="r", allow_pickle=False) if path.is_file() else None
 
 

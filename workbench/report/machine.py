@@ -47,7 +47,13 @@ def write_report(design: Design, out: Path, results: Mapping[str, Any]) -> Path:
         assembly_files=[link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
         moving_mass=_mass(document["moving_body"]["mass"]["value"]) if "moving_body" in document else "",
         whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
-        measures=[(k.replace("_", " "), _measure(q)) for k, q in document.get("measures", {}).items()],
+        measures=[
+            (
+                k.replace("_", " "),
+                f"{1e6 * q['value']:.1f} mm²" if q["unit"] == "m^2" else format_quantity(q["value"], q["unit"]),
+            )
+            for k, q in document.get("measures", {}).items()
+        ],
         parts=_parts(document["parts"], pictures, target),
         bill=results["bill"],
         procedure=results["procedure"],
@@ -110,12 +116,6 @@ def _mass(kilograms: float) -> str:
 
 def _size(box: Sequence[Sequence[float]]) -> str:
     return " × ".join(f"{1000.0 * (high - low):.1f}" for low, high in zip(*box, strict=True)) + " mm"
-
-
-def _measure(quantity: Mapping[str, Any]) -> str:
-    if quantity["unit"] == "m^2":
-        return f"{quantity['value'] * 1e6:.1f} mm²"
-    return format_quantity(quantity["value"], quantity["unit"])
 
 
 def _caption(path: Path) -> str:

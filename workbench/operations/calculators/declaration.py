@@ -38,7 +38,9 @@ class Option:
     @property
     def origin(self) -> str:
         """Where the default comes from, for help."""
-        if callable(self.default) or _is_calculated(self.default):
+        text = self.default if isinstance(self.default, str) else ""
+        # A formula of several numbers, or a calculated number.
+        if callable(self.default) or text in QUANTITIES or re.search(r"[^\w.:=]", text):
             return "from the parameter file"
         if not isinstance(self.default, str):
             return "none" if self.default is None else f"{self.default:g}"
@@ -78,11 +80,6 @@ def values_of(calculator: type, written: Mapping[str, str], r: DesignInputs) -> 
             known = {f"option.{name}": (value, options[name].unit or "") for name, value in values.items()}
             values[key] = _default(option.default, r, known)
     return values
-
-
-def _is_calculated(default: Any) -> bool:
-    """Whether a default is a formula of several numbers, or of a calculated one."""
-    return isinstance(default, str) and (default in QUANTITIES or re.search(r"[^\w.:=]", default) is not None)
 
 
 def _default(default: Any, r: DesignInputs, known: Known) -> Any:

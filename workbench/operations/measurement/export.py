@@ -74,7 +74,11 @@ class Export(Result):
 def exported_model(fitted: FittedResult, name: str = "friction_model") -> Exported:
     """The fitted model of a comparison or an addition."""
     model, document = fitted.fitted.model, fitted.document["parameters"]
-    comments = {key: _interval(key, entry) for key, entry in document.items()}
+    comments = {}
+    for key, entry in document.items():
+        low, high = entry.get("low"), entry.get("high")
+        interval = "no interval" if low is None or high is None else f"95 %: {low:.6g} .. {high:.6g}"
+        comments[key] = f"{entry['unit']}; {interval}"
     program = program_of(name, model.effects, model.values, comments)
     experiment = fitted.problem.experiment
     about = (
@@ -82,13 +86,6 @@ def exported_model(fitted: FittedResult, name: str = "friction_model") -> Export
         *(f"record {record.file}: sha256 {record.sha256[:16]}" for record in fitted.problem.records),
     )
     return Exported(program, float(model.values.get("rig.mass", model.values.get("rig.inertia", 0.0))), about)
-
-
-def _interval(key: str, entry: dict[str, Any]) -> str:
-    """Unit and 95 % interval of a fitted value."""
-    if entry.get("low") is None or entry.get("high") is None:
-        return f"{entry['unit']}; no interval"
-    return f"{entry['unit']}; 95 %: {entry['low']:.6g} .. {entry['high']:.6g}"
 
 
 def export(
