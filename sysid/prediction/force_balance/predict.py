@@ -25,7 +25,7 @@ from sysid.prediction.effect_terms import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
-from sysid.prediction.force_balance.state_observer import observed_motion
+from sysid.prediction.force_balance.state_observer import at_rows, observed_motion, yields_ideally
 from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     Onsets,
@@ -98,12 +98,28 @@ def friction_along(
     motion: Simulation, balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
 ) -> np.ndarray:
     """Friction (n,) along an observer's motion, N: elements yield smoothly in its integration, but ideally along it."""
-    if not any(e.has_presliding and e.friction_state.springs is not None for e in effects):
+    if not yields_ideally(effects):
         return motion.friction
-    acceleration, own = np.gradient(motion.velocity, balance.step), balance.axis
-    axis = make_axis(own.time, motion.position, motion.velocity, acceleration, own.load, own.temperature, 0.0)
-    along = replace(balance, axis=axis, observer=None, stick_fraction=None)
-    return _friction(along, effects, values, _terms(along, effects, values))[0]
+    own, step = balance.axis, float(motion.time[1] - motion.time[0])
+
+    def between(values: np.ndarray) -> np.ndarray:
+        return np.interp(motion.time, own.time, values)
+
+    acceleration = np.gradient(motion.velocity, step)
+    surroundings = between(own.load), between(own.temperature)
+    along = replace(
+        balance,
+        step=step,
+        axis=make_axis(motion.time, motion.position, motion.velocity, acceleration, *surroundings, 0.0),
+        measured={channel: between(values) for channel, values in balance.measured.items()},
+        inputs={channel: between(values) for channel, values in balance.inputs.items()},
+        valid={channel: between(valid) == 1.0 for channel, valid in balance.valid.items()},
+        acceleration=None if balance.acceleration is None else between(balance.acceleration),
+        undirected=None,
+        observer=None,
+        stick_fraction=None,
+    )
+    return _friction(along, effects, values, _terms(along, effects, values))[0][at_rows(motion, balance)]
 
 
 def _friction(
