@@ -25,7 +25,7 @@ from sysid.prediction.effect_terms import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
-from sysid.prediction.force_balance.state_observer import at_rows, observed_motion, yields_ideally
+from sysid.prediction.force_balance.state_observer import at_rows, observed_motion
 from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     Onsets,
@@ -98,8 +98,8 @@ def friction_along(
     motion: Simulation, balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
 ) -> np.ndarray:
     """Friction (n,) along an observer's motion, N: elements yield smoothly in its integration, but ideally along it."""
-    if not yields_ideally(effects):
-        return motion.friction
+    if not any(e.has_presliding and e.friction_state.springs is not None for e in effects):
+        return at_rows(motion.friction)
     own, step = balance.axis, float(motion.time[1] - motion.time[0])
 
     def between(values: np.ndarray) -> np.ndarray:
@@ -119,7 +119,8 @@ def friction_along(
         observer=None,
         stick_fraction=None,
     )
-    return _friction(along, effects, values, _terms(along, effects, values))[0][at_rows(motion, balance)]
+    friction, _ = _friction(along, effects, values, _terms(along, effects, values))
+    return at_rows(0.5 * (friction[1:] + friction[:-1]))
 
 
 def _friction(

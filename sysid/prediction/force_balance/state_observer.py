@@ -37,7 +37,7 @@ TOLERANCE = 1e-5
 """Relative error of a step of the integration."""
 
 PER_ROW = 4
-"""Instants per row of a motion along which elements yield."""
+"""Instants per row of the observer's motion."""
 
 MOST_STEPS = 100
 """Attempted steps per row, on average, after which an integration is given up."""
@@ -66,28 +66,25 @@ def observed(
     found = replace(balance, observer=observer, stick_phases=None, half_width_variant=None)
     for _ in range(passes):
         motion = observed_motion(found, effects, values)
-        rows = at_rows(motion, balance)
-        late = smoothed(position - motion.position[rows], SMOOTHING * observer.bandwidth * balance.step)
-        velocity = motion.velocity[rows] + np.gradient(late, balance.step)
-        yields = motion.friction[rows] - ideal_friction(motion, balance)
+        late = smoothed(position - motion.position[::PER_ROW], SMOOTHING * observer.bandwidth * balance.step)
+        velocity = motion.velocity[::PER_ROW] + np.gradient(late, balance.step)
+        yields = at_rows(motion.friction) - ideal_friction(motion, balance)
         observer = replace(observer, velocity=velocity, yields=yields)
         found = replace(found, observer=observer)
     return found
 
 
-def yields_ideally(effects: Sequence[Effect]) -> bool:
-    """Whether the friction along a motion is that of elements, which follow its steps."""
-    return any(effect.has_presliding and effect.friction_state.springs is not None for effect in effects)
-
-
-def at_rows(motion: Simulation, balance: ForceBalanceRecord) -> slice:
-    """Instants of an observer's motion that are rows of the record."""
-    return slice(None, None, round((motion.time.size - 1) / (balance.size - 1)))
+def at_rows(between: np.ndarray) -> np.ndarray:
+    """Values (n,) at the rows from means between `PER_ROW` instants per row: friction jumps there, and a filter of the
+    rows keeps the time of a jump only in the mean over a row. That mean is above a curve by 1/24 of its second
+    difference."""
+    rows = np.pad(between, PER_ROW // 2, mode="edge").reshape(-1, PER_ROW).mean(axis=1)
+    return rows - np.pad(np.diff(rows, 2), 1) / 24.0
 
 
 def observed_motion(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> Simulation:
-    """The observer's motion under a model, and the force against it without its inertia; for elements also between the
-    rows, since the level of the friction changes within a row where the motion reverses."""
+    """The observer's motion under a model at `PER_ROW` instants per row, and the force against it without its inertia
+    between these, from the change of the momentum."""
     observer, axis, mass = balance.observer, balance.axis, values["rig.mass"]
     assert observer is not None and balance.applied is not None and balance.raw_position is not None
     stiffness, damping = mass * observer.bandwidth**2, np.sqrt(2.0) * mass * observer.bandwidth
@@ -98,11 +95,11 @@ def observed_motion(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
     rates = np.append(np.diff(force) / np.diff(axis.time), 0.0)
     core = next((effect for effect in effects if effect.friction_state is not None), None)
     laws = [*(values_of(effect, values) for effect in effects), DAMPER.values_type(damping)]
-    per_row = PER_ROW if yields_ideally(effects) else 1
+    step = balance.step / PER_ROW
     run = simulate(
         SimulatedModel((*effects, DAMPER), tuple(laws)),
         Drive(axis.time, force, rates, stiffness=stiffness),
-        axis.time[0] + balance.step / per_row * np.arange(per_row * (balance.size - 1) + 1),
+        axis.time[0] + step * np.arange(PER_ROW * (balance.size - 1) + 1),
         mass=mass,
         position=float(balance.raw_position[0]),
         velocity=float(observer.velocity[0]),
@@ -112,7 +109,8 @@ def observed_motion(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
         tolerance=TOLERANCE,
         most_steps=MOST_STEPS * balance.size,
     )
-    return replace(run, friction=run.friction - damping * run.velocity)
+    push = run.drive - damping * run.velocity
+    return replace(run, friction=0.5 * (push[1:] + push[:-1]) - mass * np.diff(run.velocity) / step)
 
 
 def _first_state(core: Effect | None, observer: StateObserver, values: Values) -> np.ndarray | None:
