@@ -24,7 +24,7 @@ RAISED = (
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
-    "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in one ledger; "
+    "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in a ledger; "
     "a true model whose friction changes within a row is found",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; on "
     "the page records before a fit, several models over one record, the best design of a running search",
