@@ -8,13 +8,18 @@ convolution. (Normal dimensions with their limits at three standard deviations w
 Source: ISO/TR 16015; Bjorke, Computer-Aided Tolerancing, 2nd ed., chapters 3 and 5.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stagecad.parameters.units import as_json
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,12 @@ class Link:
         """Smallest and greatest contribution to the deviation of the result, m."""
         ends = self.coefficient * self.low, self.coefficient * self.high
         return min(ends), max(ends)
+
+
+def link_of(design: Design, key: str, coefficient: float) -> Link:
+    """The link of a dimension, with the tolerance of its class."""
+    low, high = design.deviations(key)
+    return Link(key, coefficient, design.si(key), 1e-3 * low, 1e-3 * high)
 
 
 PROBABILITY = 0.9973

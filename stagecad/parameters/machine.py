@@ -73,6 +73,7 @@ class MachineDeclaration:
     parts: tuple[DeclaredPart, ...]  # in their order
     mates: tuple[Mate, ...]  # in their order
     overlaps: frozenset[frozenset[str]]  # pairs of kinds of part that may share volume
+    chains: Mapping[str, str] = field(default_factory=dict)  # formulas of functional distances, by name
     # table of the parameters of each own part, by its key: this key, or the part's `NAME` where a packaged table has it
     tables: Mapping[str, str] = field(default_factory=dict)
 

@@ -157,7 +157,7 @@ def _declaration(value: str | int, meaning: str, place: str) -> Declaration:
 def read_machine(table: Mapping[str, Any], file: str, folder: Path) -> MachineDeclaration:
     """Read the table `[machine]`, without the parts' files."""
     place = f"{file}: machine"
-    _known(table, ("description", "overlaps", "parts", "mates"), place)
+    _known(table, ("description", "overlaps", "parts", "mates", "chains"), place)
     parts = {key: _part(key, value, place) for key, value in _table(table, "parts", place).items()}
     written = {key: _mate(key, value, parts, place) for key, value in _table(table, "mates", place).items()}
     overlaps = table.get("overlaps", [])
@@ -168,7 +168,10 @@ def read_machine(table: Mapping[str, Any], file: str, folder: Path) -> MachineDe
             _one_of(str(key), parts, f"{place}.overlaps", "part")
     allowed = frozenset(frozenset(map(str, pair)) for pair in overlaps)
     description = str(table.get("description", ""))
-    return MachineDeclaration(file, folder, description, tuple(parts.values()), _ordered(written, place), allowed)
+    chains = _table(table, "chains", place) if "chains" in table else {}
+    formulas = {name: _checked(text, "mm", f"{place}.chains.{name}") for name, text in chains.items()}
+    mates = _ordered(written, place)
+    return MachineDeclaration(file, folder, description, tuple(parts.values()), mates, allowed, formulas)
 
 
 def _table(table: Mapping[str, Any], key: str, place: str) -> Mapping[str, Any]:
@@ -250,12 +253,12 @@ def _checked(text: Any, unit: str, place: str) -> str:
 def placed_values(design: Design, mate: Mate) -> tuple[tuple[float, float, float], float]:
     """Offset, mm, and turn, deg, of a mate in a design."""
     place = f"{design.file}: machine.mates.{mate.name}"
-    x, y, z = (_number(text, "mm", f"{place}.offset", design) for text in mate.offset)
-    return (x, y, z), _number(mate.turn, "deg", f"{place}.turn", design)
+    x, y, z = (declared_number(text, "mm", f"{place}.offset", design) for text in mate.offset)
+    return (x, y, z), declared_number(mate.turn, "deg", f"{place}.turn", design)
 
 
-def _number(text: str, unit: str, place: str, design: Design) -> float:
-    """A length or an angle in a unit, possibly a formula of parameters."""
+def declared_number(text: str, unit: str, place: str, design: Design, shifted: str = "", by: float = 0.0) -> float:
+    """A length or an angle in a unit, possibly a formula of parameters, of which one is shifted, SI."""
     if not is_formula(text):
         return from_si(parse_quantity(text, unit, place), unit)
 
@@ -266,7 +269,8 @@ def _number(text: str, unit: str, place: str, design: Design) -> float:
             raise FormulaError(str(error)) from None
         if isinstance(entry.value, bool | str):
             raise FormulaError(f"parameter '{key}' = '{entry.text}' is not a number")
-        return Value(to_si(float(entry.value), entry.unit), unit_dimension(entry.unit))
+        number = to_si(float(entry.value), entry.unit) + (by if key == shifted else 0.0)
+        return Value(number, unit_dimension(entry.unit))
 
     return from_si(parse_formula(text).value(parameter, unit, place), unit)
 

@@ -89,6 +89,8 @@ def test_mirror_mount_with_standard_parts(
 
 
 def test_checks_sweeps_tolerances_and_searches(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
+    with Path("stage.toml").open("a", encoding="utf-8") as file:
+        file.write('[machine.chains]\n"between the journals" = "=screw.length - 2*screw.journal_length"\n')
     (check,) = _document(capsys, "check", "--trust")
     assert check["verdict"] == "passes"
     assert check["inputs"]["screw.length"]["value"] == pytest.approx(0.340)
@@ -98,7 +100,10 @@ def test_checks_sweeps_tolerances_and_searches(slide: None, capsys: pytest.Captu
         capsys, "check", "--chains", "--sweep", "screw.length=300mm:380mm:2", "--set", "screw.journal=13mm"
     )
     margins = found["sweep"]["checks"]["critical speed of the screw"]["margin"]
-    assert found["chains"] == [] and margins == sorted(margins, reverse=True) and len(set(margins)) == 2
+    (chain,) = found["chains"]
+    assert [link["coefficient"] for link in chain["links"]] == pytest.approx([1.0, -2.0])
+    assert [value["value"] for value in chain["worst_case"]] == pytest.approx([0.2997, 0.3003])
+    assert margins == sorted(margins, reverse=True) and len(set(margins)) == 2
     study = _document(capsys, "check", "--tolerance", "--samples", "100")["tolerance"]
     assert {"screw.length", "screw.journal"} <= {one["key"] for one in study["matter_most"]}
     changed = _document(capsys, "optimize", "--free", "screw.length=300 mm:500 mm", "--set", "screw.length=490 mm")

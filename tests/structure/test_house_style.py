@@ -10,8 +10,8 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15158,
-    "designcalc": 10663,
+    "stagecad": 15163,
+    "designcalc": 10699,
     "sim": 12667,
     "sysid": 20267,
     "drawings": 12375,
@@ -21,7 +21,8 @@ BUDGET = {
 RAISED = (
     "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits; "
     "auxiliary views, bores from both ends, declarations that contradict the solid or each other",
-    "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle",
+    "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle; "
+    "tolerance chains of a machine of one's own",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
     "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in a ledger; "

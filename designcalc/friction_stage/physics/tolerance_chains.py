@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from designcalc.checks.chain import Chain, Link
+from designcalc.checks.chain import Chain, Link, link_of
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-
-MM = 1e-3
 
 
 def chains(design: Design) -> tuple[Chain, ...]:
@@ -72,12 +70,7 @@ def tooth_gap(design: Design) -> Chain:
 
 
 def _sizes(design: Design, terms: tuple[tuple[str, float], ...]) -> tuple[Link, ...]:
-    """Links of dimensions with the tolerances of their classes."""
-    links = []
-    for key, coefficient in terms:
-        low, high = design.deviations(key)
-        links.append(Link(key, coefficient, design.si(key), low * MM, high * MM))
-    return tuple(links)
+    return tuple(link_of(design, key, coefficient) for key, coefficient in terms)
 
 
 def _zone(design: Design, key: str, share: float) -> Link:
