@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12667,
     "sysid": 20267,
     "drawings": 12375,
-    "workbench": 15523,
+    "workbench": 15516,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

@@ -5,8 +5,6 @@ A page of another site that runs in the same browser can send requests to 127.0.
 """
 
 import hmac
-import os
-import secrets
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,9 +13,6 @@ from starlette.datastructures import MutableHeaders
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-
-from stagecad.parameters.atomic import atomic_write_text
-from stagecad.private import make_private, user_folder
 
 EVERY_ADDRESS = ("0.0.0.0", "::")
 """Addresses to listen on that stand for all addresses of this computer."""
@@ -56,10 +51,6 @@ HEADERS = {
     "content-security-policy": POLICY,
     "cache-control": "no-cache",
 }
-
-
-LEAST_TOKEN = 16
-"""Smallest number of characters of a token."""
 
 
 class TooLargeError(Exception):
@@ -175,16 +166,3 @@ def _own_address(request: Request) -> str:
     host, port = request.scope.get("server") or ("", 0)
     host = host.removeprefix("::ffff:")
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-
-
-def kept_token() -> str:
-    """The secret of this user's pages; it is kept, so that an open page finds a server that is started again."""
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    with suppress(OSError, UnicodeDecodeError):
-        if folder is not None:
-            file = make_private(folder / "workbench") / "token"
-            if not file.exists():
-                atomic_write_text(file, secrets.token_urlsafe(24))
-            if len(token := file.read_text("utf-8")) >= LEAST_TOKEN:
-                return token
-    return secrets.token_urlsafe(24)

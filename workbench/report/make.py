@@ -241,11 +241,7 @@ class Making:
 
 
 def make(
-    design: StatedDesign,
-    out: Path,
-    simulations: bool,
-    reporting: Reporting,
-    tell: Callable[[str], None],
+    design: StatedDesign, out: Path, simulations: bool, reporting: Reporting, tell: Callable[[str], None]
 ) -> dict[str, Any]:
     """Everything from a design, into a folder: parts, pictures, drawings, checks, simulations, report; its document.
 
@@ -258,7 +254,8 @@ def make(
     tell(f"parts: {len(changed)} of {count} files written")
     machine = made.machine
     masses = machine.checked_masses
-    pictures = with_repair(store, lambda: _pictures(store, machine, out / "pictures", reporting))
+    with reporting() as report:
+        pictures = with_repair(store, lambda: _pictures(store, machine, out / "pictures", report))
     with reporting() as report:
         report("interference", 0, 0)
         interferences = build_interferences(store, machine.parts, values)
@@ -273,7 +270,8 @@ def make(
     figures = with_repair(store, lambda: _checks(store, design, checks, masses, out / "checks"))
     simulated: list[Path] = []
     if simulations:
-        files, written = with_repair(store, lambda: _simulations(store, values, out / "simulate", reporting))
+        with reporting() as steps:
+            files, written = with_repair(store, lambda: _simulations(store, values, out / "simulate", steps))
         simulated = [file for file in files if file.suffix == ".png"]
         tell(f"simulations: {written} files written" if written else "simulations: unchanged")
     bill = machine.bill_of_materials
@@ -307,15 +305,9 @@ def _fill(making: Making, reporting: Reporting) -> None:
             making.make(tasks, counted(report, "", len(tasks)))
 
 
-def _pictures(
-    store: ArtefactStore,
-    machine: BuiltMachine,
-    folder: Path,
-    reporting: Reporting,
-) -> dict[str, Path]:
+def _pictures(store: ArtefactStore, machine: BuiltMachine, folder: Path, report: ProgressCallback) -> dict[str, Path]:
     """Pictures of the parts and of the assembly, by name."""
-    with reporting() as report:
-        files = build_pictures(store, machine, counted(report, "", len(machine.parts) + 1))
+    files = build_pictures(store, machine, counted(report, "", len(machine.parts) + 1))
     write_stored(folder, files)
     return {Path(name).stem: folder / name for name in files}
 
@@ -335,18 +327,14 @@ def _checks(
 
 
 def _simulations(
-    store: ArtefactStore,
-    design: Design,
-    folder: Path,
-    reporting: Reporting,
+    store: ArtefactStore, design: Design, folder: Path, report: ProgressCallback
 ) -> tuple[list[Path], int]:
     """Data and figures of the thesis's experiments; the files, and the number of those written."""
     names, entries = subjects_of(design).experiments, []
-    with reporting() as report:
-        advance = counted(report, "", len(names))
-        for name in names:
-            entries.append(simulation(store, design, name))
-            advance(name)
+    advance = counted(report, "", len(names))
+    for name in names:
+        entries.append(simulation(store, design, name))
+        advance(name)
     return _write(folder, entries)
 
 

@@ -24,16 +24,15 @@ from workbench.cli.options import Run, common_options, port_option
 @common_options
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:
     """Serve a page for the machine, simulations and measurements of the present folder; Ctrl-C ends it."""
+    from workbench.operations.page_token import page_token
     from workbench.page.project import Project
-    from workbench.page.security import LEAST_TOKEN, kept_token
     from workbench.page.server import serve
 
     if run.overrides:
         raise InputError("--set: values are changed on the page; name the parameter file with --params")
-    if token is not None and len(token) < LEAST_TOKEN:
-        raise InputError(f"--token: at least {LEAST_TOKEN} characters are required")
+    secret = page_token(token)
     params = run.design.path
     if run.params is None and params is not None and Path.cwd().resolve() not in params.resolve().parents:
         raise InputError(f"{params}: is a link that leads out of the folder; name the file with --params")
     project = Project(Path.cwd(), run.out, params, trust)
-    serve(project, host, port, token or kept_token(), run.note, browser)
+    serve(project, host, port, secret, run.note, browser)
