@@ -217,11 +217,8 @@ def fork_map(
 
 
 def forked(function: Callable[[], Any]) -> BaseProcess | None:
-    """A forked process that calls `function`, whose effect must be on the disk, while this one goes on.
-
-    Returns:
-        The process; None where another one would not save time or is not safe.
-    """
+    """A forked process that calls `function`, whose effect must be on the disk, while this one goes on; None where
+    another one would not save time or is not safe."""
     if inside_worker() or processors() < 2 or not _may_fork():
         return None
     process = _Forked().Process(target=_call, args=(function,), daemon=True)
@@ -356,14 +353,8 @@ def started_pool(
     begin: Callable[..., None] | None = None,
     arguments: Sequence[Any] = (),
 ) -> Iterator[ProcessPool]:
-    """A pool of new processes, all of which are ended with the context.
-
-    Args:
-        count: number of processes.
-        method: how they are started; default: new interpreters without the script that runs.
-        begin: called in each process first; default `begin_worker`.
-        arguments: of `begin`.
-    """
+    """A pool of new processes, all of which are ended with the context; `begin` is called in each first. The default
+    `method` starts new interpreters without the script that runs."""
     import pebble
     from pebble.common.types import CONSTS
 
@@ -444,11 +435,8 @@ def _interrupts_blocked() -> Iterator[None]:
 
 
 def end_with_parent(pipe: int | None = None) -> None:
-    """End this process when its parent ends in whatever way, also while compiled code runs (but on Windows).
-
-    Args:
-        pipe: descriptor that reads from a pipe whose other end the parent has; default: that of `multiprocessing`.
-    """
+    """End this process when its parent ends in whatever way, also while compiled code runs (but on Windows). `pipe`
+    reads from a pipe whose other end the parent has; default: that of `multiprocessing`."""
     parent = multiprocessing.parent_process()
     if pipe is None and parent is not None:
         pipe = parent.sentinel

@@ -35,11 +35,9 @@ class Input:
 class DesignInputs:
     """Reads SI numbers of one design and records each, with its origin, until `take` is called.
 
-    Args:
-        design: the design.
-        masses: of the solids, as the machine has them; None without solids.
-        memory: results of `remembered` functions; shared by readers of the same design and masses.
-        advise: whether a check that fails looks for a change that passes, where that takes long.
+    `masses` are those of the solids, None without; `memory` has the results of `remembered` functions, and is shared by
+    readers of the same design and masses; with `advise` a check that fails looks for a change that passes, where that
+    takes long.
     """
 
     def __init__(

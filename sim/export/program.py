@@ -101,14 +101,8 @@ class Program:
 def program_of(
     name: str, effects: Sequence[Effect], values: Mapping[str, float], comments: Mapping[str, str]
 ) -> Program:
-    """The step of a model.
-
-    Args:
-        name: of the model.
-        effects: at most one with a friction state model.
-        values: SI, by `effect.parameter`.
-        comments: text for each parameter.
-    """
+    """The step of a model of `values` (SI, by `effect.parameter`) and effects of which at most one has a friction state
+    model; `comments` has a text for each parameter."""
     program = Program(name)
     for meaning, start in FIXED.items():
         program.state(meaning, start)

@@ -311,11 +311,8 @@ def _workspace(size: int, keeps_history: bool) -> Workspace:
 
 
 def begin_compilation(arguments: Callable[[], tuple[Problem, Tolerance, Output]]) -> None:
-    """Let another process begin to compile the integrator where the disk lacks it.
-
-    Args:
-        arguments: gives those of `integrate` for any model, such as one without laws.
-    """
+    """Let another process begin to compile the integrator where the disk lacks it; `arguments` gives those of
+    `integrate` for any model, such as one without laws."""
     if not _compiled_steps.is_compiled:
         problem, tolerance, output = arguments()
         start = np.zeros(problem.layout.size)

@@ -36,17 +36,13 @@ class Design:
     machine: Machine = field(repr=False, compare=False)
     materials: Materials
     entries: tuple[Entry, ...] = field(repr=False)
-    file: str = "thesis.toml"
-    """Name of the file it was read from."""
-    overrides: tuple[str, ...] = ()
-    """Keys replaced by `--set`."""
-    sheets: tuple[tuple[str, str], ...] = ()
-    """Manual changes of drawing sheets by the sheet's name, as JSON texts."""
+    file: str = "thesis.toml"  # name of the file it was read from
+    overrides: tuple[str, ...] = ()  # keys replaced by `--set`
+    sheets: tuple[tuple[str, str], ...] = ()  # manual changes of drawing sheets by the sheet's name, as JSON texts
     earlier: tuple[tuple[str, str], ...] = ()
     """Keys that differ from an earlier issue of the design, with their values then (`since`)."""
 
-    own: tuple[tuple[str, Any], ...] = ()
-    """Tables of parts of the user's own by name."""
+    own: tuple[tuple[str, Any], ...] = ()  # tables of parts of the user's own by name
     source: Any = field(default=None, repr=False, compare=False)
     """Entries that it was made from (`stagecad.parameters.variations.Source`)."""
 

@@ -35,12 +35,9 @@ def require(condition: object, message: str) -> None:
 class ViolationsError(InputError):
     """Several violated rules of one design. `str` is the line of the first, sufficient by itself.
 
-    Args:
-        lines: one line for each violation, the first with the number of the others.
-        explain: computes the violations as JSON documents; those with a change that satisfies the rule have it under
-            `satisfied_by`. It takes up to a second, and runs only when the error is shown.
-
-    In another process it is a plain InputError.
+    `explain` computes the violations as JSON documents; those with a change that satisfies the rule have it under
+    `satisfied_by`. It takes up to a second, and runs only when the error is shown. In another process it is a plain
+    InputError.
     """
 
     def __init__(self, lines: Sequence[str], explain: Callable[[], list[dict[str, Any]]]) -> None:
@@ -66,13 +63,7 @@ class ViolationsError(InputError):
 
 
 class PartError(ValueError):
-    """A part of which the CAD kernel makes no valid solid.
-
-    Args:
-        part: its name.
-        design: of which it was to be made.
-        reason: the kernel's.
-    """
+    """A part of a design of which the CAD kernel makes no valid solid, with the kernel's reason."""
 
     def __init__(self, part: str, design: Any, reason: str) -> None:
         super().__init__(f"part '{part}': {reason}")
@@ -83,12 +74,8 @@ class PartError(ValueError):
 
 
 class LostProcessError(RuntimeError):
-    """A process that ended without a result, twice: as by a segmentation fault, or for lack of memory.
-
-    Args:
-        message: one line.
-        item: that it worked on.
-    """
+    """A process that ended without a result, twice, while it worked on `item`: as by a segmentation fault, or for lack
+    of memory."""
 
     def __init__(self, message: str, item: Any = None) -> None:
         super().__init__(message)

@@ -39,8 +39,7 @@ class ParameterFile:
     extends: str | None = None
     machine: Mapping[str, Any] | None = None
     """The table `[machine]`, as parsed (`stagecad.parameters.machine_declaration`)."""
-    tables: tuple[ProjectTable, ...] = ()
-    """The project's tables of hardware."""
+    tables: tuple[ProjectTable, ...] = ()  # the project's tables of hardware
 
 
 def packaged_path() -> Path:

@@ -74,10 +74,8 @@ class MassProperties:
 class BodyMasses:
     """Mass properties of the moving bodies, computed from their solids."""
 
-    moving: MassProperties
-    """stage, irons and magnets, in the assembly's coordinates at mid-travel"""
-    tip: MassProperties
-    """one tip, in its own coordinates (the piezos' ends at height zero)"""
+    moving: MassProperties  # stage, irons and magnets, in the assembly's coordinates at mid-travel
+    tip: MassProperties  # one tip, in its own coordinates (the piezos' ends at height zero)
 
     def as_json(self) -> dict[str, Any]:
         """Both as JSON documents."""

@@ -25,17 +25,9 @@ class _TooDeepError(Exception):
 
 
 class Resolver:
-    """Computes entries by key, each after those that it reads.
-
-    Args:
-        given: entries of the file, overrides among them.
-        keys: every key with its declaration.
-        computed: formulas of keys that the file may leave out.
-        materials: names of the materials.
-        file: name of the file, for messages.
-
-    `reads` has, for each key with a formula, the keys that the formula reads; in the order of computation.
-    """
+    """Computes entries by key, each after those that it reads, from those of the file (`given`, overrides among them)
+    and the formulas of keys that it may leave out (`computed`). `reads` has, for each key with a formula, the keys that
+    it reads, in the order of computation."""
 
     def __init__(
         self,

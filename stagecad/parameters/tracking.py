@@ -20,12 +20,8 @@ UNTRACKED = "machine"
 
 
 class TrackedDesign:
-    """Proxy of a design, or of a table in it, that records what is read.
-
-    Args:
-        target: the design.
-        reads: filled with access path -> `repr` of the value.
-    """
+    """Proxy of a design, or of a table in it, that records what is read: access path -> `repr` of the value in
+    `reads`."""
 
     __slots__ = ("_tracked_path", "_tracked_reads", "_tracked_target")
 

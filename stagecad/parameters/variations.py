@@ -21,22 +21,11 @@ class Source:
     keys: Mapping[str, Declaration]
     materials: tuple[str, ...]
     file: str
-    overrides: tuple[str, ...] = ()
-    """Keys replaced by `--set`."""
+    overrides: tuple[str, ...] = ()  # keys replaced by `--set`
 
 
 class Variations:
-    """A design and its changes.
-
-    Args:
-        source: entries of the file.
-
-    Attributes:
-        design: the unchanged design, without regard to rules.
-
-    Raises:
-        InputError: an invalid value or formula, or a key that is missing.
-    """
+    """The entries of a file as a design without regard to rules (`design`), and its changes."""
 
     def __init__(self, source: Source) -> None:
         self._source = source

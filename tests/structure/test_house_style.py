@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15163,
-    "designcalc": 10699,
-    "sim": 12667,
+    "stagecad": 15058,
+    "designcalc": 10697,
+    "sim": 12653,
     "sysid": 20267,
     "drawings": 12375,
-    "workbench": 15516,
+    "workbench": 15476,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

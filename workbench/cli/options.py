@@ -46,8 +46,7 @@ class Run:
     overrides: tuple[str, ...]
     out: Path
     json_target: str | None
-    rules: bool = True
-    """whether the design must satisfy the rules; a command that repairs a design has none"""
+    rules: bool = True  # whether the design must satisfy the rules; a command that repairs a design has none
     out_is_given: bool = True
     """whether `--out` names the folder; else the files of a kind go to a folder of their own in the default one"""
 

@@ -67,13 +67,8 @@ def changed_margins_figure(margins: pd.DataFrame) -> Plot:
 
 
 def pareto_figure(names: Sequence[str], points: np.ndarray, front: np.ndarray) -> Plot:
-    """Margins of two requirements over all evaluated designs that violate no rule, and their Pareto front.
-
-    Args:
-        names: of the requirements.
-        points: margins (n, 2) of the designs, in parts of the limit.
-        front: (m, 2), of the designs of which no other one is better in both margins.
-    """
+    """Margins (n, 2) of two requirements, in parts of the limit, over all evaluated designs that violate no rule, and
+    those of the Pareto front (m, 2)."""
     figure, axes = new_plot(width=WIDTH, height=0.7 * WIDTH)
     panel = axes[0, 0]
     with style():

@@ -313,12 +313,8 @@ def channels_figure(drawn: Mapping[str, tuple[np.ndarray, Mapping[str, np.ndarra
 
 @styled
 def columns_figure(columns: Mapping[int, np.ndarray], proposal: ExperimentProposal) -> Plot:
-    """One panel for each column of numbers of a file, titled with its number, its label and what it is taken for.
-
-    Args:
-        columns: (n,) by index.
-        proposal: what each is taken for.
-    """
+    """One panel for each column (n,) of numbers of a file, titled with its number, its label and what it is taken
+    for."""
     by_channel = {proposal.columns[index].channel: index for index in columns}
     time = columns[by_channel["time"]] if "time" in by_channel else None
     shown = [index for index in columns if index != by_channel.get("time")][:MOST_COLUMNS]

@@ -22,8 +22,7 @@ class Table:
     """
 
     title: str
-    columns: tuple[tuple[str, str], ...]
-    """title and kind of each column"""
+    columns: tuple[tuple[str, str], ...]  # title and kind of each column
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
     plain: bool = False

@@ -21,17 +21,9 @@ from workbench.operations.lines import Line, Note
 
 
 def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dict[str, Any]:
-    """Write sheet, definition, STEP AP242 and mass properties of a part; returns their document.
-
-    Args:
-        path: Python file of the part (`stagecad new part`); `sheets.toml` beside it changes the sheet.
-        out: folder of the files.
-        design: whose materials and entries of the title block it has.
-        trust: whether the user consents to run the file as it is now.
-
-    Raises:
-        InputError: no consent, an error of the file, or a dimension that is not on the solid.
-    """
+    """Write sheet, definition, STEP AP242 and mass properties of a part from its Python file (`sheets.toml` beside it
+    changes the sheet); their document. `design` gives materials and title block; without the consent of `trust`, or an
+    earlier one, the file is refused."""
     from drawings.artefacts.parallel_sheets import sheet_names
     from drawings.artefacts.sheets import build_sheets
     from drawings.sheets.overrides import FILE, read_overrides
@@ -160,14 +152,8 @@ def _word(text: str) -> str:
 
 
 def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Path) -> dict[str, Any]:
-    """Propose dimensions of a solid, write them as Python, and draw them; the document of the sheet.
-
-    Args:
-        source: file that the solid is from, for texts.
-
-    Raises:
-        InputError: the solid is not valid.
-    """
+    """Propose dimensions of a valid solid of the file `source`, write them as Python, and draw them; the document of
+    the sheet."""
     import cadquery as cq
 
     from drawings.recognition.part_file import in_position, part_text

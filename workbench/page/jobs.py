@@ -69,13 +69,8 @@ class Job:
 
 
 class JobRunner:
-    """The lanes and all jobs.
-
-    Args:
-        folder: in which finished jobs are kept.
-        working: folder in which the processes run.
-        changed: called with a job whenever it changed, from any thread.
-    """
+    """The lanes and all jobs. Finished ones are kept in `folder`, the processes run in `working`, and `changed` is
+    called with a job whenever it changed, from any thread."""
 
     def __init__(self, folder: Path, working: Path, changed: Callable[[Job], None] = lambda job: None) -> None:
         self.folder, self.working, self.changed = folder, working, changed

@@ -101,13 +101,8 @@ def held_stage(drive: TipDrive) -> HeldStage:
 
 
 class FineController:
-    """Integral controller of the lean with the largest rate that the margin allows.
-
-    Args:
-        held: the stage.
-        share: of what the sensor takes up in a period.
-        notched: whether notches at the resonances may be used; they are where they allow a larger rate.
-    """
+    """Integral controller of the lean with the largest rate that the margin allows. `share` is what the sensor takes up
+    in a period; `notched`: whether notches at the resonances may be used; they are where they allow a larger rate."""
 
     def __init__(self, held: HeldStage, share: float, notched: bool = True) -> None:
         choices = [np.empty((0, 6)), *([held.notches()] if notched else [])]

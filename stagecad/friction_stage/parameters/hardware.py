@@ -64,16 +64,11 @@ class Screw:
 class Screws:
     """The socket cap screws by what they hold."""
 
-    way: Screw
-    """Bolts a bearing way to the base."""
-    clamp_long: Screw
-    """Closes the clamps of actuator 1."""
-    clamp_short: Screw
-    """Closes the clamps of actuators 2 and 3."""
-    bar: Screw
-    """Holds a tooth bar on the base, and the sensor bracket on a stop bar."""
-    stop: Screw
-    """Holds a stop bar on the base."""
+    way: Screw  # bolts a bearing way to the base
+    clamp_long: Screw  # closes the clamps of actuator 1
+    clamp_short: Screw  # closes the clamps of actuators 2 and 3
+    bar: Screw  # holds a tooth bar on the base, and the sensor bracket on a stop bar
+    stop: Screw  # holds a stop bar on the base
 
 
 @dataclass(frozen=True)

@@ -32,18 +32,12 @@ if TYPE_CHECKING:
 class Clamp:
     """Place of one clamp. All lengths in mm, angles in degrees."""
 
-    pocket: int
-    """Number of its pocket, 1 to 3."""
-    centre: Place
-    """The pocket's axis (x, y)."""
-    head: float
-    """Side of the base the screw's head is on: +1 for +x, -1 for -x."""
-    side: float
-    """Side of the pocket the finger is on: +1 for +y, -1 for -y."""
-    slot: float
-    """u of the gap slot."""
-    neck: float
-    """Angle of the neck about the pocket, from u, in degrees."""
+    pocket: int  # number of its pocket, 1 to 3
+    centre: Place  # the pocket's axis (x, y)
+    head: float  # side of the base the screw's head is on: +1 for +x, -1 for -x
+    side: float  # side of the pocket the finger is on: +1 for +y, -1 for -y
+    slot: float  # u of the gap slot
+    neck: float  # angle of the neck about the pocket, from u, in degrees
 
     def place(self, u: float, v: float) -> Place:
         """The point (u, v) of the clamp in part coordinates."""

@@ -26,11 +26,8 @@ def build(design: Design, compression: float = 0.0) -> cq.Solid:
 
     Each half turn is a semicircle in a plane through the y direction, so that at its ends, which lie over the x axis,
     the wire of one and of the next run parallel to y. Torus faces keep the solid small, and its volume has a closed
-    form: wire section times the length of the semicircles.
-
-    Args:
-        design: the design.
-        compression: how much shorter than at the middle of the height adjustment, mm.
+    form: wire section times the length of the semicircles. `compression`, mm, is counted from the middle of the height
+    adjustment.
     """
     import cadquery as cq
 

@@ -98,15 +98,8 @@ def length(value: float) -> str:
 
 
 def screw_length(design: Design, key: str, engaged: float, limit: str, where: str) -> Iterator[str]:
-    """Messages about a screw whose thread engagement is too short or exceeds the depth of its thread.
-
-    Args:
-        design: the design.
-        key: the screw's table, `screws.way`.
-        engaged: length of engaged thread, mm.
-        limit: key of the depth of the thread.
-        where: the length outside the thread, for messages.
-    """
+    """Messages about a screw, of the table `key`, whose engaged length of thread, mm, is too short or exceeds the depth
+    of its thread, of the key `limit`; `where` is the length outside the thread, in words."""
     least = design.making.engagement * design.value(f"{key}.diameter")
     screw = given(design, f"{key}.length")
     if engaged < least - ROUNDING:

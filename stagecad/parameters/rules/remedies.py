@@ -94,11 +94,8 @@ def _remedy(design: Design, violation: Violation, key: str, changed: Changed, fe
 def _nearest(
     start: float, up: bool, whole: bool, named: Sequence[float], satisfied: Callable[[float], bool]
 ) -> float | None:
-    """The satisfying value nearest to `start` in one direction, rounded away from it; None where there is none.
-
-    Args:
-        named: values to try besides those in growing steps.
-    """
+    """The satisfying value nearest to `start` in one direction, rounded away from it; None where there is none. Values
+    `named` are tried besides those in growing steps."""
     if whole:
         steps = range(1, 9)
         values = [start + step if up else start - step for step in steps]

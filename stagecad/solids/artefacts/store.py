@@ -56,8 +56,7 @@ class Artefact:
     key: str
     folder: Path
     hashes: Mapping[str, str]
-    reads: tuple[str, ...]
-    """The access paths of the parameters that it depends on, as text."""
+    reads: tuple[str, ...]  # the access paths of the parameters that it depends on, as text
 
     @property
     def content(self) -> str:

@@ -130,14 +130,10 @@ def _stroke(points, ends, width_px, slack, depth, ink):  # pragma: no cover - co
 def draw(
     mesh: ProjectedMesh, colours: np.ndarray, size: tuple[int, int], *, line_width: float = 1.1, light_sign: float = 1.0
 ) -> np.ndarray:
-    """Shaded picture with outline edges on a light background.
+    """Shaded picture with outline edges, `line_width` pixels wide, on a light background.
 
-    Args:
-        mesh: in picture coordinates.
-        colours: (c, 3) sRGB, 0 to 1.
-        size: width and height in pixels.
-        line_width: of the edges, pixels.
-        light_sign: 1 for light from above, -1 from below, for a part seen from below.
+    `colours` are sRGB (c, 3), 0 to 1; `size` is width and height in pixels; `light_sign` is 1 for light from above, -1
+    from below, for a part seen from below.
     """
     width, height = size[0] * SAMPLES, size[1] * SAMPLES
     samples = Samples(

@@ -24,14 +24,8 @@ def picture(
     viewer: tuple[float, float, float] = ISOMETRIC,
     size: tuple[int, int] = SIZE,
 ) -> bytes:
-    """PNG of an assembly that fills the picture, with edges, in the colours of the materials.
-
-    Args:
-        shapes: with positions and colours.
-        meshes: mesh of each part, mm, by `PlacedShape.part`.
-        viewer: direction from the part towards the viewer.
-        size: width and height, pixels.
-    """
+    """PNG of an assembly that fills the picture of `size` pixels, with edges, in the colours of the materials, seen
+    from the direction `viewer`; `meshes` has that of each part, mm."""
     from PIL import Image
 
     from stagecad.solids.export.rasteriser import ProjectedMesh, draw

@@ -133,13 +133,8 @@ class _Buffer:
 
 
 def glb_bytes(name: str, shapes: Sequence[PlacedShape], meshes: dict[str, Mesh]) -> bytes:
-    """glTF 2.0 binary: metres, y up, one node per shape, one mesh per part, one material per colour.
-
-    Args:
-        name: of the scene's root node.
-        shapes: with positions and colours; shapes of one part have one colour.
-        meshes: mesh of each part, mm, by `PlacedShape.part`.
-    """
+    """glTF 2.0 binary: metres, y up, a root node `name`, one node per shape, one mesh per part, one material per
+    colour."""
     buffer = _Buffer()
     colours = sorted({shape.colour for shape in shapes})
     colour_of_part = {shape.part: colours.index(shape.colour) for shape in shapes}

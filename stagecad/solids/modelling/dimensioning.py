@@ -32,14 +32,10 @@ DOWN: Point = (0.0, 0.0, -1.0)
 
 
 class DimensionDeclarations:
-    """The dimensions of one part, in the order of their declaration.
+    """The dimensions of one part, in the order of their declaration; values and tolerance classes are the design's.
 
     In all methods `key` is a parameter, either of the part's own table (`length`) or with its table (`pads.length`),
     and further fields of `Dimension` (view, feature, count, note) are given by name.
-
-    Args:
-        design: values and tolerance classes are taken from it.
-        table: the part's own table of the parameter file.
     """
 
     def __init__(self, design: Any, table: str) -> None:

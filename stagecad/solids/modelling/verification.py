@@ -30,10 +30,8 @@ class Surface:
     kind: str
     origin: Point
     axis: Point
-    radius: float
-    """Radius of a cylinder, sphere, or the tube of a torus; of a cone at its origin."""
-    taper: float
-    """Tangent of a cone's half angle."""
+    radius: float  # radius of a cylinder, sphere, or the tube of a torus; of a cone at its origin
+    taper: float  # tangent of a cone's half angle
     low: Point
     high: Point
 
@@ -119,11 +117,7 @@ class Surface:
 
 
 class DimensionVerifier:
-    """Measures dimensions on the surfaces of one solid.
-
-    Attributes:
-        surfaces: one per face, in the solid's order.
-    """
+    """Measures dimensions on the `surfaces` of one solid, one per face, in the solid's order."""
 
     def __init__(self, solid: cq.Shape) -> None:
         self.solid = solid

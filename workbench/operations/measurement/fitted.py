@@ -41,12 +41,7 @@ Part = Literal["fit", "validate"]
 
 
 class FittedResult(Reported):
-    """A result with a fitted model: its values, predictions and residuals.
-
-    Attributes:
-        experiment: that was compared.
-        computed: the result as `sysid` computed it.
-    """
+    """A result with a fitted model: its values, predictions and residuals; `computed` is the result of `sysid`."""
 
     def __init__(self, experiment: Experiment, computed: Any) -> None:
         self.experiment = experiment

@@ -166,13 +166,8 @@ def dependence_table(where: Sequence[Row]) -> Table:
 
 
 def ranking_table(ranking: Sequence[Row], tried: int, before: float = math.inf) -> Table:
-    """Effects tried, best first: reduction predicted by the score test, reduction reached by the refit, values.
-
-    Args:
-        ranking: of the document of `diagnose`.
-        tried: number of effects.
-        before: error over noise of the stated model: the length of the bars.
-    """
+    """Effects tried (`ranking` of the document), best first: reduction predicted by the score test, reduction reached
+    by the refit, values. Bars are as long as the error over noise `before`, of the stated model."""
     columns = "effect|predicted:n|reached:n|error left:n|over noise:n strong|:bar|p value:n|angle:warn|values:quiet"
     span = math.log(max(before, 1.5))
     refitted = [row for row in ranking if row.get("over_noise") is not None][:10]
