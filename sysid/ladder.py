@@ -58,16 +58,8 @@ class Addition:
 def add_all(
     source: str | Path | Problem, design: DesignValues | None = None, progress: Progress | None = None
 ) -> tuple[Diagnosis, list[Addition]]:
-    """Add every effect that a diagnosis establishes, in the order of its ledger, with one revision for each.
-
-    Args:
-        source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        design: values of the design for known quantities stated as `"design"`.
-        progress: of the diagnosis.
-
-    Raises:
-        InputError: as `add_effects`.
-    """
+    """Add every effect that a diagnosis establishes, in the order of its ledger, with one revision for each; arguments
+    and errors as of `add_effects`, `progress` is that of the diagnosis."""
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     found = diagnose(problem, progress=progress)
     steps: list[Addition] = []

@@ -135,13 +135,9 @@ def trust_experiment(path: str | Path) -> tuple[Path, ...]:
 
 
 def load_experiment(path: str | Path, design: DesignValues | None = None) -> Experiment:
-    """Read an experiment.
-
-    Args:
-        path: the folder, or its `experiment.toml`.
-        design: values of settings given as `"design"`, SI, by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a
-            table, or a function that is called only for the names in the file.
-    """
+    """Read an experiment, from its folder or its `experiment.toml`. `design` gives settings stated as `"design"`, SI,
+    by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a table, or a function that is called only for the names in
+    the file."""
     file = _experiment_file(Path(path))
     data, text, top = read_toml(file, shown_path(str(file)))
     found = read_experiment(top, file, design)

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15058,
     "designcalc": 10697,
     "sim": 12653,
-    "sysid": 20267,
+    "sysid": 20255,
     "drawings": 12375,
     "workbench": 15476,
 }
