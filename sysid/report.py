@@ -208,7 +208,7 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
 
 def _information_changes(diagnosis: Diagnosis, trial: Candidate) -> dict[str, float]:
     """Changes of the information criteria with a candidate; none where its samples are other ones."""
-    before, after = information_criteria(diagnosis.base.fitted), information_criteria(trial.fitted)
+    before, after = (information_criteria(one, trial.fitted) for one in (diagnosis.base.fitted, trial.fitted))
     if before.samples != after.samples:
         return {}
     return {"aic_change": after.aic - before.aic, "bic_change": after.bic - before.bic}

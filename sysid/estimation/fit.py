@@ -110,16 +110,17 @@ class InformationCriteria:
         return {"aic": self.aic, "bic": self.bic, "samples": self.samples, "parameters": self.parameters}
 
 
-def information_criteria(fitted: FittedModel) -> InformationCriteria:
-    """Criteria of a model on the records of its fit."""
-    residual, k = fitted.fit.residual, len(fitted.fit.keys) + 1
+def information_criteria(fitted: FittedModel, beside: FittedModel | None = None) -> InformationCriteria:
+    """Criteria of a model on the records of its fit; those of a model that is compared with another one `beside` it
+    have the same effective number of samples, that of the residual of the other one."""
+    noise, k = fitted if beside is None else beside, len(fitted.fit.keys) + 1
     products, squares, start = 0.0, 0.0, 0
-    for samples in fitted.weights.samples:
+    for samples in noise.weights.samples:
         for pick in samples.values():
-            part = residual[start : start + pick.size]
+            part = noise.fit.residual[start : start + pick.size]
             start += pick.size
             products, squares = products + float(part[1:] @ part[:-1]), squares + float(part @ part)
-    return criteria_of(residual, k, products / squares if squares > 0.0 else 0.0)
+    return criteria_of(fitted.fit.residual, k, products / squares if squares > 0.0 else 0.0)
 
 
 def criteria_of(residual: np.ndarray, parameters: int, correlation: float = 0.0) -> InformationCriteria:
