@@ -157,7 +157,7 @@ def test_information_criteria_rank_the_effect_first(comparison: Comparison, diag
     changes = diagnosis.ranking["bic_change"].dropna()
     assert changes.idxmin() == "stribeck" and changes.min() < -10.0
     # Models are compared with one effective number of samples: a lower loss is a lower criterion.
-    assert (changes[diagnosis.ranking["loss_reduction"] > 0.1] < 0.0).all()
+    assert (changes[diagnosis.ranking["reduction"] > 0.1] < 0.0).all()
 
 
 def _pulled_mass(rows: int = 500) -> dict[str, np.ndarray]:
