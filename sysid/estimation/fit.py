@@ -111,7 +111,7 @@ class InformationCriteria:
 
 
 def information_criteria(fitted: FittedModel, beside: FittedModel | None = None) -> InformationCriteria:
-    """Criteria of a model on the records of its fit, with the effective number of samples of another one `beside` it."""
+    """Criteria of a model on the records of its fit, with the effective number of samples of one `beside` it."""
     noise, k = fitted if beside is None else beside, len(fitted.fit.keys) + 1
     products, squares, start = 0.0, 0.0, 0
     for samples in noise.weights.samples:
