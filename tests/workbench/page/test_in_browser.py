@@ -427,11 +427,22 @@ OUTSIDE = """() => [...document.querySelectorAll('button, select, a, input')].fi
 """Controls that reach beyond the right edge of the window."""
 
 
+FIVE_JOBS = """() => document.getElementById('jobs').append(...[1, 2, 3, 4, 5].map(() => {
+  const job = document.createElement('span');
+  job.className = 'job';
+  job.innerHTML = '<b>Drawing tip</b><span class="step">each check 3/58</span><progress aria-label="Drawing"></progress>'
+    + '<button class="icon" aria-label="Cancel">x</button>';
+  return job;
+}))"""
+"""Jobs in the bar below, as api.js shows them."""
+
+
 @pytest.mark.parametrize("view", ["machine", "simulation", "measurement"])
 def test_a_narrow_window_has_every_control_and_axe_finds_no_fault(browser: Browser, view: str) -> None:
     page = browser.page
     browser.open(view)
     page.locator(f"#{view}:not([hidden]) .panel").last.wait_for()
+    page.evaluate(FIVE_JOBS)
     for width in (1280, 1150, 960, 700):
         page.set_viewport_size({"width": width, "height": 800})
         page.wait_for_timeout(200)
