@@ -430,8 +430,8 @@ OUTSIDE = """() => [...document.querySelectorAll('button, select, a, input')].fi
 FIVE_JOBS = """() => document.getElementById('jobs').append(...[1, 2, 3, 4, 5].map(() => {
   const job = document.createElement('span');
   job.className = 'job';
-  job.innerHTML = '<b>Drawing tip</b><span class="step">each check 3/58</span><progress aria-label="Drawing"></progress>'
-    + '<button class="icon" aria-label="Cancel">x</button>';
+  job.innerHTML = '<b>Drawing tip</b><span class="step">each check 3/58</span>'
+    + '<progress aria-label="Drawing"></progress><button class="icon" aria-label="Cancel">x</button>';
   return job;
 }))"""
 """Jobs in the bar below, as api.js shows them."""

@@ -210,6 +210,8 @@ class Machine {
         limit = found.pending.length && !this.again ? 0.25 : QUICK;
         if (found.pending.length) this.again = true;
       } catch (error) {
+        // Neither does an error: it would replace the message on the newer change.
+        if (this.again) continue;
         this.failure = error.message;
         say(error.message, 'bad');
       }
