@@ -33,6 +33,7 @@ WORTH_SAYING = 0.1
 RIG_UNITS = {
     "mass": ("kg", "kg*m^2"),
     "pull_stiffness": ("N/m", "N*m/rad"),
+    "pull_damping": ("N*s/m", "N*m*s/rad"),
     "gain": ("m/V", "m/V"),
     "contact_stiffness": ("N/m", "N/m"),
     "contact_damping": ("N*s/m", "N*s/m"),

@@ -108,7 +108,7 @@ def _change_without_effects(model: Model, record: PreparedRecord, redrawn: Prepa
     record, which was computed with the mass and stiffness before any fit."""
     values = dict(model.values)
     if isinstance(record, ForceBalanceRecord):
-        values |= {"rig.mass": record.mass, "rig.pull_stiffness": record.pull_stiffness}
+        values |= {"rig.mass": record.mass, "rig.pull_stiffness": record.pull_stiffness, "rig.pull_damping": 0.0}
     residuals = [one.measured[channel] - predict(one, (), values)[channel] for one in (redrawn, record)]
     return residuals[0] - residuals[1]
 

@@ -77,6 +77,10 @@ class SpringPull(_DrivenMass):
         found = RigParameters(rig.known)
         stiffness = found.put("pull_stiffness", lambda: _guess_stiffness(records))
         found.put("mass", lambda: _guess_mass(self, records, stiffness, noise))
+        if all({"position", "spring_force"} <= record.channels.keys() for record in records):
+            # A dashpot beside the spring shows where its force and its stretch are both measured.
+            step, duration = records[0].step, float(np.ptp(records[0].time))
+            found.put_free("pull_damping", 0.0, (0.0, stiffness * duration), stiffness * step)
         return found
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:

@@ -342,12 +342,15 @@ def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
 def _stretch_relation(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
 ) -> np.ndarray:
-    """Position that the pulling spring's force and stiffness imply, pull - force / stiffness, at samples (k,) or all
-    (n,)."""
-    stiffness = values["rig.pull_stiffness"]
+    """Position that the force of the pulling spring and a dashpot beside it implies, pull - (force - damping * rate of
+    the stretch) / stiffness, at samples (k,) or all (n,)."""
+    stiffness, damping = values["rig.pull_stiffness"], values.get("rig.pull_damping", 0.0)
     every = slice(None) if index is None else index
-    force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]
-    force = sensor_input(force, "spring_force", effects, values, balance.step)[every]
+    force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"]
+    force = sensor_input(force, "spring_force", effects, values, balance.step)
+    if damping:
+        force = force - damping * np.gradient(pull - balance.measured["position"], balance.step)
+    force, pull = force[every], pull[every]
     stretch = force / stiffness
     # The gap is open on the side the spring pulls from; without force it is where the measured position has it.
     slight, half = 3.0 * balance.noise["spring_force"], 0.5 * lost_motion(effects, values)

@@ -6,6 +6,7 @@ import numpy as np
 
 from sim.effects.catalogue import Model
 from sim.effects.effect import Effect
+from sim.effects.friction.viscous import EFFECT as DAMPER
 from sim.integration.drive import Drive, force, held_force, pulled_spring
 from sim.integration.simulate import simulate
 from sysid.experiment.experiment import Rig
@@ -26,8 +27,12 @@ def simulate_driven_mass(
     """Measured channels (n,) of a driven mass: position, velocity, and the force of the pulling spring."""
     kept = tuple(e for e in effects if e.acts_on != "sensor")
     finer, step = FINER if len(kept) < len(effects) else 1, float(time[1] - time[0])
+    damping = values.get("rig.pull_damping", 0.0)
+    laws = [values_of(e, values) for e in kept]
+    if damping:
+        kept, laws = (*kept, DAMPER), [*laws, DAMPER.values_type(damping)]
     run = simulate(
-        Model(kept, tuple(values_of(e, values) for e in kept)),
+        Model(kept, tuple(laws)),
         _drive(rig, time, inputs, values),
         time[0] + step / finer * np.arange(finer * (time.size - 1) + 1),
         mass=values["rig.mass"],
@@ -43,7 +48,7 @@ def simulate_driven_mass(
     )
     channels = {"position": run.position, "velocity": run.velocity}
     if "pull_position" in inputs:
-        channels = {"position": run.position, "spring_force": run.drive}
+        channels = {"position": run.position, "spring_force": run.drive - damping * run.velocity}
     return {name: signal[::finer] for name, signal in sensed(effects, values, channels, step / finer).items()}
 
 
@@ -56,5 +61,7 @@ MOST_STEPS_PER_ROW = 200
 
 def _drive(rig: Rig, time: np.ndarray, inputs: Mapping[str, np.ndarray], values: Values) -> Drive:
     if "pull_position" in inputs:
-        return pulled_spring(time, inputs["pull_position"], values["rig.pull_stiffness"])
+        pull, stiffness = inputs["pull_position"], values["rig.pull_stiffness"]
+        lead = values.get("rig.pull_damping", 0.0) / stiffness
+        return pulled_spring(time, pull + lead * np.gradient(pull, time), stiffness)
     return (force if rig.input_hold == "linear" else held_force)(time, inputs["drive_force"])

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.generators.sliding_mass import COULOMB, SPRING, Drive, Friction, slide
 from sysid.estimation.covariance import intervals
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, fit_with_observer, initial_fit, reported_fit
@@ -171,3 +172,22 @@ def test_a_lag_of_a_drive_that_never_changes_is_no_candidate(tmp_path: Path) -> 
     names = {effect.name.partition(":")[0] for effect in candidate_effects(problem, ["viscous"])}
     assert "gravity_torque" in names
     assert not names & {"drive_delay", "drive_lag", "sensor_delay", "sensor_lag"}
+
+
+def test_a_dashpot_beside_the_pulling_spring_is_found(tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    for role in ("fit", "validate"):
+        rates, phases = 2.0 * np.pi * np.array([0.4, 0.9, 1.7]), random.uniform(0.0, 6.0, 3)
+        drive = Drive(SPRING, rates, phases, np.array([3e-3, 1.2e-3, 5e-4]), stiffness=4000.0, damping=60.0)
+        x, force, pull = slide(Friction(COULOMB, 2.0, 8.0), drive, 1.0, 3000, 1e-3)
+        columns = [1e-3 * np.arange(3000), x + 5e-7 * random.standard_normal(3000), pull]
+        columns.append(force + 5e-3 * random.standard_normal(3000))
+        header = "time [s],position [m],pull_position [m],spring_force [N]"
+        np.savetxt(tmp_path / f"{role}.csv", np.column_stack(columns), "%.10g", ",", header=header, comments="")
+    rig = "kind = 'spring-pull'\n[rig.known]\npull_stiffness = '4000 N/m'\nmass = '1 kg'"
+    problem = _load(tmp_path, f"{rig}\n[model]\neffects = ['coulomb', 'viscous']", "spring_force = '5 mN'", "500 nm")
+    base = fit_stated_model(problem)
+    found = misfit(base.fitted.model, problem.validate_records)
+    assert all(0.9 <= one.over_noise <= 1.1 for one in found.values()), found
+    known = intervals(base.fitted, problem.fit_records).by_key["rig.pull_damping"]
+    assert known.low <= 60.0 <= known.high and known.high - known.low < 1.2

@@ -49,6 +49,7 @@ POWERS = {
 RIG_UNITS = {
     "mass": "kg",
     "pull_stiffness": "N/m",
+    "pull_damping": "N*s/m",
     "contact_stiffness": "N/m",
     "contact_damping": "N*s/m",
     "gain": "m",
