@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15058,
     "designcalc": 10697,
     "sim": 12653,
-    "sysid": 20255,
+    "sysid": 20270,
     "drawings": 12375,
     "workbench": 15476,
 }
@@ -26,7 +26,7 @@ RAISED = (
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
     "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in a ledger; "
-    "a true model whose friction changes within a row is found",
+    "a true model whose friction changes within a row is found, and a dashpot beside a pulling spring",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; on "
     "the page records before a fit, several models over one record, the best design of a running search",
 )
