@@ -200,8 +200,7 @@ def _part_sheets(
     module: Any = source.definition()
     verifier = DimensionVerifier(part.solid)
     described, notes = describe(part, source, design, plain, verifier)
-    stated = getattr(module, "VIEWS", ())
-    for mistake in mistakes(stated, described.dimensions, described.requirements, verifier):
+    for mistake in mistakes(described.dimensions, described.requirements, verifier):
         raise InputError(f"{getattr(module, 'path', source.kind)}: {mistake}")
     kind = source.kind
     (folder / f"{kind}_ap242.step").write_bytes(ap242_bytes(kind, module, design, described.solid, verifier))

@@ -9,7 +9,6 @@ from drawings.dimensions.small_edges import like_edges
 from drawings.views.view import dot
 from stagecad.parameters.dimension import (
     FORM,
-    VIEWS,
     DatumFeature,
     Dimension,
     FaceRequirement,
@@ -17,7 +16,6 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.parameters.errors import nearest
 from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
@@ -31,20 +29,9 @@ EXACT = 1e-6
 
 
 def mistakes(
-    views: Sequence[str],
-    dimensions: Sequence[Dimension],
-    requirements: Sequence[FaceRequirement],
-    verifier: DimensionVerifier,
+    dimensions: Sequence[Dimension], requirements: Sequence[FaceRequirement], verifier: DimensionVerifier
 ) -> Iterator[str]:
-    """What the solid does not have, or is declared twice or for nothing, so that no sheet can be drawn; a line each.
-
-    Args:
-        views: that the part states.
-    """
-    for view in views:
-        name, _, how = view.partition(" ")
-        if name not in VIEWS or how not in ("", "section", "hidden"):
-            yield f"VIEWS: no view '{view}'{nearest(name, VIEWS)}, alone or with 'section' or 'hidden'"
+    """What the solid does not have, or is declared twice or for nothing, so that no sheet can be drawn; a line each."""
     yield from _twice("dimensions have the name", [d.name for d in dimensions])
     for d in dimensions:
         try:

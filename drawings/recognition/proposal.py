@@ -237,11 +237,12 @@ class _Builder:
         corners = {tuple(round(hole.mouth[n] - centre[n], 2) for n in range(3)) for hole in group}
         square = count == 4 and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
         axis_key = group[0].faces[0].axis_key
-        turned = max(self.features.shafts, key=lambda one: one.radius, default=None)
-        outline = turned and turned.face.off_axis(centre) < NEAR and turned.face.axis_key[3:] == axis_key[3:]
-        size = max(self._high[n] - self._low[n] for n in range(3) if abs(group[0].into[n]) < 0.5)
-        # Corners of a rectangle are dimensioned as such, except on a disc.
-        return None if square and not (outline and turned and 2 * turned.radius > 0.95 * size) else tidy(centre)
+        # Corners of a rectangle are dimensioned as such, except within a round outline.
+        around = any(
+            one.face.off_axis(centre) < NEAR and one.face.axis_key[3:] == axis_key[3:] and one.radius > max(radii)
+            for one in self.features.shafts
+        )
+        return None if square and not around else tidy(centre)
 
     def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole]) -> None:
         hole = group[0]
@@ -322,7 +323,7 @@ class _Builder:
             face = circular[0]
             axis = face.axis
             kinds = len({s.axis_key if s.kind == "CYLINDER" else (id(s),) for s in faces})
-            view = self.lines.open_view(axis, middle_of_face(face)) if face.kind == "CYLINDER" else "front"
+            view = self.lines.open_view(axis, middle_of_face(face), "section") if face.kind == "CYLINDER" else "front"
             note: dict[str, Any] = {"note": "spherical"} if face.kind == "SPHERE" else {}
             count = {"count": kinds} if kinds > 1 else {}
             self.add(

@@ -64,15 +64,15 @@ class VisibleLines:
         cut = Cut((0.0, 0.0, 0.0), PROJECTIONS["front"].towards_eye, "")
         self._lines["front"] = _visible(cut_shape(self._verifier.solid.wrapped, cut), "front")
 
-    def open_view(self, axis: Point, point: Point) -> str:
-        """View along an axis from the side on which a point is not covered."""
+    def open_view(self, axis: Point, point: Point, otherwise: str = "") -> str:
+        """View along an axis from the side on which a point is not covered; another one where it is on both sides."""
         usual = tidy(axis) if is_usual(axis) else tidy(negative(axis))
         for eye in (usual, negative(usual)):
             view = VIEW_OF.get(eye)
             steps = [moved(point, eye, self._size * part / 40) for part in range(40)]
             if view and not any(map(self._verifier.is_inside, steps)):
                 return view
-        return VIEW_OF.get(usual, "front")
+        return otherwise or VIEW_OF.get(usual, "front")
 
 
 def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tuple[str, ...]:

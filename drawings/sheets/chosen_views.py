@@ -114,7 +114,7 @@ def _cuts(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVe
         planes = [
             (normal, one.points[0])
             for normal in normals
-            if (across is None or abs(dot(normal, across)) < 1e-6)
+            if (across is None or abs(abs(dot(normal, across)) - (getattr(one, "kind", "") == "radius")) < 1e-6)
             and all(abs(dot(normal, point) - dot(normal, one.points[0])) < 1e-6 for point in one.points)
         ]
         known = [plane for plane in planes if any(_same(plane, other) for other in found)]

@@ -38,20 +38,19 @@ def verifier() -> DimensionVerifier:
 
 
 @pytest.mark.parametrize(
-    "views, dimensions, requirements, text",
+    "dimensions, requirements, text",
     [
-        ((), [LENGTH, BLIND, OPEN], [BASE, FLAT, SQUARE], ""),
-        (("front", "upside"), [], [], "VIEWS: no view 'upside'"),
-        ((), [LENGTH, LENGTH], [], "two dimensions have the name 'length'"),
-        ((), [replace(LENGTH, value=61.0)], [], "dimension 'length': declared 61, the solid measures 60"),
-        ((), [replace(OPEN, points=((20, -11, 10),))], [], "no round face about"),
-        ((), [], [SQUARE], "requirement 'square': no datum A is declared"),
-        ((), [], [BASE, replace(BASE, points=((30, 0, 10),))], "two datums have the letter 'A'"),
-        ((), [], [replace(FLAT, points=((0, 0, 21),))], "requirement 'flat': no face of the solid at (0, 0, 21)"),
+        ([LENGTH, BLIND, OPEN], [BASE, FLAT, SQUARE], ""),
+        ([LENGTH, LENGTH], [], "two dimensions have the name 'length'"),
+        ([replace(LENGTH, value=61.0)], [], "dimension 'length': declared 61, the solid measures 60"),
+        ([replace(OPEN, points=((20, -11, 10),))], [], "no round face about"),
+        ([], [SQUARE], "requirement 'square': no datum A is declared"),
+        ([], [BASE, replace(BASE, points=((30, 0, 10),))], "two datums have the letter 'A'"),
+        ([], [replace(FLAT, points=((0, 0, 21),))], "requirement 'flat': no face of the solid at (0, 0, 21)"),
     ],
 )
-def test_what_cannot_be_drawn_is_named(views, dimensions, requirements, text: str, verifier: DimensionVerifier) -> None:
-    found = list(mistakes(views, dimensions, requirements, verifier))
+def test_what_cannot_be_drawn_is_named(dimensions, requirements, text: str, verifier: DimensionVerifier) -> None:
+    found = list(mistakes(dimensions, requirements, verifier))
     assert (len(found) == 1 and text in found[0]) if text else not found
 
 

@@ -126,6 +126,21 @@ def test_holes_in_a_slanting_face_are_placed_in_an_auxiliary_view() -> None:
     )
 
 
+def test_fillets_of_a_floor_are_in_a_section_and_holes_around_a_tube_with_a_branch_are_on_a_circle() -> None:
+    pocket = cq.Workplane().workplane(offset=10).rect(40, 30).extrude(15).edges("|Z").fillet(4)
+    block = cq.Workplane().box(90, 70, 25, centered=(True, True, False)).cut(pocket.faces("<Z").edges().fillet(2))
+    tube = cq.Workplane().circle(20).extrude(8).union(cq.Workplane().circle(10).extrude(40))
+    tube = tube.union(cq.Workplane("YZ").center(0, 25).circle(8).extrude(25)).faces("<Z").workplane().hole(14)
+    tube = tube.faces("<Z").workplane().polarArray(15, 45, 360, 4).hole(4.4, 8)
+    found = [propose(DimensionVerifier(in_position(body.solids().val()))) for body in (block, tube)]
+    radii = {one.value: one.fields["view"] for one in found[0].dimensions if one.method == "radius"}
+    assert radii == {4.0: "top", 2.0: "section"} and not found[0].open
+    assert [one.value for one in found[1].dimensions if one.method == "pitch_circle"] == [30.0]
+    # Views that follow from the declarations are not stated: a designer may change the declarations.
+    (views,) = [line for line in part_text("block", "block.step", found[0]).splitlines() if line.startswith("VIEWS")]
+    assert "section" in found[0].views and "'section'" not in views
+
+
 def test_a_row_of_holes_does_not_define_the_outline_beyond_it() -> None:
     """In a plate of 120 x 80 with holes at a pitch of 20, the edges are as far from the outer holes as a pitch."""
     _, proposal = proposed("hole_grid")
