@@ -30,8 +30,8 @@ SIGN = "="
 _LONGEST = 1000
 _ANGLE = unit_dimension("rad")
 _KEY = re.compile(r"[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)+")
-_SYMBOL = r"(?:[A-Za-z]+|%)(?:\^-?\d+)?"
-_NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_SYMBOL = r"(?:[A-Za-z]+|%)(?:\^-?[0-9]+)?"
+_NUMBER = re.compile(r"(?<![\w.])(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _UNIT = re.compile(rf"\s*({_SYMBOL}(?:[*/]{_SYMBOL})*)")
 
 

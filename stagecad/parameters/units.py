@@ -140,9 +140,9 @@ _WRITTEN_OUT = {
 _INTENDED = {other: symbol for symbol, others in _WRITTEN_OUT.items() for other in others}
 _FORCE_TIMES = re.compile(r"([numkM])?N([num]?[ms])")
 
-_NUMBER = re.compile(r"[+-]?(?:inf(?![A-Za-z])|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
+_NUMBER = re.compile(r"[+-]?(?:inf(?![A-Za-z])|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")
 _DEVIATION = re.compile(r"\s*(?:\+-|\+/-|±)\s*")
-_FACTOR = re.compile(r"(?P<symbol>[A-Za-z%]+|1)(?:\^(?P<power>-?\d+(?:\.\d+)?))?")
+_FACTOR = re.compile(r"(?P<symbol>[A-Za-z%]+|1)(?:\^(?P<power>-?[0-9]+(?:\.[0-9]+)?))?")
 _TYPOGRAPHIC = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3"})
 
 
