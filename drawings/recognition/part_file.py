@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.dimensions.small_edges import along_of, is_mirrored
 from drawings.recognition.visible import ProposedDatum
-from stagecad.parameters.dimension import Dimension
+from drawings.views.view import dot
+from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
+from stagecad.solids.modelling.frame import cross
 from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
@@ -137,9 +139,30 @@ def _datum(one: ProposedDatum) -> str:
     return f"f.datum({one.letter!r}, {one.points!r}, {one.normal!r}, {one.view!r}{more})"
 
 
+def along_axes(solid: cq.Solid) -> cq.Solid:
+    """A solid turned so that the axes of the part are square to most of its faces."""
+    import cadquery as cq
+
+    areas: dict[Point, float] = {}
+    for surface in DimensionVerifier(solid).surfaces:
+        if surface.kind in ("PLANE", "CYLINDER"):
+            axis = next((one for one in areas if abs(dot(one, surface.axis)) > 1 - 1e-6), surface.axis)
+            areas[axis] = areas.get(axis, 0.0) + surface.face.Area()
+    first = max(areas, key=areas.__getitem__, default=None)
+    second = max((one for one in areas if abs(dot(one, first or one)) < 1e-6), key=areas.__getitem__, default=None)
+    if first is None or second is None:
+        return solid
+    frame = (first, second, cross(first, second))
+    turned = sum(area for one, area in areas.items() if max(abs(dot(one, axis)) for axis in frame) > 1 - 1e-6)
+    if turned < 1.01 * sum(area for axis, area in areas.items() if along_of(axis)):
+        return solid
+    return solid.moved(cq.Location(cq.Plane((0, 0, 0), second, first)).inverse)
+
+
 def in_position(solid: cq.Solid) -> cq.Solid:
-    """A solid as it is drawn: a long turned part along x, a disc along z, on its lowest face, symmetric parts about the
-    origin, others from their lower left corner."""
+    """A solid as it is drawn: along the axes, a long turned part along x, a disc along z, on its lowest face, symmetric
+    parts about the origin, others from their lower left corner."""
+    solid = along_axes(solid)
     surfaces = DimensionVerifier(solid).surfaces
     axis = _turning_axis(surfaces)
     if axis is not None:

@@ -170,6 +170,15 @@ def test_the_position_of_a_solid_does_not_matter() -> None:
     )
 
 
+def test_a_solid_askew_in_its_file_is_drawn_along_its_faces() -> None:
+    solid = PARTS["plate"]().solids().val()
+    assert isinstance(solid, cq.Solid)
+    askew = in_position(solid.rotate((0, 0, 0), (1, 2, 3), 31).translate((5.0, -7.0, 11.0)))
+    straight, found = (propose(DimensionVerifier(one)) for one in (in_position(solid), askew))
+    values = [sorted(one.value for one in proposal.dimensions) for proposal in (straight, found)]
+    assert values[1] == pytest.approx(values[0], abs=1e-6) and not found.open
+
+
 def test_a_tap_drill_is_a_question_and_a_proposal_is_python() -> None:
     _, proposal = proposed("t_nut")
     assert proposal.questions == ("hole 1: is 5 mm the tap drill of M6x1? Then declare it with d.tapped(...)",)
