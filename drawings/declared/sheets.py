@@ -44,7 +44,7 @@ def _views(design: Any, instances: Sequence[Instance], parts: Mapping[str, Built
         "section A-A": (Cut(middle, (0.0, -1.0, 0.0), "A"), "front"),
         "section B-B": (Cut(middle, (1.0, 0.0, 0.0), "B"), "right"),
     }
-    bought = frozenset(name for name, source in construction(design).sources(design).items() if source.purchased)
+    bought = tuple(name for name, source in construction(design).sources(design).items() if source.purchased)
     notes = ("- Order of assembly: see the procedure.", *(("- Purchased parts are not cut.",) if bought else ()))
     return MachineViews(cuts, bought, scale=scale, notes=notes)
 

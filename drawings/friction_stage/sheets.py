@@ -65,7 +65,7 @@ NOT_CUT = (*CAP_SCREWS, "set_screw", "height_pin_1", "height_pin_2", "piezo", "s
 
 VIEWS = MachineViews(
     {"section A-A": (ALONG, "front"), "section B-B": (ACROSS, "right")},
-    frozenset(NOT_CUT),
+    NOT_CUT,
     MOVING,
     CARRIED,
     notes=(

@@ -35,7 +35,7 @@ class MachineViews:
     # planes of the sections, by their name, with the projection in which they are seen
     cuts: Mapping[str, tuple[Cut, str]]
     # parts that a section shows whole: fasteners, pins and springs (ISO 128-3), units bought complete
-    whole: frozenset[str]
+    whole: tuple[str, ...]
     moving: tuple[str, ...] = ()  # parts that move; the first carries the others
     carried: tuple[str, ...] = ()  # parts that move with it
     scale: float = SCALE  # of the views

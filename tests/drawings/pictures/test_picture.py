@@ -1,5 +1,8 @@
 """Pictures of assemblies: pieces hide one another; neighbours in a section have other hatches."""
 
+import os
+import subprocess
+import sys
 from itertools import combinations
 
 import cadquery as cq
@@ -140,3 +143,13 @@ def test_there_is_a_hatch_for_each_of_more_neighbours_than_hatches() -> None:
     box: Box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     hatches = different_hatches([box] * (len(HATCHES) + 2), 0.5)
     assert len(hatches) == len(HATCHES) + 2 and set(hatches) == set(HATCHES)
+
+
+def test_the_text_of_the_views_is_the_same_in_every_process() -> None:
+    """It is in the key of the stored pictures: with a set in it they were drawn again by every run."""
+    words = [sys.executable, "-c", "from drawings.friction_stage.sheets import VIEWS; print(VIEWS)"]
+    texts = [
+        subprocess.run(words, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True)
+        for seed in ("1", "2")
+    ]
+    assert texts[0].stdout == texts[1].stdout != ""
