@@ -118,7 +118,7 @@ def _on_grid(
         velocity_sign=_certain_sign(velocity),
         velocity_agreement=velocity_agreement(channels, sensor, step),
     )
-    return _without_unknown_directions(given, position, sensor) if "position" in channels else given
+    return _without_unknown_directions(given, position, sensor, velocity) if "position" in channels else given
 
 
 LEAST_KNOWN = 100
@@ -127,16 +127,22 @@ however long the record rests besides."""
 
 
 def _without_unknown_directions(
-    record: ForceBalanceRecord, position: np.ndarray, sensor: Noise | None
+    record: ForceBalanceRecord, position: np.ndarray, sensor: Noise | None, given: np.ndarray | None = None
 ) -> ForceBalanceRecord:
-    """The record without the rows in which a noisy position (n,) shows no direction of motion: friction may there be
-    anything up to its level, under any model."""
+    """The record without the rows in which neither a noisy position (n,) nor a `given` velocity (n,) shows a direction
+    of motion: friction may there be anything up to its level, under any model."""
     std = record.prefiltered_noise or position_noise(sensor)
     assert record.velocity_sign is not None
     path = record.axis.position if record.prefiltered_noise else position
     shown, stop_row = record.velocity_sign, np.arange(record.size)
+    if given is not None:
+        # The position jitters by what its steps differ from those of the velocity.
+        steps = np.diff(position) - 0.5 * (given[1:] + given[:-1]) * record.step
+        std = float(np.median(np.abs(steps))) / 0.6745 / np.sqrt(2.0)
     if std > 0.0:
         shown, stop_row = known_direction(path, std, record.prefilter_samples)
+    if given is not None:
+        shown = np.where(record.velocity_sign != 0.0, record.velocity_sign, shown)
     valid = {name: rows & (shown != 0.0) for name, rows in record.valid.items()}
     if std == 0.0 or not all(np.count_nonzero(rows) >= LEAST_KNOWN for rows in valid.values()):
         return record

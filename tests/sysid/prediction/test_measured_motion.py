@@ -76,6 +76,24 @@ def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
     assert motion_warnings(found.problem.fit_records) == []
 
 
+def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitter(tmp_path: Path) -> None:
+    records, rows = [], 4000
+    for seed in (5, 6):
+        rng = np.random.default_rng(seed)
+        time = 1e-3 * np.arange(rows)
+        begun = np.maximum(time - 0.3, 0.0)
+        position, velocity = 1e-3 * np.sin(20.0 * begun), 2e-2 * np.cos(20.0 * begun) * (begun > 0.0)
+        side = np.where(begun > 0.0, np.sign(velocity), rng.choice([-1.0, 1.0], rows))
+        columns = {"time [s]": time, "position [m]": position + 3e-7 * rng.standard_normal(rows)}
+        columns["velocity [m/s]"] = velocity + 2e-5 * rng.standard_normal(rows)
+        columns["friction_force [N]"] = 4.0 * side + 0.02 * rng.standard_normal(rows)
+        records.append(columns)
+    text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nfriction_force = "20 mN"\n'
+    found = compare(_experiment(tmp_path, text, records))
+    assert all(0.9 <= one["friction_force"].over_noise <= 1.1 for one in (found.fit, found.validate))
+    assert found.fit["friction_force"].rms < 0.25 and found.fit["friction_force"].size > rows - 400
+
+
 def test_the_filter_is_as_wide_as_the_noise_requires() -> None:
     rng = np.random.default_rng(3)
     row = np.arange(4000.0)
