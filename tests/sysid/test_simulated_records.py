@@ -108,7 +108,7 @@ BENCHES = {
     "velocity-drive": Bench("velocity-drive", "", FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),
     "spring-pull": Bench(
         *("spring-pull", SPRING, FRICTION, _pulled, PULL_NOISE, 12000, 1e-3, 1, 2),
-        beyond=PRESLIDING | {"sensor_lag", "sensor_delay", "sensor_nonlinearity", "sensor_drift:power"},
+        beyond=PRESLIDING | {"sensor_lag", "sensor_nonlinearity", "sensor_drift:power"},
     ),
     "force-drive": Bench(
         *("force-drive", 'mass = "8 kg"\n', RIGID, _forced, {"position": 1e-7}, 12000, 1e-3, 1, 2),

@@ -136,9 +136,10 @@ def _without_unknown_directions(
     path = record.axis.position if record.prefiltered_noise else position
     shown, stop_row = record.velocity_sign, np.arange(record.size)
     if given is not None:
-        # The position jitters by what its steps differ from those of the velocity.
+        # The position jitters by the change of what its steps differ from those of the velocity: 20 times the variance.
         steps = np.diff(position) - 0.5 * (given[1:] + given[:-1]) * record.step
-        std = float(np.median(np.abs(steps))) / 0.6745 / np.sqrt(2.0)
+        jitter = float(np.median(np.abs(np.diff(steps, 2)))) / 0.6745 / np.sqrt(20.0)
+        std = jitter if jitter > record.stretch else 0.0
     if std > 0.0:
         shown, stop_row = known_direction(path, std, record.prefilter_samples)
     if given is not None:
