@@ -139,7 +139,7 @@ def _without_unknown_directions(
         # The position jitters by the change of what its steps differ from those of the velocity: 20 times the variance.
         steps = np.diff(position) - 0.5 * (given[1:] + given[:-1]) * record.step
         jitter = float(np.median(np.abs(np.diff(steps, 2)))) / 0.6745 / np.sqrt(20.0)
-        std = jitter if jitter > record.stretch else 0.0
+        std = max(std, jitter) if jitter > record.stretch else std
     if std > 0.0:
         shown, stop_row = known_direction(path, std, record.prefilter_samples)
     if given is not None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from ezdxf.document import Drawing
 from scipy.spatial import KDTree
-from tests.drawings.export.test_lint import CLEAN
+from tests.drawings.test_lint import CLEAN
 
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
 from drawings.annotations.primitives import Primitive, Text, printed
