@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from ezdxf.document import Drawing
 from scipy.spatial import KDTree
-from tests.drawings.test_lint import CLEAN
 
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
 from drawings.annotations.primitives import Primitive, Text, printed
@@ -21,6 +20,7 @@ from drawings.views.segment_index import Line, polyline_lines
 from stagecad.friction_stage.construction import MADE
 from tests.drawings.drawn import document_of, sheets
 from tests.drawings.export.dxf_reading import PaperContent, entity_points, visible_entities
+from tests.drawings.test_lint import CLEAN
 
 SAME = 1e-3
 """Greatest distance of a place in the file from that on the sheet, mm."""
