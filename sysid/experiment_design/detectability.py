@@ -19,7 +19,7 @@ import numpy as np
 from sim.effects.effect import Effect, Parameter
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.constants import CERTAIN_Z, LEAST_GAIN
-from sysid.estimation.fit import FittedModel
+from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal
 from sysid.prediction.model import Scales, public_name, shape_grid, size_of, with_effect
@@ -48,6 +48,9 @@ def minimum_detectable_effects(diagnosis: Diagnosis) -> list[MinimumDetectableEf
     """Minimum detectable sizes of the effects that a diagnosis did not find, in a model with the one that it found."""
     problem, best = diagnosis.problem, diagnosis.best
     fitted = best.fitted if best is not None else diagnosis.base.fitted
+    if best is not None and any(getattr(record, "observer", None) for record in best.problem.fit_records):
+        # Effects are compared along the measured motion: an observer integrates the model, and knows no other effects.
+        fitted = fit_model(best.fitted.model, problem.fit_records, diagnosis.base.fitted.weights)
     present = [*(e.name for e in diagnosis.base.fitted.model.effects), *([best.name] if best is not None else [])]
     return minimum_sizes(fitted, candidate_effects(problem, present), problem.fit_records, problem.scales)
 

@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 from benchmarks.generators.sliding_mass import COULOMB, SPRING, Drive, Friction, slide
+from sysid.diagnose import diagnose
 from sysid.estimation.covariance import intervals
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, fit_with_observer, initial_fit, reported_fit
+from sysid.experiment_design.detectability import minimum_detectable_effects
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.problem import Problem, load_problem
 
@@ -191,3 +193,15 @@ def test_a_dashpot_beside_the_pulling_spring_is_found(tmp_path: Path) -> None:
     assert all(0.9 <= one.over_noise <= 1.1 for one in found.values()), found
     known = intervals(base.fitted, problem.fit_records).by_key["rig.pull_damping"]
     assert known.low <= 60.0 <= known.high and known.high - known.low < 1.2
+
+
+def test_sizes_that_a_model_along_the_motion_of_an_observer_leaves_undetected(tmp_path: Path) -> None:
+    _lugre(tmp_path, "closed_loop", "kind = 'force-drive'\n[rig.known]\nmass = '1 kg'", noise=200e-9)
+    file = tmp_path / "experiment.toml"
+    file.write_text(file.read_text().replace("'lugre', 'viscous', 'stribeck'", "'lugre', 'stribeck'"))
+    found = diagnose(tmp_path)
+    assert found.effect == "viscous" and found.best is not None
+    assert all(getattr(record, "observer", None) for record in found.best.problem.fit_records)
+    # The observer integrates the model that was found, and knows no other effects.
+    sizes = {one.effect: one.value for one in minimum_detectable_effects(found)}
+    assert "viscous" not in sizes and 0.0 < (sizes["constant_bias"] or 0.0) < 0.1
