@@ -57,8 +57,7 @@ UNEVEN = 2.0
 """Ratio of the local to the usual variance of a change of the residual that is no error of the estimate."""
 
 USUAL_TRIALS = 4
-"""Times that the usual change is found among the rows that the time before had no larger one, if half of the rows
-have none."""
+"""Passes in which the median is taken again without the rows whose variance was clearly above it, while half remain."""
 
 LOCAL = 6.0
 """Width, in samples or in widths of the record's filter, over which the local variance is averaged."""

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 15058,
     "designcalc": 10697,
     "sim": 12653,
-    "sysid": 20280,
+    "sysid": 20279,
     "drawings": 12385,
     "workbench": 15476,
 }
