@@ -200,7 +200,7 @@ def _part_sheets(
     module: Any = source.definition()
     verifier = DimensionVerifier(part.solid)
     described, notes = describe(part, source, design, plain, verifier)
-    for mistake in mistakes(described.dimensions, described.requirements, verifier):
+    for mistake in mistakes(described.dimensions, described.requirements, verifier, alike=described.chosen):
         raise InputError(f"{getattr(module, 'path', source.kind)}: {mistake}")
     kind = source.kind
     (folder / f"{kind}_ap242.step").write_bytes(ap242_bytes(kind, module, design, described.solid, verifier))

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from drawings.dimensions.levels import NEAR, SQUARE
+from drawings.dimensions.round_sections import sections_of
 from drawings.dimensions.small_edges import like_edges
 from drawings.views.view import dot
 from stagecad.parameters.dimension import (
@@ -29,9 +30,14 @@ EXACT = 1e-6
 
 
 def mistakes(
-    dimensions: Sequence[Dimension], requirements: Sequence[FaceRequirement], verifier: DimensionVerifier
+    dimensions: Sequence[Dimension],
+    requirements: Sequence[FaceRequirement],
+    verifier: DimensionVerifier,
+    *,
+    alike: bool = True,
 ) -> Iterator[str]:
-    """What the solid does not have, or is declared twice or for nothing, so that no sheet can be drawn; a line each."""
+    """What the solid does not have, or is declared twice or for nothing, so that no sheet can be drawn; a line each.
+    With `alike` fillets and chamfers are counted, too, and holes of one dimension must be alike."""
     yield from _twice("dimensions have the name", [d.name for d in dimensions])
     for d in dimensions:
         try:
@@ -41,6 +47,7 @@ def mistakes(
         else:
             if measured is not None and abs(measured - d.value) > EXACT:
                 yield f"dimension '{d.name}': declared {d.value:.9g}, the solid measures {measured:.9g}"
+    yield from _miscounted(verifier, dimensions, alike=alike)
     letters = [r.letter for r in requirements if isinstance(r, DatumFeature)]
     yield from _twice("datums have the letter", letters)
     for r in requirements:
@@ -101,7 +108,7 @@ def contradictions(
             yield f"'{d.name}' of {d.value:g} mm needs a drill {least:.3g} mm deep, not {drilled[d.feature]:g} mm"
 
 
-def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool = True) -> Iterator[str]:
+def _miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool) -> Iterator[str]:
     """Diameters given for more features than the solid has; with `alike`, also fillets and chamfers, diameters for
     holes of which some go through and some do not, and callouts of holes that are not about one axis.
     """
@@ -129,15 +136,9 @@ def miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, 
             elif alike and d.note.startswith("through") and len(*ends) < 2:
                 yield f"'{d.name}' goes through by its note, the hole of the solid does not"
             continue
-        number = separate(verifier.surfaces, found[0].radius)
+        number = len([*sections_of(s for s in verifier.surfaces if s.is_round(found[0].radius))])
         if number < d.count:
             yield f"'{d.name}' is given for {d.count} features, the solid has {number} of this diameter"
-
-
-def separate(surfaces: Sequence[Surface], radius: float) -> int:
-    """Number of round features of a radius."""
-    like = [surface for surface in surfaces if surface.is_round(radius)]
-    return len({(s.axis_key, tuple(round(end, 3) for end in s.extent(s.axis_key[3:]))) for s in like})  # type: ignore[arg-type]
 
 
 def is_on(surface: Surface, requirement: FaceRequirement) -> bool:

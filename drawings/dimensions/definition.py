@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from drawings.dimensions.consistency import contradictions, is_on, miscounted, parallel, separate
+from drawings.dimensions.consistency import contradictions, is_on, parallel
 from drawings.dimensions.levels import NEAR, SQUARE, Levels
+from drawings.dimensions.round_sections import sections_of
 from drawings.dimensions.small_edges import AXES, along_of, corners, is_fillet, like_edges, outward_normal
 from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View, auxiliary, dot, projection_of
@@ -63,8 +64,7 @@ class Definition:
 
     faces: tuple[FaceDefinition, ...]  # of the solid
     superfluous: tuple[str, ...]  # dimensions that follow from others
-    # what the solid has otherwise than a dimension of several features says, and tolerances that contradict each other
-    miscounted: tuple[str, ...] = ()
+    contradictory: tuple[str, ...] = ()  # tolerances, fits and threads
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -72,7 +72,7 @@ class Definition:
         missing = [problem for face in self.faces for problem in face.problems]
         return (
             *missing,
-            *self.miscounted,
+            *self.contradictory,
             *(f"the dimension '{name}' follows from others" for name in self.superfluous),
         )
 
@@ -128,9 +128,7 @@ def definition(
             )
         )
     superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)
-    wrong = [*miscounted(verifier, dimensions, alike=not notes.packaged)]
-    if not notes.packaged:
-        wrong += contradictions(verifier, dimensions, requirements, roughness)
+    wrong = () if notes.packaged else contradictions(verifier, dimensions, requirements, roughness)
     return Definition(tuple(faces), superfluous, tuple(wrong))
 
 
@@ -292,10 +290,14 @@ class _StatedPart(_Part):
             except LookupError:
                 self._cones.append(d)
                 return
-            every = len(holes) < d.count and separate(self._surfaces, holes[0].radius) <= d.count
-            for number, surface in enumerate(self._surfaces):
-                if surface.is_round(holes[0].radius) and (every or any(surface.is_coaxial(hole) for hole in holes)):
-                    self._sizes.setdefault(number, d.name)
+            like = [*sections_of(s for s in self._surfaces if s.is_round(holes[0].radius))]
+            every = len(holes) < d.count and len(like) <= d.count
+            for section in like:
+                # Walls of one bore have one diameter; collars of one shaft are counted.
+                bore = not section.face.outward and any(map(section.face.is_coaxial, holes))
+                if every or bore or any(face is hole for face in section.faces for hole in holes):
+                    for face in section.faces:
+                        self._sizes.setdefault(self._number(face), d.name)
         elif d.kind in ("radius", "chamfer"):
             like = {n: key for n, key in like_edges(self._verifier, d).items() if n not in self._sizes}
             own = [n for n, surface in enumerate(self._surfaces) if surface.holds(d.points[0])]

@@ -6,10 +6,11 @@ ends of a slot; other parts of cylinders are fillets. Millimetres, part coordina
 """
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
-from drawings.dimensions.small_edges import AXES, NEAR, SQUARE, WHOLE, along_of, is_chamfer
+from drawings.dimensions.round_sections import Section, extent, sections_of
+from drawings.dimensions.small_edges import NEAR, SQUARE, WHOLE, along_of, is_chamfer
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
@@ -20,16 +21,6 @@ WIDEST_CHAMFER = 1.3
 """Diameter of a cone of 90 degrees at the mouth of a hole, over that of the hole, up to which it is a chamfer."""
 NARROWEST_SINK = 50.0
 """Whole angle of a countersink, degrees; a narrower cone is a taper."""
-
-
-@dataclass(frozen=True)
-class Section:
-    """Part of a hole or shaft with one radius, from one distance along its axis to another."""
-
-    radius: float
-    low: float
-    high: float
-    face: Surface = field(compare=False)
 
 
 @dataclass(frozen=True)
@@ -107,7 +98,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
     return Features(
         holes,
         slots,
-        tuple(_sections(s for s in round_faces if s.outward)),
+        tuple(sections_of(s for s in round_faces if s.outward)),
         tuple(s for s in surfaces if (s.kind == "TORUS" or any(s is part for part in parts)) and id(s) not in in_slots),
         chamfers,
         tuple(grooves),
@@ -146,41 +137,12 @@ def _round_and_partial(surfaces: list[Surface]) -> tuple[list[Surface], list[Sur
     return whole, [s for s in cylinders if covered[key(s)] < WHOLE]
 
 
-def _sections(faces: Iterable[Surface]) -> Iterator[Section]:
-    """Faces of one radius and axis that follow each other without a gap, as one section each."""
-    rows: dict[tuple[object, ...], list[Surface]] = {}
-    for face in faces:
-        rows.setdefault((*face.axis_key, round(face.radius, 3)), []).append(face)
-    for row in rows.values():
-        axis = row[0].axis
-        spans = sorted(((*_extent(face, axis), n, face) for n, face in enumerate(row)), key=lambda span: span[:3])
-        low, high, _, first = spans[0]
-        for start, end, _, face in spans[1:]:
-            if start > high + NEAR:
-                yield Section(first.radius, low, high, first)
-                low, high, first = start, end, face
-            high = max(high, end)
-        yield Section(first.radius, low, high, first)
-
-
-def _extent(face: Surface, axis: Point) -> tuple[float, float]:
-    """Ends of a round face along its axis; of crossing bores by its box, as vertices are not at the ends."""
-    low, high = face.extent(axis) if face.vertices else (0.0, 0.0)
-    name = along_of(axis)
-    if name is not None:
-        number = list(AXES).index(name)
-        sign = 1.0 if axis[number] > 0 else -1.0
-        ends = sorted((sign * face.low[number], sign * face.high[number]))
-        return min(low, ends[0]) if face.vertices else ends[0], max(high, ends[1]) if face.vertices else ends[1]
-    return low, high
-
-
 def _holes(
     inner: list[Surface], cones: list[Surface], verifier: DimensionVerifier, grooves: list[Section]
 ) -> Iterator[Hole]:
     """Chains of sections about one axis that follow each other, with the cones between them and at their ends."""
     by_axis: dict[tuple[float, ...], list[Section]] = {}
-    for section in _sections(inner):
+    for section in sections_of(inner):
         by_axis.setdefault(section.face.axis_key, []).append(section)
     for sections in by_axis.values():
         axis = sections[0].face.axis
@@ -191,7 +153,7 @@ def _holes(
         chain: list[Section] = []
         for section in sections:
             gap = (chain[-1].high, section.low) if chain else (0.0, 0.0)
-            cones_between = (_extent(cone, axis) for cone in own)
+            cones_between = (extent(cone, axis) for cone in own)
             bridged = any(abs(low - gap[0]) < NEAR and abs(high - gap[1]) < NEAR for low, high in cones_between)
             if gap[1] - gap[0] > NEAR and not bridged:
                 yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
@@ -204,7 +166,7 @@ def replace_axis(section: Section, axis: Point) -> Section:
     """A section with its ends along an axis that may be opposite to its own."""
     if dot(section.face.axis, axis) > 0:
         return section
-    return Section(section.radius, -section.high, -section.low, section.face)
+    return Section(section.radius, -section.high, -section.low, section.faces)
 
 
 @dataclass(frozen=True)
@@ -220,7 +182,7 @@ class _Chain:
     def turned(self) -> "_Chain":
         """The chain from its other end on."""
         x, y, z = self.axis
-        flipped = [Section(s.radius, -s.high, -s.low, s.face) for s in self.sections[::-1]]
+        flipped = [Section(s.radius, -s.high, -s.low, s.faces) for s in self.sections[::-1]]
         tips = {1 - end: (cone, -far) for end, (cone, far) in self.tips.items()}
         return _Chain(flipped, (-x + 0.0, -y + 0.0, -z + 0.0), tips, self.is_open[::-1], self.is_free[::-1])
 
@@ -233,7 +195,7 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
     reach = [verifier.size * part / 40 for part in range(1, 40)]
     for end, side, level in ((0, -1.0, sections[0].low), (1, 1.0, sections[-1].high)):
         for cone in cones:
-            near, far = _extent(cone, axis)[:: -1 if end == 0 else 1]
+            near, far = extent(cone, axis)[:: -1 if end == 0 else 1]
             if abs(near - level) < NEAR:
                 chain.tips[end] = (cone, far)
         cone, far = chain.tips.get(end, (None, level))
@@ -317,11 +279,11 @@ def _slots(parts: list[Surface]) -> Iterator[Slot]:
             and abs(other.radius - one.radius) < NEAR
             and abs(abs(dot(one.axis, other.axis)) - 1.0) < SQUARE
             and not one.is_coaxial(other)
-            and max(abs(a - b) for a, b in zip(_extent(one, one.axis), _extent(other, one.axis), strict=True)) < 0.05
+            and max(abs(a - b) for a, b in zip(extent(one, one.axis), extent(other, one.axis), strict=True)) < 0.05
         ]
         if not others:
             continue
-        level = sum(_extent(one, one.axis)) / 2
+        level = sum(extent(one, one.axis)) / 2
 
         def centre(surface: Surface, level: float = level, axis: Point = one.axis) -> Point:
             return moved(surface.origin, axis, level - dot(surface.origin, axis))

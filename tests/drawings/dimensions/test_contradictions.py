@@ -6,7 +6,7 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
-from drawings.dimensions.consistency import contradictions, miscounted, mistakes
+from drawings.dimensions.consistency import contradictions, mistakes
 from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance
 from stagecad.parameters.errors import InputError
 from stagecad.solids.modelling.verification import DimensionVerifier
@@ -65,7 +65,7 @@ def test_what_cannot_be_drawn_is_named(dimensions, requirements, text: str, veri
     ],
 )
 def test_contradictions_are_named(dimensions: list[Dimension], text: str, verifier: DimensionVerifier) -> None:
-    found = [*miscounted(verifier, dimensions), *contradictions(verifier, dimensions, (), 0.8)]
+    found = [*mistakes(dimensions, (), verifier), *contradictions(verifier, dimensions, (), 0.8)]
     assert found == ([text] if text else [])
 
 
