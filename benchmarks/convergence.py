@@ -17,10 +17,8 @@ import numpy as np
 from designcalc.bearing.plate import SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.drive.magnetic_teeth import teeth_field
-from designcalc.friction_stage.physics import plate_vibration
 from designcalc.friction_stage.physics.loads import tip_load
-from designcalc.friction_stage.physics.plate_vibration import DRIVEN_MODES
-from designcalc.friction_stage.physics.stage_plate import TIP, payload_places, stage_plate
+from designcalc.friction_stage.physics.stage_plate import DRIVEN_MODES, TIP, payload_places, stage_plate
 from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from sim.effects.catalogue import compose
 from sim.experiments.friction_models import Friction
@@ -112,11 +110,11 @@ def page() -> str:
         return found.size, found.top
 
     def pulses(modes: float) -> tuple[float, float]:
-        plate_vibration.DRIVEN_MODES = int(modes)
+        plate.DRIVEN_MODES = int(modes)
         fresh = DesignInputs(design, masses)
-        above = plate_vibration.above_tip(fresh, tip_load(fresh))
-        plate_vibration.DRIVEN_MODES = DRIVEN_MODES
-        return float(above.vibration[0]) * 1e9, float(plate_vibration.at_feet(fresh, 20.0).vibration.max()) * 1e9
+        above = plate.above_tip(fresh, tip_load(fresh))
+        plate.DRIVEN_MODES = DRIVEN_MODES
+        return float(above.vibration[0]) * 1e9, float(plate.at_feet(fresh, 20.0).vibration.max()) * 1e9
 
     def attraction(refinement: float) -> tuple[float, float]:
         found = circuit(r).forces(refinement)

@@ -80,7 +80,7 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.registry import part_names
+    from stagecad.solids.modelling.part import part_names
     from workbench.operations.drawings import procedure_values
 
     design = load_design()

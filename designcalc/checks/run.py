@@ -6,8 +6,7 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.check import Check, DesignInputs, at_most
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import Check, DesignInputs, FormulaCheck, at_most
 from designcalc.checks.own_checks import OWN
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import content

@@ -8,14 +8,20 @@ import numpy as np
 from designcalc.bearing.bolted_rail import bending_shear_compliance, joint_stiffness
 from designcalc.bearing.fastener import Thread, strip_area_of_bed, strip_area_of_screw
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import DesignInputs
-from designcalc.checks.formula_check import FormulaCheck, Quantities
-from designcalc.contact.hertz import contact_modulus
-from designcalc.contact.hertz_stress import ShearPeak, peak_mises, point_shear_peak
-from designcalc.friction_stage.physics.body import moving_body, tip_mass
+from designcalc.checks.check import DesignInputs, FormulaCheck, Quantities
+from designcalc.contact.hertz import ShearPeak, contact_modulus, peak_mises, point_shear_peak
 from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip, press_angle, screw_preload
 from designcalc.friction_stage.physics.heat import BODIES, growth, warmed
-from designcalc.friction_stage.physics.loads import load, load_centre, moved_mass, preload, tip_load, weight
+from designcalc.friction_stage.physics.loads import (
+    load,
+    load_centre,
+    moved_mass,
+    moving_body,
+    preload,
+    tip_load,
+    tip_mass,
+    weight,
+)
 from designcalc.friction_stage.physics.pads import (
     film,
     heaviest_pad,
@@ -25,9 +31,8 @@ from designcalc.friction_stage.physics.pads import (
     pads_stiffness,
     rail,
 )
-from designcalc.friction_stage.physics.plate_vibration import above_tip
 from designcalc.friction_stage.physics.position_loop import suspension
-from designcalc.friction_stage.physics.stage_plate import give_at_tip
+from designcalc.friction_stage.physics.stage_plate import above_tip, give_at_tip
 from designcalc.friction_stage.physics.teeth import CIRCUITS, attraction, magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
     bent_stack,

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from designcalc.checks.check import Check
-from designcalc.optimisation.evaluation import Evaluation, Evaluator
-from designcalc.optimisation.search import Best, search
+from designcalc.optimisation.search import Best, Evaluation, Evaluator, search
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,16 @@ from designcalc.optimisation.conflicts import (
     relaxations,
     sample,
 )
-from designcalc.optimisation.evaluation import Evaluation, Evaluator, OutOfBudgetError
-from designcalc.optimisation.search import Best, repair, round_values, search, take_back
+from designcalc.optimisation.search import (
+    Best,
+    Evaluation,
+    Evaluator,
+    OutOfBudgetError,
+    repair,
+    round_values,
+    search,
+    take_back,
+)
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.sheets.plans import sheets_of
 from stagecad.solids.artefacts.part import BuiltPart
-from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.artefacts.stored_object import stored_object
-from stagecad.solids.modelling.registry import Instance
+from stagecad.solids.artefacts.store import ArtefactStore, stored_object
+from stagecad.solids.modelling.part import Instance
 
 if TYPE_CHECKING:
     from drawings.pictures.picture import Picture

@@ -12,7 +12,7 @@ from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.kernel import load_kernel
-from stagecad.solids.modelling.registry import ASSEMBLY, construction, part_names
+from stagecad.solids.modelling.part import ASSEMBLY, construction, part_names
 
 BUILD = "build "
 """Begins the name of a task that builds a part; the other tasks draw the sheets of their name."""

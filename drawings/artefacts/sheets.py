@@ -19,13 +19,20 @@ from drawings.artefacts.machine_pictures import stored_picture
 from drawings.sheets.plans import sheets_of
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import combined
-from stagecad.solids.artefacts.cache_key import versions
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, part_mass
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, versions
 from stagecad.solids.assembly.built_machine import assemble
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.part import notes_of, treatment_of
-from stagecad.solids.modelling.registry import ASSEMBLY, Instance, PartSource, construction, part_names, part_source
+from stagecad.solids.modelling.part import (
+    ASSEMBLY,
+    Instance,
+    PartSource,
+    construction,
+    notes_of,
+    part_names,
+    part_source,
+    treatment_of,
+)
 
 if TYPE_CHECKING:
     from drawings.dimensions.definition import Notes

@@ -12,12 +12,12 @@ from drawings.sheets.procedure import CALCULATED, Figure, PartUse, Procedure, St
 from drawings.views.view import Cut
 from stagecad.parameters.machine import MachineDeclaration, Mate
 from stagecad.parameters.machine_declaration import placed_values
-from stagecad.solids.modelling.registry import construction
+from stagecad.solids.modelling.part import construction
 
 if TYPE_CHECKING:
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.bill_of_materials import Row
-    from stagecad.solids.modelling.registry import Instance
+    from stagecad.solids.modelling.part import Instance
 
 SCALES = (5.0, 2.0, 1.0, SCALE, 0.2, 0.1, 0.05, 0.02)
 ROOM = (560.0, 380.0)

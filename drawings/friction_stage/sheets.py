@@ -13,7 +13,7 @@ from drawings.pictures.machine import MachineViews
 from drawings.sheets.plans import Sheets
 from drawings.sheets.procedure import PartUse, Procedure, Step
 from drawings.views.view import Cut
-from stagecad.friction_stage.assembly.bodies import CARRIED, MOVING
+from stagecad.friction_stage.assembly import CARRIED, MOVING
 from stagecad.friction_stage.construction import CAP_SCREWS
 from stagecad.solids.assembly.bill_of_materials import Row
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from drawings.sheets.procedure import Procedure
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.bill_of_materials import Row
-    from stagecad.solids.modelling.registry import Instance
+    from stagecad.solids.modelling.part import Instance
 
 
 def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:

@@ -20,7 +20,7 @@ from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, subtract
 
 if TYPE_CHECKING:
-    from stagecad.solids.modelling.registry import Instance
+    from stagecad.solids.modelling.part import Instance
 
 EYE_BELOW = Projection(
     FROM_BELOW, (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0), (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6))

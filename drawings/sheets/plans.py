@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from drawings.sheets.procedure import Procedure
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.bill_of_materials import Row
-    from stagecad.solids.modelling.registry import Instance
+    from stagecad.solids.modelling.part import Instance
 
 
 @dataclass(frozen=True)

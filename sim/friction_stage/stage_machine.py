@@ -7,8 +7,7 @@ import numpy as np
 
 from designcalc.checks.check import DesignInputs
 from designcalc.errors.sensors import count_size
-from designcalc.friction_stage.physics.body import moving_body, with_ballast
-from designcalc.friction_stage.physics.loads import gravity, load, moved_mass, preload
+from designcalc.friction_stage.physics.loads import gravity, load, moved_mass, moving_body, preload, with_ballast
 from designcalc.friction_stage.physics.pads import mean_film, pad_positions
 from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
 from designcalc.friction_stage.physics.teeth import magnets

@@ -24,7 +24,7 @@ from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.interference import build_interferences
 from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, scaled
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import (
+from stagecad.solids.modelling.part import (
     CONTACT,
     OPEN,
     OVERLAP,

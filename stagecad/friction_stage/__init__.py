@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-from stagecad.friction_stage.design import Design
+from stagecad.friction_stage.design import Design, Tables
 from stagecad.friction_stage.parameters.derived import COMPUTED
-from stagecad.friction_stage.parameters.machine import Tables
 from stagecad.friction_stage.parameters.physics import Material
 from stagecad.friction_stage.parameters.ranges import kinds, with_range
 from stagecad.parameters.machine import Machine
 
-_RULES = ("sliding", "height", "holes", "edges", "making", "stops", "teeth", "values")
+_RULES = ("sliding", "height", "holes", "making", "stops", "teeth", "values")
 _OWNERS = {
     "stage": ("stage",),
     "pads": ("stage",),

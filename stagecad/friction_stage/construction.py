@@ -6,11 +6,9 @@ from importlib import import_module
 from itertools import product
 from typing import Any, cast
 
-from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.bodies import CARRIED, MOVING, accessories, documents, machine_masses, masses
+from stagecad.friction_stage.assembly import CARRIED, MOVING, accessories, assemble, documents, machine_masses, masses
 from stagecad.friction_stage.parameters.derived import Derived
-from stagecad.solids.modelling.part import Part
-from stagecad.solids.modelling.registry import (
+from stagecad.solids.modelling.part import (
     CONTACT,
     DRIVE,
     FIT,
@@ -19,6 +17,7 @@ from stagecad.solids.modelling.registry import (
     THREAD,
     Construction,
     Instance,
+    Part,
     PartSource,
     Position,
 )
@@ -153,7 +152,7 @@ def _relations(design: Any) -> Mapping[frozenset[str], str]:
 CONSTRUCTION = Construction(
     sources=sources,
     refusal=refusal,
-    modules=("stagecad.friction_stage.assembly.assemble", "stagecad.friction_stage.purchased.spring", __name__),
+    modules=("stagecad.friction_stage.assembly", "stagecad.friction_stage.purchased.spring", __name__),
     assemble=_assemble,
     masses=masses,
     machine_masses=machine_masses,

@@ -13,11 +13,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from stagecad.parameters.entry import Entry
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.machine import Machine
-from stagecad.parameters.schema import nearest_key
+from stagecad.parameters.schema import Entry, nearest_key
 from stagecad.parameters.threads import Thread, thread
 from stagecad.parameters.units import to_si
 

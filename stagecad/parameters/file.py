@@ -9,14 +9,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.entry import Entry, FileEntry
 from stagecad.parameters.errors import InputError, nearest, require
-from stagecad.parameters.input_file import read_input
+from stagecad.parameters.input_file import load_toml, read_input
 from stagecad.parameters.iso286 import deviations, in_range, is_class
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ProjectTable, read_project_tables
-from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
-from stagecad.parameters.toml import load_toml
+from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration, Entry, FileEntry
 from stagecad.parameters.units import from_si, parse_uncertain, quoted
 
 PACKAGED = "thesis"

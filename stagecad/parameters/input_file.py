@@ -1,9 +1,11 @@
-"""A user's file that is read whole: a regular file, opened without waiting, of limited size."""
+"""A user's file that is read whole, of limited size; TOML documents of bounded depth and 64-bit integers."""
 
 import errno
 import os
 import stat
+import tomllib
 from pathlib import Path
+from typing import Any
 
 from stagecad.parameters.errors import InputError
 
@@ -35,3 +37,37 @@ def read_named(path: Path) -> bytes:
         return read_input(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+DEEPEST = 20
+"""Largest depth of tables and lists."""
+LARGEST_INTEGER = 2**63
+
+
+def load_toml(text: str, name: str) -> dict[str, Any]:
+    """The content of a TOML document; `name` is the file's name in messages."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise InputError(f"{name}: has tables nested too deeply; at most {DEEPEST} levels are read") from None
+    except ValueError:
+        # Python converts no integer of more than 4300 digits.
+        raise InputError(f"{name}: has a whole number of thousands of digits; at most 64 bits are read") from None
+    _check(document, name)
+    return document
+
+
+def _check(document: dict[str, Any], name: str) -> None:
+    pending: list[tuple[str, Any, int]] = [("", document, 0)]
+    while pending:
+        place, value, depth = pending.pop()
+        if depth > DEEPEST:
+            raise InputError(f"{name}: {place}: is nested too deeply; at most {DEEPEST} levels are read")
+        if isinstance(value, dict):
+            pending += [(f"{place}.{key}".removeprefix("."), item, depth + 1) for key, item in value.items()]
+        elif isinstance(value, list):
+            pending += [(place, item, depth + 1) for item in value]
+        elif isinstance(value, int) and not -LARGEST_INTEGER <= value < LARGEST_INTEGER:
+            raise InputError(f"{name}: {place}: is a whole number of more than 64 bits; write it as 1e30")

@@ -7,8 +7,7 @@ from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
-from stagecad.parameters.entry import ByRow, Entry, FileEntry
-from stagecad.parameters.errors import InputError, ViolationsError
+from stagecad.parameters.errors import InputError, ViolationsError, require
 from stagecad.parameters.file import (
     ParameterFile,
     class_by_decimals,
@@ -21,14 +20,31 @@ from stagecad.parameters.file import (
 from stagecad.parameters.formula import is_formula
 from stagecad.parameters.machine import MATERIALS, Computed, Machine, packaged_machine
 from stagecad.parameters.machine_declaration import declared_machine, require_mates, stated_parameters
-from stagecad.parameters.overrides import override
 from stagecad.parameters.project_tables import HARDWARE, NO_ROW, ROW, ProjectTable
-from stagecad.parameters.rules.registry import by_part, violations
-from stagecad.parameters.rules.remedies import violation_documents
-from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration, nearest_key
+from stagecad.parameters.rules import by_part, violation_documents, violations
+from stagecad.parameters.schema import TOLERANCE_CLASSES, ByRow, Declaration, Entry, FileEntry, nearest_key
 from stagecad.parameters.threads import Thread, threads
 from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
+
+
+def override(
+    text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry], machine: Machine
+) -> tuple[str, FileEntry]:
+    """Key and entry of a text `KEY=VALUE`, with the tolerance class of the entry that it replaces."""
+    require(text.isprintable(), f"--set {text!r}: contains characters that cannot be printed")
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not key or not value:
+        raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
+    table, _, last = key.partition(".")
+    if machine.declaration and table in machine.declaration.tables:
+        key = f"{machine.declaration.tables[table]}.{last}"
+    if key not in keys:
+        raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
+    source = given.get(key) or machine.computed.get(key)
+    free = source.free if isinstance(source, FileEntry) else ""
+    tolerance = source.tolerance if source else None
+    return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set", free)
 
 
 def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *, rules: bool = True) -> Design:
@@ -69,7 +85,7 @@ def design_of(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Des
     variations = variations_of(file, overrides)
     require_mates(variations.design)
     if rules:
-        require(variations)
+        require_rules(variations)
     return variations.design
 
 
@@ -97,7 +113,7 @@ def overridden(design: Design, values: Mapping[str, str]) -> Design:
     return Variations(source).of(replace(source, given=given, overrides=(*source.overrides, *values)))
 
 
-def require(variations: Variations) -> None:
+def require_rules(variations: Variations) -> None:
     """Check that a design can be built."""
     design = variations.design
     found = by_part(violations(design))

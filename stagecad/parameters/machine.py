@@ -12,9 +12,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from stagecad.parameters.entry import FileEntry
 from stagecad.parameters.project_tables import Kind
-from stagecad.parameters.schema import Declaration, declarations
+from stagecad.parameters.schema import Declaration, FileEntry, declarations
 from stagecad.parameters.threads import Thread
 
 PACKAGED = "friction_stage"

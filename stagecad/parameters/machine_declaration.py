@@ -31,14 +31,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.entry import FileEntry
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.machine import DECLARED, DeclaredPart, Machine, MachineDeclaration, Mate
 from stagecad.parameters.names import identifier
-from stagecad.parameters.schema import Declaration
+from stagecad.parameters.schema import Declaration, FileEntry
 from stagecad.parameters.units import from_si, parse_any, parse_quantity, to_si, unit_dimension
 
 if TYPE_CHECKING:

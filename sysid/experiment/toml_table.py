@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest, require
-from stagecad.parameters.input_file import read_input
-from stagecad.parameters.toml import load_toml
+from stagecad.parameters.input_file import load_toml, read_input
 from stagecad.parameters.units import parse_quantity
 
 LARGEST = 1e50

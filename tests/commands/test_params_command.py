@@ -9,7 +9,7 @@ import pytest
 
 from stagecad.parameters.errors import ViolationsError
 from stagecad.parameters.load import load_design
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 from tests.reference.tables import cases
 from workbench.cli import run
 

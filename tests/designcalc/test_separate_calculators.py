@@ -9,8 +9,14 @@ import pytest
 
 from designcalc.checks.chain import Chain, Link
 from designcalc.checks.check import DesignInputs
-from designcalc.contact.hertz import contact_modulus, line_contact, point_contact
-from designcalc.contact.hertz_stress import line_shear_peak, peak_mises, point_shear_peak
+from designcalc.contact.hertz import (
+    contact_modulus,
+    line_contact,
+    line_shear_peak,
+    peak_mises,
+    point_contact,
+    point_shear_peak,
+)
 from designcalc.drive.height_adjustment import wedge_drive
 from designcalc.drive.piezo_stack import stack_current, stack_heat
 from designcalc.drive.tip_ellipse import tip_ellipse

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from designcalc.checks.analysis.report import counted, shown_margin
+from designcalc.checks.report import counted, shown_margin
 from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 from stagecad.solids.assembly.built_machine import body_masses
 from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose

@@ -11,7 +11,7 @@ from stagecad.parameters.errors import InputError, PartError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.modelling.registry import part_names
+from stagecad.solids.modelling.part import part_names
 from tests.robustness.mutation import count
 from workbench.operations.parts import refusal_line
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stagecad.parameters import resolve
+from stagecad.parameters import variations
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import design_from_text, load_design
 from stagecad.solids.artefacts.part import kernel_errors
@@ -74,13 +74,13 @@ def test_a_chain_of_formulas_has_its_value() -> None:
     text = chain(12, closed=False).replace("20 mm", "30 mm")
     values = []
     for deepest in (40, 3):
-        resolve.DEEPEST, before = deepest, resolve.DEEPEST
+        variations.DEEPEST, before = deepest, variations.DEEPEST
         try:
             values.append(str(design_from_text(text, "chain.toml", (), rules=False).entries))
         except InputError as error:
             values.append(str(error))
         finally:
-            resolve.DEEPEST = before
+            variations.DEEPEST = before
     assert values[0] == values[1]
 
 

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
-    from designcalc.checks.analysis.sweep import Point, Range
-    from designcalc.checks.analysis.tolerance import ToleranceStudy
+    from designcalc.checks.sweep import Point, Range
+    from designcalc.checks.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import Masses
 
@@ -174,7 +174,7 @@ def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | No
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
     from designcalc.checks.check import DesignInputs
-    from designcalc.friction_stage.checks.bearing.smoothness import lapped_surface, spot
+    from designcalc.friction_stage.checks.smoothness import lapped_surface, spot
 
     r = DesignInputs(design, masses)
     surface, side = lapped_surface(r), spot(r)

@@ -8,9 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.proposals import evaluate_proposals
-from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
-from designcalc.checks.analysis.sweep import (
+from designcalc.checks.chain import Chain
+from designcalc.checks.check import Check
+from designcalc.checks.own_checks import register
+from designcalc.checks.proposals import evaluate_proposals
+from designcalc.checks.report import shown, shown_limit, shown_margin
+from designcalc.checks.run import run_checks, subjects_of
+from designcalc.checks.sweep import (
     Point,
     Range,
     changing_checks,
@@ -20,11 +24,7 @@ from designcalc.checks.analysis.sweep import (
     run_points,
     table,
 )
-from designcalc.checks.analysis.tolerance import ToleranceStudy, tolerance_study
-from designcalc.checks.chain import Chain
-from designcalc.checks.check import Check
-from designcalc.checks.own_checks import register
-from designcalc.checks.run import run_checks, subjects_of
+from designcalc.checks.tolerance import ToleranceStudy, tolerance_study
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
 from stagecad.parameters.errors import InputError, nearest

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.report import shown, shown_margin
+from designcalc.checks.report import shown, shown_margin
 from designcalc.checks.run import run_checks
 from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences

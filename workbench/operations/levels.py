@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.report import shown
+from designcalc.checks.report import shown
 from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design

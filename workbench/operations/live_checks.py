@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.report import shown, shown_limit, shown_margin
 from designcalc.checks.check import Check
+from designcalc.checks.report import shown, shown_limit, shown_margin
 from designcalc.checks.run import changed_masses, run_checks, subjects_of
 
 if TYPE_CHECKING:

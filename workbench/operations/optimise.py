@@ -12,15 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
+from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
-from designcalc.optimisation.evaluation import Evaluation, Evaluator
 from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
-from designcalc.optimisation.search import search
+from designcalc.optimisation.search import Evaluation, Evaluator, search
 from designcalc.optimisation.space import Free, free_parameters
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses

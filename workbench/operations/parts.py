@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from stagecad.parameters.errors import PartError
-from stagecad.solids.artefacts.cache_key import sha256
 from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored, write_text
 from stagecad.solids.artefacts.part import CRASHED, build_parts
-from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.artefacts.store import ArtefactStore, sha256
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import assemble, body_masses, build_machine, find_machine, part_mass
-from stagecad.solids.modelling.registry import ASSEMBLY, chosen, construction, part_names
+from stagecad.solids.modelling.part import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
 from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, remark, silent
 from workbench.operations.result import Result, finite, frame

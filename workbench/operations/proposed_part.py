@@ -32,7 +32,7 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     from stagecad.parameters.load import part_design
     from stagecad.solids.artefacts.part import build_part, part_mass
     from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.registry import part_names
+    from stagecad.solids.modelling.part import part_names
 
     if trust:
         give_consent((path,))

@@ -12,7 +12,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parameter_text
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
 from workbench.operations.lines import remark

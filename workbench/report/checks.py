@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis import report
+from designcalc.checks import report
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from workbench.operations.result import finite

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.report import counted
+from designcalc.checks.report import counted
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.units import format_quantity
-from stagecad.solids.artefacts.cache_key import sha256
-from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.artefacts.store import ArtefactStore, sha256
 from workbench.operations.drawings import SMALL, reduced_sheet
 from workbench.report.checks import check_rows, data_url, embedded, link, render
 

@@ -14,7 +14,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.analysis.report import counted as count_of_verdicts
+from designcalc.checks.report import counted as count_of_verdicts
 from designcalc.checks.run import subjects_of
 from drawings.artefacts.machine_pictures import stored_picture
 from drawings.artefacts.parallel_sheets import TIME_LIMIT, slowest_first
@@ -31,7 +31,7 @@ from stagecad.solids.assembly.built_machine import BuiltMachine, assemble, build
 from stagecad.solids.assembly.interference import build_interferences, clashes, stored_interferences
 from stagecad.solids.assembly.pictures import assembly_pictures, build_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
-from stagecad.solids.modelling.registry import ASSEMBLY, part_names, part_source
+from stagecad.solids.modelling.part import ASSEMBLY, part_names, part_source
 from workbench.figures.checks import figures_of
 from workbench.operations.drawings import (
     drawings,

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.artefacts.stored_object import stored_object
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check

@@ -7,10 +7,8 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.porous_air import stiffness_of_gap
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, CheckFunction, DesignInputs
-from designcalc.checks.formula_check import FormulaCheck, Quantities
-from designcalc.contact.hertz import contact_modulus, point_contact
-from designcalc.contact.hertz_stress import peak_mises
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck, Quantities
+from designcalc.contact.hertz import contact_modulus, peak_mises, point_contact
 from designcalc.drive.suspension import Suspension, dipole_hessian, rank_sum
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness

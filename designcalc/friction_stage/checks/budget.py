@@ -13,12 +13,10 @@ from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import AXES, Budget, Contribution, budget
 from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import floor_motion
-from designcalc.friction_stage.physics.body import moving_body
-from designcalc.friction_stage.physics.loads import load, moved_mass, tip_load
+from designcalc.friction_stage.physics.loads import load, moved_mass, moving_body, tip_load
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness, rail
-from designcalc.friction_stage.physics.plate_vibration import at_payload
 from designcalc.friction_stage.physics.position_loop import air_error
-from designcalc.friction_stage.physics.stage_plate import payload_height, payload_places
+from designcalc.friction_stage.physics.stage_plate import at_payload, payload_height, payload_places
 from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
 from designcalc.friction_stage.quantities import quantity_key, stated
 from stagecad.parameters.design import Design

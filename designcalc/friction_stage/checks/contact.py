@@ -1,7 +1,6 @@
 """Tip on stage: pressure, stroke lost in the contact, stiffness; with the results of the thesis's printed formulas."""
 
-from designcalc.checks.check import CheckFunction
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import CheckFunction, FormulaCheck
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck
 from designcalc.drive.friction_drive import tip_force_limit
 from designcalc.friction_stage.checks.preload import preload_and_acceleration
 from designcalc.friction_stage.physics.loads import load_centre, preload_ratio

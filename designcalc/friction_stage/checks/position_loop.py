@@ -4,11 +4,9 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck
 from designcalc.errors.dynamic_budget import DynamicBudget
 from designcalc.friction_stage.physics.loads import tip_load
-from designcalc.friction_stage.physics.plate_vibration import held_plate
 from designcalc.friction_stage.physics.position_loop import (
     INTERFEROMETER,
     PROBE,
@@ -16,6 +14,7 @@ from designcalc.friction_stage.physics.position_loop import (
     position_loop,
     suspension,
 )
+from designcalc.friction_stage.physics.stage_plate import held_plate
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 from designcalc.friction_stage.quantities import quantity_key, stated
 from stagecad.parameters.design import Design

@@ -1,7 +1,6 @@
 """The sensors: LVDT, capacitive probe, interferometer."""
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable
 
-from designcalc.checks.check import CheckFunction, DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import CheckFunction, DesignInputs, FormulaCheck
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.thermal import bow_of_layers, floor_motion
 from designcalc.friction_stage.physics.loads import moved_mass

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from designcalc.checks.check import DesignInputs, remembered
 from designcalc.drive.piezo_stack import stack_heat
 from designcalc.drive.thermal_network import ThermalNetwork
-from designcalc.friction_stage.physics.body import tip_mass
+from designcalc.friction_stage.physics.loads import tip_mass
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, driven_capacitance, speed_frequency
 
 Array = NDArray[np.float64]

@@ -30,11 +30,9 @@ from designcalc.errors.dynamic_budget import (
 )
 from designcalc.errors.sensors import air_index_error, count_size
 from designcalc.errors.thermal import THIRD_OCTAVES
-from designcalc.friction_stage.physics.body import moving_body
-from designcalc.friction_stage.physics.loads import load, moved_mass
+from designcalc.friction_stage.physics.loads import load, moved_mass, moving_body
 from designcalc.friction_stage.physics.pads import pads_stiffness
-from designcalc.friction_stage.physics.plate_vibration import held_plate
-from designcalc.friction_stage.physics.stage_plate import payload_height
+from designcalc.friction_stage.physics.stage_plate import held_plate, payload_height
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, holding_stiffness, tip_noise
 
 Array = NDArray[np.float64]

@@ -3,8 +3,7 @@
 from dataclasses import dataclass, replace
 
 from designcalc.checks.check import DesignInputs, remembered
-from designcalc.drive.magnetic_circuit import MagnetForces, MagnetSection, magnet_forces
-from designcalc.drive.magnetic_teeth import TeethField, teeth_field
+from designcalc.drive.magnetic_teeth import MagnetForces, MagnetSection, TeethField, magnet_forces, teeth_field
 
 CIRCUITS = 2
 """Magnetic circuits: one pocket with its magnet over each of the two bars."""

@@ -17,8 +17,7 @@ from designcalc.drive.piezo_stack import (
     tip_inertia,
 )
 from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
-from designcalc.friction_stage.physics.body import tip_mass
-from designcalc.friction_stage.physics.loads import tip_load
+from designcalc.friction_stage.physics.loads import tip_load, tip_mass
 from stagecad.parameters.mass_properties import BodyMasses
 
 

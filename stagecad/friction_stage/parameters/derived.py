@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from stagecad.parameters.machine import Computed
 
 if TYPE_CHECKING:
-    from stagecad.friction_stage.parameters.machine import Tables
+    from stagecad.friction_stage.design import Tables
     from stagecad.parameters.design import Design
 
 Place = tuple[float, float]

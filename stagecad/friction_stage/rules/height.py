@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
-from stagecad.parameters.rules.registry import ROUNDING, given, length, rule
+from stagecad.parameters.rules import ROUNDING, given, length, rule
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.rules.registry import ROUNDING, given, length, rule, screw_length
+from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.rules.registry import ROUNDING, given, length, rule, screw_length
+from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.rules.registry import given, rule
+from stagecad.parameters.rules import given, rule
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -6,8 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.solids.artefacts.cache_key import sha256
-from stagecad.solids.artefacts.store import Artefact
+from stagecad.solids.artefacts.store import Artefact, sha256
 
 
 class DamagedError(Exception):

@@ -25,7 +25,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.frame import Colour, colour_of
 from stagecad.solids.modelling.kernel import load_kernel, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
-from stagecad.solids.modelling.registry import part_source
+from stagecad.solids.modelling.part import part_source
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -8,7 +8,7 @@ from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.artefacts.part import BuiltPart
-from stagecad.solids.modelling.registry import Instance, construction, count
+from stagecad.solids.modelling.part import Instance, construction, count
 
 HEADINGS = ("item", "part", "description", "part number", "quantity", "material", "mass each [kg]", "mass [kg]")
 

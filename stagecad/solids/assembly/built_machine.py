@@ -19,7 +19,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import (
+from stagecad.solids.modelling.part import (
     ASSEMBLY,
     Instance,
     Position,

@@ -12,7 +12,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import EXPLODED, BuiltMachine, meshes_of, placed_shapes, shapes_of
 from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
 from stagecad.solids.modelling.frame import PlacedShape
-from stagecad.solids.modelling.registry import ASSEMBLY, construction
+from stagecad.solids.modelling.part import ASSEMBLY, construction
 
 PART_SIZE = (900, 650)
 

@@ -8,8 +8,7 @@ import pytest
 
 from designcalc.bearing.fastener import head_pressure
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.checks.check import DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import DesignInputs, FormulaCheck
 from designcalc.checks.run import run_checks
 from designcalc.drive.friction_drive import acceleration_limit, preload_ratio_for, resonance
 from designcalc.drive.height_adjustment import wedge_drive

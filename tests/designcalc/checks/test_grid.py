@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from designcalc.checks.analysis.sweep import combinations, grid_table, read_range, run_points
 from designcalc.checks.run import run_checks
+from designcalc.checks.sweep import combinations, grid_table, read_range, run_points
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 

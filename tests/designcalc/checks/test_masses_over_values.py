@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from designcalc.checks.analysis.masses_over_values import SOLIDS, masses_over
+from designcalc.checks.sweep import SOLIDS, masses_over
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import MassProperties, PartMasses

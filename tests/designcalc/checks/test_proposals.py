@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from designcalc.checks.analysis.proposals import evaluate_proposals
 from designcalc.checks.check import Change, change
+from designcalc.checks.proposals import evaluate_proposals
 from designcalc.checks.run import run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 
 DESIGN = load_design(None, ())
 

@@ -8,7 +8,7 @@ from scipy.integrate import dblquad, quad
 from scipy.optimize import brentq
 from scipy.special import elliprd
 
-from designcalc.contact import hertz, hertz_stress
+from designcalc.contact import hertz
 from designcalc.contact.pulsed import peak_of_mean, pressed_force
 from stagecad.parameters.errors import InputError
 from tests.reference.tables import reference
@@ -33,7 +33,7 @@ def test_peak_shear_agrees_with_johnson(row):
     curvatures = elliprd(0.0, ratio**2, 1.0), elliprd(0.0, 1.0, ratio**2)
     contact = hertz.point_contact(1.0, 0.5 / curvatures[1], np.inf, 1e9, radius_1_minor=0.5 / curvatures[0])
     assert contact.semi_axis_minor / contact.semi_axis_major == pytest.approx(ratio, rel=1e-12)
-    peak = hertz_stress.point_shear_peak(contact, 0.3)
+    peak = hertz.point_shear_peak(contact, 0.3)
     assert peak.depth / contact.semi_axis_minor == pytest.approx(depth, abs=0.01)
     assert peak.shear / contact.peak_pressure == pytest.approx(shear, abs=1.2e-3)
 
@@ -51,9 +51,7 @@ def test_sphere_has_its_closed_form():
 
 
 def test_sphere_yields_first_where_johnson_says():
-    assert 1 / hertz_stress.peak_mises(1.0, 0.3) == pytest.approx(
-        REFERENCE["yield"]["pressure_over_yield_strength"], rel=3e-3
-    )
+    assert 1 / hertz.peak_mises(1.0, 0.3) == pytest.approx(REFERENCE["yield"]["pressure_over_yield_strength"], rel=3e-3)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.999999, 0.5, 0.05])
@@ -75,9 +73,7 @@ def test_axis_stresses_are_those_of_point_loads_summed(ratio, poisson):
         return float(np.sum(force * ((1 - 2 * poisson) * free - stretch)) / (2 * np.pi))
 
     expected = (in_plane(x, y), in_plane(y, x), -float(np.sum(force * 3 * z**3 / (2 * np.pi * distance**5))))
-    np.testing.assert_allclose(
-        hertz_stress.axis_stresses(0.6, ratio, poisson), expected, atol=1.5e-3 if ratio < 0.1 else 2e-5
-    )
+    np.testing.assert_allclose(hertz.axis_stresses(0.6, ratio, poisson), expected, atol=1.5e-3 if ratio < 0.1 else 2e-5)
 
 
 def test_edge_tension_is_that_of_the_free_surface_outside_the_contact():
@@ -91,7 +87,7 @@ def test_edge_tension_is_that_of_the_free_surface_outside_the_contact():
 
     radial, hoop = (move(a + h) - move(a - h)) / (2 * h), move(a) / a
     stress = E / (1 - nu**2) * (radial + nu * hoop)
-    assert float(hertz_stress.edge_tension(contact.peak_pressure, nu)) == pytest.approx(stress, rel=1e-6)
+    assert float(hertz.edge_tension(contact.peak_pressure, nu)) == pytest.approx(stress, rel=1e-6)
 
 
 def test_traction_adds_the_tension_of_cerruti_point_forces():
@@ -120,7 +116,7 @@ def test_traction_adds_the_tension_of_cerruti_point_forces():
     distances = np.array([0.04, 0.01, 0.0025])
     values = np.array([-behind(d) for d in distances])
     edge = np.linalg.solve(np.stack([np.ones(3), np.sqrt(distances), distances], axis=1), values)[0]
-    added = hertz_stress.edge_tension(peak, nu, mu) - hertz_stress.edge_tension(peak, nu)
+    added = hertz.edge_tension(peak, nu, mu) - hertz.edge_tension(peak, nu)
     assert float(added) == pytest.approx(edge, rel=0.02)
     # A nose of 20 mm under 33.2 N, aluminium on aluminium, mu = 0.3: 180 MPa in the body where 32.7 MPa stand without
     # traction, and 905 MPa in a coating of dense alumina, strained alike.
@@ -128,16 +124,16 @@ def test_traction_adds_the_tension_of_cerruti_point_forces():
     still = (1 - 2 * nu) / 3
     assert float(contact.peak_pressure) * still == pytest.approx(32.7e6, rel=2e-3)
     assert float(contact.peak_pressure) * (still + edge) == pytest.approx(179.9e6, rel=0.02)
-    body = float(hertz_stress.edge_tension(contact.peak_pressure, nu, mu))
+    body = float(hertz.edge_tension(contact.peak_pressure, nu, mu))
     assert body == pytest.approx(179.9e6, rel=2e-3)
     assert body * 370e9 / (1 - 0.22**2) / (68.9e9 / (1 - nu**2)) == pytest.approx(905e6, rel=2e-3)
 
 
 def test_slender_ellipse_tends_to_the_line():
     contact = hertz.point_contact(1.0, 1e-3, np.inf, 1e11, radius_1_minor=1e7)
-    peak = hertz_stress.point_shear_peak(contact, 0.3)
+    peak = hertz.point_shear_peak(contact, 0.3)
     line = hertz.line_contact(1.0, 1.0, 1e-3, np.inf, 1e11)
-    line_peak = hertz_stress.line_shear_peak(line)
+    line_peak = hertz.line_shear_peak(line)
     assert peak.depth / contact.semi_axis_minor == pytest.approx(line_peak.depth / line.half_width, rel=1e-3)
     assert peak.shear / contact.peak_pressure == pytest.approx(line_peak.shear / line.peak_pressure, rel=1e-3)
 
@@ -150,7 +146,7 @@ def test_line_contact_balances_load_and_shape():
     assert load == pytest.approx(100.0 / 0.02, rel=1e-8)
     # the elliptic pressure's own curvature: dp/dx field gives p0 = E* b/(2R)
     assert line.peak_pressure == pytest.approx(70e9 * line.half_width / (2 * 0.05), rel=1e-12)
-    peak = hertz_stress.line_shear_peak(line)
+    peak = hertz.line_shear_peak(line)
     assert peak.shear / line.peak_pressure == pytest.approx(0.30028, abs=1e-5)
     assert peak.depth / line.half_width == pytest.approx(0.78615, abs=1e-5)
 

@@ -10,8 +10,7 @@ from scipy.sparse import coo_array, csr_matrix, lil_matrix
 from scipy.sparse.linalg import spsolve
 from scipy.special import jv
 
-from designcalc.drive.magnetic_circuit import MagnetSection, magnet_forces
-from designcalc.drive.magnetic_teeth import MU_0, _bessel_table, ratio_map, teeth_field
+from designcalc.drive.magnetic_teeth import MU_0, MagnetSection, _bessel_table, magnet_forces, ratio_map, teeth_field
 from stagecad.parameters.errors import InputError
 from tests.reference.tables import reference
 

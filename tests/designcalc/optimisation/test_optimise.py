@@ -7,15 +7,14 @@ import pytest
 
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.conflicts import irreducible
-from designcalc.optimisation.evaluation import Evaluator
 from designcalc.optimisation.optimise import optimise, required_checks
-from designcalc.optimisation.search import repair
+from designcalc.optimisation.search import Evaluator, repair
 from designcalc.optimisation.space import free_parameters, read_range, start_point, values_at
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import load_design, variations_of
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 from tests.reference.tables import cases
 
 STROKE, PRESSURE = "piezo stroke of the drive", "tip contact pressure"

@@ -27,8 +27,7 @@ from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
 from drawings.views.view import Cut, Segment, view_box
-from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.bodies import CARRIED
+from stagecad.friction_stage.assembly import CARRIED, assemble
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, shapes_of

@@ -12,7 +12,7 @@ from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_parts
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.interference import stored_interferences
-from stagecad.solids.modelling.registry import CLASH, THREAD
+from stagecad.solids.modelling.part import CLASH, THREAD
 
 STEEL = 7.85e-3
 """Density, g/mm^3."""

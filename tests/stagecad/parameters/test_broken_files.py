@@ -8,8 +8,8 @@ import pytest
 
 from stagecad.parameters.errors import LONGEST, InputError
 from stagecad.parameters.file import packaged_text
+from stagecad.parameters.input_file import load_toml
 from stagecad.parameters.load import design_from_text, load_design
-from stagecad.parameters.toml import load_toml
 from tests.reference.tables import cases
 from workbench.cli import run
 

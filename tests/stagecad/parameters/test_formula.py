@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.formula import FormulaError, Value, parse_formula
 from stagecad.parameters.load import changed_text, design_from_text, diff, load_design
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 from stagecad.parameters.units import DIMENSIONLESS, unit_dimension
 from tests.reference.tables import cases
 

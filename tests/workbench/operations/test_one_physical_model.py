@@ -7,12 +7,12 @@ import pytest
 
 import stagecad.solids.assembly.built_machine
 import workbench.operations.measurement.design_values
-from designcalc.checks.analysis.report import markdown, shown
 from designcalc.checks.check import DesignInputs
+from designcalc.checks.report import markdown, shown
 from designcalc.checks.run import run_checks
-from designcalc.friction_stage.physics.assembly_values import assembly_values
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
+from designcalc.friction_stage.subjects import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from designcalc.checks.analysis.report import counted
+from designcalc.checks.report import counted
 from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options, design_trust, whole_number

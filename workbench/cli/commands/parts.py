@@ -2,7 +2,7 @@
 
 import click
 
-from stagecad.solids.modelling.registry import CLASH
+from stagecad.solids.modelling.part import CLASH
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options, design_trust
 from workbench.operations.parts import parts

@@ -14,7 +14,7 @@ from designcalc.bearing.way_profile import Surface, carried_height, synthetic_pr
 from designcalc.checks.check import DesignInputs
 from designcalc.drive.suspension import dipole_hessian
 from designcalc.friction_stage.checks.alternatives import ranking
-from designcalc.friction_stage.checks.bearing.smoothness import spot
+from designcalc.friction_stage.checks.smoothness import spot
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from designcalc.bearing.bolted_rail import Rail as RailModel
 from designcalc.bearing.bolted_rail import joint_stiffness, total_stiffness
 from designcalc.checks.check import DesignInputs
-from designcalc.contact import hertz, hertz_stress
+from designcalc.contact import hertz
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from stagecad.parameters.units import as_json
@@ -39,15 +39,15 @@ class Hertz:
             radii = (self.radius_1, self.radius_2, modulus, self.radius_1_minor, self.radius_2_minor)
             contact = hertz.point_contact(self.load, *radii)
             # Each body has its own stresses; the result is the larger of the two.
-            peaks = [hertz_stress.point_shear_peak(contact, ratio) for ratio in ratios]
+            peaks = [hertz.point_shear_peak(contact, ratio) for ratio in ratios]
             peak = max(peaks, key=lambda p: float(p.shear))
             major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
             approach, stiffness = as_json(float(contact.approach), "m"), as_json(float(contact.stiffness), "N/m")
             secant = as_json(float(contact.secant_stiffness), "N/m")
-            tension = max(float(hertz_stress.edge_tension(pressure, nu, self.friction)) for nu in ratios)
+            tension = max(float(hertz.edge_tension(pressure, nu, self.friction)) for nu in ratios)
         else:
             line = hertz.line_contact(self.load, self.length, self.radius_1, self.radius_2, modulus)
-            peak = hertz_stress.line_shear_peak(line)
+            peak = hertz.line_shear_peak(line)
             major, minor, pressure = self.length / 2, line.half_width, line.peak_pressure
             # In two dimensions they depend on how far away the approach is measured.
             approach = stiffness = secant = None
@@ -55,7 +55,7 @@ class Hertz:
         # A line is an ellipse without end.
         ratio = 1e-4 if self.length is not None else float(minor / major)
         strengths = zip((self.strength_1, self.strength_2), ratios, strict=True)
-        first = min(strength / float(hertz_stress.peak_mises(ratio, nu)) for strength, nu in strengths)
+        first = min(strength / float(hertz.peak_mises(ratio, nu)) for strength, nu in strengths)
         return {
             **quantities(semi_axis_major=(major, "m"), semi_axis_minor=(minor, "m"), peak_pressure=(pressure, "Pa")),
             "approach": approach,

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from designcalc.checks.check import DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import DesignInputs, FormulaCheck
 from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json, parse_quantity

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from designcalc.checks.analysis.report import dynamic_document
 from designcalc.checks.check import DesignInputs
+from designcalc.checks.report import dynamic_document
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.sensors import abbe_error, cosine_error, lag_error
 from designcalc.errors.thermal import bow_of_layers, differential_growth, floor_motion

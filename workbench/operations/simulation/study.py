@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from designcalc.checks.analysis.sweep import Range, read_range
+from designcalc.checks.sweep import Range, read_range
 from designcalc.errors.monte_carlo import Distribution, UncertainParameter, strongest_correlation, uncertain_parameters
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from designcalc.checks.analysis.proposals import evaluate_proposals
-from designcalc.checks.analysis.report import corrections, markdown, requirements
-from designcalc.checks.analysis.sweep import changing_checks, combinations, read_range, run_points, table
-from designcalc.checks.analysis.tolerance import tolerance_study
 from designcalc.checks.check import Change, Check, Comparison, DesignInputs
+from designcalc.checks.proposals import evaluate_proposals
+from designcalc.checks.report import corrections, markdown, requirements
 from designcalc.checks.run import changed_masses, run_checks
+from designcalc.checks.sweep import changing_checks, combinations, read_range, run_points, table
+from designcalc.checks.tolerance import tolerance_study
 from designcalc.friction_stage.checks.alternatives import ranking
 from designcalc.friction_stage.checks.budget import budgets
 from designcalc.friction_stage.subjects import SUBJECTS

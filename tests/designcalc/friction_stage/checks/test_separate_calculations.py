@@ -11,7 +11,7 @@ import pytest
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
-from designcalc.contact.hertz_stress import peak_mises
+from designcalc.contact.hertz import peak_mises
 from designcalc.friction_stage.checks.contact import coating
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.pads import rail

@@ -10,17 +10,21 @@ from designcalc.checks.run import run_checks
 from designcalc.contact.pulsed import peak_of_mean, pressed_force, pulse_harmonics
 from designcalc.errors.dynamic_budget import base_response
 from designcalc.friction_stage.physics.loads import tip_load
-from designcalc.friction_stage.physics.plate_vibration import (
+from designcalc.friction_stage.physics.position_loop import dynamic_budget
+from designcalc.friction_stage.physics.stage_plate import (
+    TIP,
     HeldPlate,
     Shaken,
     above_tip,
     at_payload,
     compliance,
     driven_modes,
+    give_at_tip,
     held_plate,
+    payload_height,
+    payload_places,
+    stage_plate,
 )
-from designcalc.friction_stage.physics.position_loop import dynamic_budget
-from designcalc.friction_stage.physics.stage_plate import TIP, give_at_tip, payload_height, payload_places, stage_plate
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, contact_stiffness, stack_stiffness, usable_ellipse
 from stagecad.parameters.load import load_design
 

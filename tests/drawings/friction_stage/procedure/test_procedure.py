@@ -9,13 +9,13 @@ import pytest
 from drawings.friction_stage.procedure.figures import CALCULATED, ProcedureValues
 from drawings.friction_stage.procedure.steps import step_templates
 from drawings.friction_stage.sheets import Procedure, procedure
-from stagecad.friction_stage.assembly.bodies import accessories
+from stagecad.friction_stage.assembly import accessories
 from stagecad.friction_stage.construction import MADE
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.modelling.registry import part_names
+from stagecad.solids.modelling.part import part_names
 from tests.reference.tables import cases
 
 QUANTITIES = {

@@ -5,7 +5,7 @@ import pytest
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
-from stagecad.parameters.rules.registry import all_rules, violations
+from stagecad.parameters.rules import all_rules, violations
 from tests.reference.tables import cases
 
 BREAKS = cases("broken_rules", "breaks")

@@ -14,11 +14,8 @@ from typing import Any
 import pytest
 
 from stagecad.parameters.tracking import TrackedDesign, path_text
-from stagecad.solids.artefacts import cache_key
 from stagecad.solids.artefacts import store as store_module
-from stagecad.solids.artefacts.cache_key import ROOT, _file, _names
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.artefacts.stored_object import FILE, stored_object
+from stagecad.solids.artefacts.store import FILE, ROOT, Artefact, ArtefactStore, _file, _names, stored_object
 
 MODULES = ("stagecad.solids.modelling.frame",)
 
@@ -145,7 +142,7 @@ def test_name_dependencies_and_versions_count(store: ArtefactStore, monkeypatch:
     store.make("part", Plan(), MODULES, maker)
     assert store.find("part", Plan(), MODULES, depends=["another"]) is None
     assert store.find("whole", Plan(), MODULES) is None
-    monkeypatch.setattr(cache_key, "versions", lambda packages: {"cadquery": "99"})
+    monkeypatch.setattr(store_module, "versions", lambda packages: {"cadquery": "99"})
     assert store.find("part", Plan(), MODULES) is None
 
 
@@ -157,12 +154,12 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
     (package / "holes.py").write_text("import stagecad.tables\n")
     (package / "tables.py").write_text("SIZE = 1\n")
     (package / "unrelated.py").write_text("SIZE = 1\n")
-    monkeypatch.setattr(cache_key, "ROOT", tmp_path)
+    monkeypatch.setattr(store_module, "ROOT", tmp_path)
 
     def digest() -> str:
-        for function in (cache_key._file, cache_key._imported, cache_key.source_digest):
+        for function in (store_module._file, store_module._imported, store_module.source_digest):
             function.cache_clear()
-        return cache_key.source_digest(("stagecad.part",))
+        return store_module.source_digest(("stagecad.part",))
 
     before = digest()
     (package / "unrelated.py").write_text("SIZE = 2\n")
@@ -170,7 +167,7 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
     (package / "tables.py").write_text("SIZE = 2\n")
     assert digest() != before
     monkeypatch.undo()
-    for function in (cache_key._file, cache_key._imported, cache_key.source_digest):
+    for function in (store_module._file, store_module._imported, store_module.source_digest):
         function.cache_clear()
 
 
@@ -352,7 +349,7 @@ def test_damaged_is_computed_again(tmp_path: Path) -> None:
 
 
 def test_a_store_that_does_not_keep_what_is_written_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stagecad.solids.artefacts.stored_object.sha256", lambda data: "another")
+    monkeypatch.setattr("stagecad.solids.artefacts.store.sha256", lambda data: "another")
     with pytest.raises(OSError, match="does not keep"):
         lengths(ArtefactStore(tmp_path), Plate(), [])
 

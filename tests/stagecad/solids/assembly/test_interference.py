@@ -10,10 +10,18 @@ from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly import interference
 from stagecad.solids.assembly.built_machine import BuiltMachine
-from stagecad.solids.assembly.interference import Interference, build_interferences, clashes, find_interferences
-from stagecad.solids.assembly.pair_measurement import common_volume, common_volumes, least_distance, relative_frame
+from stagecad.solids.assembly.interference import (
+    Interference,
+    build_interferences,
+    clashes,
+    common_volume,
+    common_volumes,
+    find_interferences,
+    least_distance,
+    relative_frame,
+)
 from stagecad.solids.modelling.frame import Frame
-from stagecad.solids.modelling.registry import construction
+from stagecad.solids.modelling.part import construction
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from scipy.special import ndtr
 
-from stagecad.solids.export import rasteriser
+from stagecad.solids.export import render
 from stagecad.solids.export.render import picture
 from stagecad.solids.export.tessellation import Mesh, mesh_of
 from stagecad.solids.modelling.frame import IDENTITY, Frame, PlacedShape
@@ -101,7 +101,7 @@ def test_a_wide_blur_is_that_of_the_full_resolution(sigma: float) -> None:
     # A step of 1: its exact blur is the normal distribution of the distance.
     values = np.zeros((301, 407), dtype=np.float32)
     values[:, 200:] = 1.0
-    blurred = rasteriser._blurred(values, sigma)
+    blurred = render._blurred(values, sigma)
     assert blurred.shape == values.shape
     expected = ndtr((np.arange(407) - 199.5) / sigma)
     assert np.abs(blurred - expected).max() < 0.015

@@ -4,10 +4,8 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, show
-from designcalc.friction_stage.physics.body import bare_stage
-from designcalc.friction_stage.physics.loads import gravity, load
-from designcalc.friction_stage.physics.plate_vibration import driven_modes
-from designcalc.friction_stage.physics.stage_plate import give_at_tip, give_of_pads_at_tip, sag
+from designcalc.friction_stage.physics.loads import bare_stage, gravity, load
+from designcalc.friction_stage.physics.stage_plate import driven_modes, give_at_tip, give_of_pads_at_tip, sag
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design

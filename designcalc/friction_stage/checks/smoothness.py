@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
-from designcalc.checks.check import Check, CheckFunction, DesignInputs
-from designcalc.checks.formula_check import FormulaCheck
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck
 from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_positions
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from designcalc.checks.check import Check
 from designcalc.checks.run import changed_masses, run_checks, subject_names, subjects_of
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -8,7 +8,7 @@ from designcalc.checks.run import changed_masses, run_checks
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.rules import violations
 
 _NAMED = 2
 """Largest number of checks that are named among those that a change makes fail."""

@@ -7,7 +7,7 @@ from designcalc.bearing.fastener import cone_compliance, screw_waves
 from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.friction_stage.physics.loads import moved_mass
 from designcalc.friction_stage.physics.pads import rail
-from designcalc.friction_stage.physics.plate_vibration import at_feet
+from designcalc.friction_stage.physics.stage_plate import at_feet
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.friction_stage.assembly.assemble import assemble
-from stagecad.friction_stage.assembly.bodies import measures as measured
+from stagecad.friction_stage.assembly import assemble
+from stagecad.friction_stage.assembly import measures as measured
 from stagecad.friction_stage.construction import MADE, OF_END_STOPS, OF_TEETH
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
@@ -18,7 +18,7 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, body_masses, build_machine, find_machine
 from stagecad.solids.modelling.frame import Frame, add, mate, scaled
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import Instance, count, part_names
+from stagecad.solids.modelling.part import Instance, count, part_names
 
 
 def by_name(instances: tuple[Instance, ...]) -> dict[str, Instance]:
