@@ -23,15 +23,14 @@ from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from sim.effects.catalogue import compose
 from sim.experiments.friction_models import Friction
 from sim.experiments.limit_cycles import cycle
-from sim.friction_stage.bending_modes import BENDING_MODES
-from sim.friction_stage.stage_machine import driven_alone, flexible_machine
+from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, flexible_machine
 from sim.integration import drive
 from sim.integration.simulate import simulate
 from sim.stage.constants import STEP
+from sim.stage.drive_setting import ellipse_wave, step_times, two_piezo_ellipse
 from sim.stage.machine import StageMachine
 from sim.stage.run import drive_stage
 from sim.stage.statics import over_drive_surface
-from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.load import load_design
 from stagecad.solids.assembly.built_machine import body_masses
 

@@ -17,9 +17,9 @@ from drawings.annotations.annotation import (
     FeatureControlFrame,
     LinearDimension,
     RadialDimension,
+    Text,
 )
 from drawings.annotations.annotation_geometry import label_primitives, note_primitives, text_box
-from drawings.annotations.primitives import Text
 from drawings.placement.conflicts import (
     LINE_CLEARANCE,
     Footprint,
@@ -30,9 +30,8 @@ from drawings.placement.conflicts import (
     primitive_lines,
     view_lines,
 )
-from drawings.sheets.frame import drawing_space, frame
+from drawings.sheets.frame import drawing_space, frame, revision_box, title_box, title_primitives
 from drawings.sheets.sheet import Sheet
-from drawings.sheets.title_block import revision_box, title_box, title_primitives
 from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_box, line_meets_box
 from drawings.views.view import Box2, Point2, View, enclosing_box
 

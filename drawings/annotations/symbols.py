@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple, get_args
 
-from drawings.annotations.annotation import Symbol
-from drawings.annotations.primitives import (
+from drawings.annotations.annotation import (
     TEXT_HEIGHT,
     ArcStroke,
     FilledPolygon,
     Primitive,
     Stroke,
+    Symbol,
     Text,
     rectangle,
     text_width,

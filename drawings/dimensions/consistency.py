@@ -4,9 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from drawings.dimensions.levels import NEAR, SQUARE
+from drawings.dimensions.levels import NEAR, SQUARE, like_edges
 from drawings.dimensions.round_sections import sections_of
-from drawings.dimensions.small_edges import like_edges
 from drawings.views.view import dot
 from stagecad.parameters.dimension import (
     FORM,

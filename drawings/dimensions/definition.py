@@ -14,9 +14,18 @@ from functools import partial
 from typing import Any
 
 from drawings.dimensions.consistency import contradictions, is_on, parallel
-from drawings.dimensions.levels import NEAR, SQUARE, Levels
+from drawings.dimensions.levels import (
+    AXES,
+    NEAR,
+    SQUARE,
+    Levels,
+    along_of,
+    corners,
+    is_fillet,
+    like_edges,
+    outward_normal,
+)
 from drawings.dimensions.round_sections import sections_of
-from drawings.dimensions.small_edges import AXES, along_of, corners, is_fillet, like_edges, outward_normal
 from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point, SurfaceTexture

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from drawings.dimensions.small_edges import AXES, NEAR, along_of
+from drawings.dimensions.levels import AXES, NEAR, along_of
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.verification import Surface
 

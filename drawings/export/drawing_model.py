@@ -5,22 +5,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension, RadialDimension
-from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives
-from drawings.annotations.primitives import (
+from drawings.annotations.annotation import (
     LAYERS,
+    AngularDimension,
     ArcStroke,
     FilledPolygon,
+    LinearDimension,
     LineStyle,
+    MeasuredDimension,
     Primitive,
+    RadialDimension,
     Stroke,
     Text,
     printed,
     text_width,
 )
-from drawings.sheets.frame import PAPERS, Paper, frame
+from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives
+from drawings.sheets.frame import PAPERS, Paper, frame, title_primitives
 from drawings.sheets.sheet import Sheet
-from drawings.sheets.title_block import title_primitives
 from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Segment, View
 
 SHORT_CHAIN = 12.0

@@ -4,24 +4,235 @@ Model space holds the views in their positions on the paper, at the part's true 
 at p / scale there, and views of another scale are moved sideways. So a shop can measure the part in the file, and each
 DIMENSION measures its value. The block of a dimension is written from the primitives of the sheet, so that it looks
 the same in every program.
+
+A DIMENSION entity has its measured points, its text with `<>` in place of the number, and a block with its primitives.
+A program that opens the file measures the number itself; the block has the text where the layout put it.
 """
 
 import io
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ezdxf._options import options
 from ezdxf.document import Drawing
+from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new, readfile
 from ezdxf.math import Matrix44
 
+from drawings.annotations.annotation import (
+    FONT,
+    LAYERS,
+    LINE_TYPES,
+    TEXT_HEIGHT,
+    TEXT_STYLE,
+    WIDTH_FACTOR,
+    AngularDimension,
+    ArcStroke,
+    FilledPolygon,
+    LinearDimension,
+    LineType,
+    MeasuredDimension,
+    Primitive,
+    SheetLayer,
+    Stroke,
+    Text,
+)
 from drawings.annotations.annotation_geometry import primitive_box
-from drawings.annotations.primitives import FONT, LAYERS, LINE_TYPES, TEXT_STYLE, WIDTH_FACTOR, LineType, SheetLayer
-from drawings.export.drawing_model import DrawingModel
-from drawings.export.dxf_entities import ON_PAPER, ModelMapping, add_dimension, add_primitive
-from drawings.views.view import Box2, enclosing_box
+from drawings.annotations.symbols import unframed
+from drawings.export.drawing_model import DrawingModel, PrimitiveGroup
+from drawings.sheets.sheet import scale_text
+from drawings.views.view import Arc, Box2, Point2, View, enclosing_box
+
+_ALIGNMENTS = {
+    "left": TextEntityAlignment.LEFT,
+    "middle": TextEntityAlignment.CENTER,
+    "right": TextEntityAlignment.RIGHT,
+}
+_DECIMALS = 9
+"""Decimals of lengths in model space, mm: rounding errors of scaling to paper and back are removed."""
+
+
+@dataclass(frozen=True)
+class ModelMapping:
+    """Mapping from paper to model space: (x, y) is at ((x + shift) / scale, y / scale)."""
+
+    scale: float = 1.0
+    shift: float = 0.0
+
+    def __call__(self, point: Point2) -> Point2:
+        return ((point[0] + self.shift) / self.scale, point[1] / self.scale)
+
+
+ON_PAPER = ModelMapping()
+
+
+def dxf_text(text: str) -> str:
+    """Text with the codes of DXF for the signs that not every font has."""
+    return text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
+
+
+def add_primitive(layout: Any, primitive: Primitive, mapping: ModelMapping) -> None:
+    """Add a primitive to a layout or block."""
+    match primitive:
+        case Stroke(points):
+            attributes = _attributes(primitive, mapping)
+            if len(points) == 2:
+                layout.add_line(mapping(points[0]), mapping(points[1]), dxfattribs=attributes)
+            else:
+                layout.add_lwpolyline(list(map(mapping, points)), dxfattribs=attributes)
+        case ArcStroke(arc):
+            _add_arc(layout, arc, mapping, _attributes(primitive, mapping))
+        case FilledPolygon(points):
+            _add_polygon(layout, list(map(mapping, points)), primitive.layer)
+        case Text():
+            height = round(primitive.height / mapping.scale, _DECIMALS)
+            attributes = {"layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR}
+            entity = layout.add_text(
+                dxf_text(primitive.text), height=height, rotation=primitive.angle, dxfattribs=attributes
+            )
+            entity.set_placement(mapping(primitive.at), align=_ALIGNMENTS[primitive.alignment])
+
+
+def _attributes(primitive: Stroke | ArcStroke, mapping: ModelMapping) -> dict[str, Any]:
+    """Layer, and what is not that of the layer: line type, weight, and the scale of the line type in model space."""
+    attributes: dict[str, Any] = {"layer": primitive.layer}
+    own, style = LAYERS[primitive.layer], primitive.style or LAYERS[primitive.layer]
+    if style.line_type != own.line_type:
+        attributes["linetype"] = style.line_type
+    if style.weight != own.weight:
+        attributes["lineweight"] = round(100 * style.weight)
+    if style.line_type != "CONTINUOUS":
+        attributes["ltscale"] = 1.0 / mapping.scale
+    return attributes
+
+
+def _add_arc(layout: Any, arc: Arc, mapping: ModelMapping, attributes: dict[str, Any]) -> None:
+    centre, radius = mapping(arc.centre), round(arc.radius / mapping.scale, _DECIMALS)
+    if arc.end_angle - arc.start_angle > 359.999:
+        layout.add_circle(centre, radius, dxfattribs=attributes)
+    else:
+        layout.add_arc(centre, radius, arc.start_angle, arc.end_angle, dxfattribs=attributes)
+
+
+def _add_polygon(layout: Any, points: list[Point2], layer: str) -> None:
+    if len(points) <= 4:
+        # A SOLID runs through its corners crosswise.
+        layout.add_solid([*points[:2], *reversed(points[2:])], dxfattribs={"layer": layer})
+    else:
+        layout.add_hatch(dxfattribs={"layer": layer}).paths.add_polyline_path(points)
+
+
+def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> None:
+    """Add the DIMENSION of a group with its block, in the dimension style of its scale and decimals."""
+    d, view = group.dimension, group.view
+    if d is None or view is None:
+        raise ValueError("the group shows no dimension")
+    block = doc.blocks.new_anonymous_block(type_char="D")
+    for primitive in group.primitives:
+        add_primitive(block, primitive, mapping)
+    text, decimals = measured_text(d)
+    attributes: dict[str, Any] = {
+        "layer": "DIMENSION",
+        "geometry": block.name,
+        "dimstyle": _dimension_style(doc, mapping.scale, decimals, "{box:" in d.text),
+        "text": dxf_text(text),
+        "attachment_point": 5,
+    }
+    first = next((primitive for primitive in group.primitives if isinstance(primitive, Text)), None)
+    if first:
+        middle = d.text_at if isinstance(d, LinearDimension) and d.text_at else _middle(first)
+        attributes["text_midpoint"] = (*mapping(middle), 0.0)
+    for name, value in _definition(d, view).items():
+        attributes[name] = (*mapping(value), 0.0) if isinstance(value, tuple) else value
+    entity = doc.modelspace().new_entity("DIMENSION", attributes)
+    angular = isinstance(d, AngularDimension)
+    entity.dxf.actual_measurement = math.radians(d.measured) if angular else entity.get_measurement()
+
+
+def _definition(d: MeasuredDimension, view: View) -> dict[str, Any]:
+    """Type and definition points of a DIMENSION, points on paper."""
+    # 32: the block belongs to this dimension alone; 128: the position of the text is user-defined.
+    own = 32 | 128
+    if isinstance(d, LinearDimension):
+        return {
+            "dimtype": 0 | own,
+            "defpoint": _foot(d, view),
+            "defpoint2": view.to_paper(d.first),
+            "defpoint3": view.to_paper(d.second),
+            "angle": d.angle,
+        }
+    if isinstance(d, AngularDimension):
+        return {
+            "dimtype": 5 | own,
+            "defpoint": d.arc_at,
+            "defpoint2": view.to_paper(d.first),
+            "defpoint3": view.to_paper(d.second),
+            "defpoint4": view.to_paper(d.vertex),
+        }
+    (u, v), angle = d.centre, math.radians(d.towards)
+    x, y = d.radius * math.cos(angle), d.radius * math.sin(angle)
+    diameter = d.kind == "diameter"
+    return {
+        "dimtype": (3 if diameter else 4) | own,
+        "defpoint": view.to_paper((u - x, v - y) if diameter else d.centre),
+        "defpoint4": view.to_paper((u + x, v + y)),
+    }
+
+
+def measured_text(d: MeasuredDimension) -> tuple[str, int]:
+    """A dimension's text with `<>` in place of the measured number, and the number's decimals."""
+    words = unframed(d.text)
+    for decimals in range(4, -1, -1):
+        number = f"{d.measured:.{decimals}f}"
+        start = words.find(number)
+        while start >= 0:
+            end = start + len(number)
+            # The number of equal features (`3x`) is not the measured number.
+            if not words[start - 1 : start].isdigit() and words[end : end + 1] not in tuple("0123456789x"):
+                return f"{words[:start]}<>{words[end:]}", decimals
+            start = words.find(number, start + 1)
+    raise ValueError(f"dimension {', '.join(d.names)} has the text '{d.text}', but measures {d.measured:.4f}")
+
+
+def _middle(text: Text) -> Point2:
+    """Middle of a centred text."""
+    angle = math.radians(text.angle)
+    return (text.at[0] - math.sin(angle) * text.height / 2, text.at[1] + math.cos(angle) * text.height / 2)
+
+
+def _foot(d: LinearDimension, view: View) -> Point2:
+    """Intersection of the second point's extension line and the dimension line."""
+    angle = math.radians(d.angle)
+    u = (math.cos(angle), math.sin(angle))
+    point = view.to_paper(d.second)
+    along = (point[0] - d.line_at[0]) * u[0] + (point[1] - d.line_at[1]) * u[1]
+    return (d.line_at[0] + along * u[0], d.line_at[1] + along * u[1])
+
+
+def _dimension_style(doc: Any, scale: float, decimals: int, framed: bool) -> str:
+    """Name of the dimension style for a scale, a number of decimals, and a frame; added when it is not there."""
+    name = f"{scale_text(scale).replace(':', '-')} {decimals} decimals"
+    name += ", framed" if framed else ""
+    if name not in doc.dimstyles:
+        # A negative distance frames the text.
+        lines = {"dimscale": 1.0 / scale, "dimasz": 3.0, "dimexe": 2.0, "dimexo": 1.0}
+        text = {
+            "dimtxt": TEXT_HEIGHT,
+            "dimtxsty": TEXT_STYLE,
+            "dimgap": -1.0 if framed else 1.0,
+            "dimdsep": ord("."),
+            "dimlunit": 2,
+        }
+        places = {"dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtofl": 1, "dimtmove": 2}
+        # All trailing zeros are kept, since decimals are the tolerance class.
+        zeros = {"dimdec": decimals, "dimzin": 0, "dimadec": decimals, "dimazin": 0}
+        doc.dimstyles.new(name, dxfattribs={**lines, **text, **places, **zeros})
+    return name
+
 
 COLOURS: dict[SheetLayer, int] = {
     "VISIBLE": 7,

@@ -1,27 +1,196 @@
-"""Sheets of the friction stage: plans of its parts, views of the whole, procedure."""
+"""Sheets of the friction stage: plans of its parts, views of the whole, procedure.
+
+Scales of the thesis: tip and holder 1:1, stage 1:2, bearing way 1:4. The pins are drawn at 2:1. The base is on three
+sheets at 1:2, as its holes cannot be read at the 1:5 and 0.35 of the thesis, with detail X at 1:1. Small parts that the
+thesis does not draw have a standard scale. Where a view is too small for its dimensions, there is a section or detail
+at a larger scale.
+"""
 
 from __future__ import annotations
 
+import math
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from drawings.friction_stage.procedure.figures import ProcedureValues, figures_of
-from drawings.friction_stage.procedure.steps import step_templates
-from drawings.friction_stage.sheet_plans import sheet_plans
+from drawings.friction_stage.procedure import ProcedureValues, figures_of, step_templates
 from drawings.pictures.machine import MachineViews
-from drawings.sheets.plans import Sheets
+from drawings.sheets.plans import SheetPlan, Sheets, ViewPlan
 from drawings.sheets.procedure import PartUse, Procedure, Step
 from drawings.views.view import Cut
 from stagecad.friction_stage.assembly import CARRIED, MOVING
 from stagecad.friction_stage.construction import CAP_SCREWS
+from stagecad.friction_stage.parameters.derived import Derived
+from stagecad.friction_stage.parts.base_clamp import clamps
+from stagecad.parameters.dimension import Point
 from stagecad.solids.assembly.bill_of_materials import Row
 
 if TYPE_CHECKING:
     from drawings.sheets.procedure import Procedure
     from stagecad.solids.artefacts.part import BuiltPart
-    from stagecad.solids.assembly.bill_of_materials import Row
     from stagecad.solids.modelling.part import Instance
+
+
+def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:
+    """The sheets of a part, in order; none for one without a plan."""
+    return _PLANS[part](design) if part in _PLANS else ()
+
+
+TOP = ViewPlan("top", "top")
+FRONT = ViewPlan("front", "front", "top")
+RIGHT = ViewPlan("right", "right", "front")
+BOTTOM = ViewPlan("bottom", "bottom", "front")
+LEFT = ViewPlan("left", "left", "front")
+ISO = ViewPlan("iso", "iso")
+
+_BASE_1 = (
+    "length",
+    "width",
+    "height",
+    "edge chamfer",
+    "way ",
+    "seat ",
+    "hole chamfer",
+    "setting-pin",
+    "pocket",
+    "lead channel",
+    "left side",
+    "lifting",
+    "bracket",
+    "tooth bar",
+)
+"""Declarations of the base's first sheet."""
+
+
+def _section(letter: str, projection: str, at: Point, aligned_with: str, scale: float | None = None) -> ViewPlan:
+    normals = {"front": (0.0, -1.0, 0.0), "right": (1.0, 0.0, 0.0), "top": (0.0, 0.0, 1.0), "left": (-1.0, 0.0, 0.0)}
+    return ViewPlan(
+        f"section {letter}-{letter}", projection, aligned_with, cut=Cut(at, normals[projection], letter), scale=scale
+    )
+
+
+def _detail(letter: str, projection: str, at: Point, radius: float, scale: float) -> ViewPlan:
+    return ViewPlan(f"detail {letter}", projection, detail=(at, radius), letter=letter, scale=scale)
+
+
+def _tip(design: Any) -> tuple[SheetPlan, ...]:
+    views = (TOP, FRONT, BOTTOM, _section("A", "right", (0.0, 0.0, 0.0), "front"), ISO)
+    return (SheetPlan("tip", ("A3", "A2"), 1.0, views),)
+
+
+def _holder(design: Any) -> tuple[SheetPlan, ...]:
+    views = (TOP, FRONT, _section("A", "right", (0.0, 0.0, 0.0), "front"), ViewPlan("back", "back", "front"), ISO)
+    return (SheetPlan("holder", ("A3", "A2"), 1.0, views),)
+
+
+def _stage(design: Any) -> tuple[SheetPlan, ...]:
+    sea, (_, y) = design.sea, Derived(design).pad_places[0]
+    reach = design.pads.width / 2 + 3.0
+    edge = sea.width / 2 + sea.groove_width / 2
+    groove = _detail("Y", "right", (0.0, edge, 0.0), 2.0 * max(sea.groove_width, sea.groove_depth), 5.0)
+    grooves = () if sea.whole_underside else (groove,)
+    views = (
+        ViewPlan("top", "top", symmetry="uv"),
+        _section("A", "right", (0.0, 0.0, 0.0), "front"),
+        FRONT,
+        RIGHT,
+        ViewPlan("bottom", "bottom", "front", symmetry="uv"),
+        _detail("X", "right", (0.0, y, -design.pads.height / 2), reach, 2.0),
+        *grooves,
+        ViewPlan("iso", "iso", scale=0.25),
+    )
+    return (SheetPlan("stage", ("A2", "A1"), 0.5, views),)
+
+
+def _bearing_way(design: Any) -> tuple[SheetPlan, ...]:
+    way = design.bearing_way
+    first = -(way.bolt_count - 1) / 2 * way.bolt_spacing
+    views = (ViewPlan("top", "top", symmetry="v"), FRONT, _section("A", "right", (first, 0.0, 0.0), "front", 1.0), ISO)
+    return (SheetPlan("bearing_way", ("A3", "A2"), 0.25, views),)
+
+
+def _base(design: Any) -> tuple[SheetPlan, ...]:
+    base = design.base
+    first, *_ = clamps(design)
+    top = ViewPlan("top", "top", symmetry="uv")
+    one = SheetPlan("base_1", ("A1",), 0.5, (top, FRONT, RIGHT, LEFT, ViewPlan("iso", "iso", scale=0.2)), _BASE_1)
+    # From the axis of the pocket to beyond the far corner of the slot of the lug.
+    finger = (*first.place(first.slot / 2, base.clamp_reach / 2), 0.0)
+    reach = math.hypot(first.slot, base.clamp_reach) / 2 + 10.0
+    two = SheetPlan(
+        "base_2",
+        ("A1",),
+        0.5,
+        (
+            ViewPlan("top", "top", symmetry="u"),
+            ViewPlan("right", "right", "top"),
+            ViewPlan("left", "left", "top"),
+            _section("A", "top", (0.0, 0.0, -base.clamp_screw_depth), ""),
+            _detail("X", "top", finger, reach, 1.0),
+        ),
+        ("clamp",),
+    )
+    three = SheetPlan(
+        "base_3",
+        ("A1",),
+        0.5,
+        (
+            top,
+            _section("A", "front", (0.0, 0.0, 0.0), "top"),
+            ViewPlan("bottom", "bottom", "section A-A", symmetry="uv"),
+        ),
+    )
+    return (one, two, three)
+
+
+def _height_pin(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
+    return lambda design: (SheetPlan(name, ("A3", "A2"), 2.0, _PIN_VIEWS),)
+
+
+_PIN_VIEWS = (
+    ViewPlan("front", "front", hidden=True, symmetry="v"),
+    ViewPlan("top", "top", "front"),
+    ViewPlan("right", "right", "front"),
+    ViewPlan("iso", "iso", scale=1.0),
+)
+
+_SMALL_VIEWS = (
+    ViewPlan("front", "front"),
+    ViewPlan("top", "top", "front"),
+    ViewPlan("right", "right", "front"),
+    ViewPlan("iso", "iso", scale=2.0),
+)
+"""Views of a part that is drawn enlarged."""
+
+
+def _small(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
+    return lambda design: (SheetPlan(name, ("A3", "A2"), 5.0, _SMALL_VIEWS),)
+
+
+def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:
+    views = (ViewPlan("top", "top", symmetry="uv"), FRONT, _section("A", "right", (0.0, 0.0, 0.0), "front", 2.0), ISO)
+    return (SheetPlan("tooth_bar", ("A3", "A2"), 0.5, views),)
+
+
+def _stop_bar(design: Any) -> tuple[SheetPlan, ...]:
+    views = (TOP, FRONT, RIGHT, _section("A", "right", (0.0, 0.0, 0.0), ""), ISO)
+    return (SheetPlan("stop_bar", ("A3", "A2"), 1.0, views),)
+
+
+_PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
+    "tip": _tip,
+    "holder": _holder,
+    "stage": _stage,
+    "bearing_way": _bearing_way,
+    "base": _base,
+    "height_pin_1": _height_pin("height_pin_1"),
+    "height_pin_2": _height_pin("height_pin_2"),
+    "magnet": _small("magnet"),
+    "tooth_iron": _small("tooth_iron"),
+    "tooth_bar": _tooth_bar,
+    "stop_bar": _stop_bar,
+    "sensor_bracket": lambda design: (SheetPlan("sensor_bracket", ("A3", "A2"), 1.0, (TOP, FRONT, RIGHT, ISO)),),
+}
 
 
 def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:

@@ -12,8 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, TOP, Picture, Piece, picture
-from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved, visible_stretches
+from drawings.pictures.picture import (
+    DEFLECTION,
+    EXPLODED,
+    FROM_BELOW,
+    SCALE,
+    TOP,
+    MeshedShape,
+    Picture,
+    Piece,
+    meshed,
+    moved,
+    picture,
+    visible_stretches,
+)
 from drawings.views.section import cut_faces, cut_shape, different_hatches, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point

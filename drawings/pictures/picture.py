@@ -1,18 +1,287 @@
-"""Views of an assembly: pieces in place that hide one another."""
+"""Views of an assembly: pieces in place that hide one another.
+
+A depth buffer (z-buffer) of all triangles shows which faces are in front somewhere. Only these are given to the exact
+hidden-line removal, because its time grows with the number of faces that overlap in projection: without the buffer the
+section of the machine takes 2.4 s instead of 0.5 s, and the command ``drawings assembly`` a quarter longer. A face that
+is nowhere in front hides nothing that is visible.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numba
+import numpy as np
 
 from drawings.views.line_cleaning import cleaned
 from drawings.views.projection import hidden_lines
-from drawings.views.view import Curve, Projection, View
-from stagecad.solids.modelling.frame import Frame
+from drawings.views.view import Curve, Projection, Segment, View
+from stagecad.parameters.dimension import Point
+from stagecad.solids.export.tessellation import Mesh, triangulated
+from stagecad.solids.modelling.frame import UNMOVED, Frame
 
 if TYPE_CHECKING:
-    from drawings.pictures.scene import MeshedShape
+    from OCP.TopoDS import TopoDS_Shape
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+
+PIXELS = 2800
+"""Number of pixels of the depth buffer along its longer side."""
+DEFLECTION, TURN = 0.5, 0.6
+"""Tolerances of the mesher for a shape that has no triangles yet: chord error in mm, angle between facets in rad."""
+FINE = (0.05, 0.3)
+"""The same for the views of a part by itself."""
+
+SHORTEST = 4.0
+"""Length of a visible stretch of a line below which it is left out, mm."""
+
+
+@dataclass(frozen=True)
+class MeshedShape:
+    """A shape, and the triangles of its faces in one array.
+
+    Attributes:
+        shape: in its own coordinates.
+        faces: of the shape, in the order of the kernel.
+        vertices: (n, 3), mm.
+        triangles: (m, 3) indices into `vertices`, counter-clockwise seen from outside.
+        owners: (m,) index of the face of each triangle.
+    """
+
+    shape: TopoDS_Shape
+    faces: tuple[Any, ...]
+    vertices: np.ndarray
+    triangles: np.ndarray
+    owners: np.ndarray
+
+    def placed_vertices(self, frame: Frame) -> np.ndarray:
+        """The vertices (n, 3) of the shape placed by a frame."""
+        return self.vertices @ np.array(frame.rotation).T + frame.shift
+
+
+def scene_of(shapes: Mapping[str, TopoDS_Shape], meshes: Mapping[str, Mesh]) -> dict[str, MeshedShape]:
+    """Shapes with their triangles, by name; a shape without a mesh is meshed here."""
+    return {name: meshed(shape, meshes.get(name)) for name, shape in shapes.items()}
+
+
+@dataclass(frozen=True)
+class DepthBuffer:
+    """Depth and number of the face in front, by pixel.
+
+    Attributes:
+        axes: directions of columns, rows (down) and depth (away from the eye), rows of a matrix (3, 3).
+        low: least coordinates along them, mm; pixel: size, mm.
+        depth: pixels, infinite for none; front: number of the face, -1 for none; (rows, columns).
+    """
+
+    axes: np.ndarray
+    low: np.ndarray
+    pixel: float
+    depth: np.ndarray
+    front: np.ndarray
+
+
+def depth_buffer(
+    pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection, pixels: int = PIXELS
+) -> DepthBuffer:
+    """The depth buffer of placed shapes, faces numbered in their order; `pixels` along its longer side."""
+    # Columns to the right, rows downwards, depth away from the eye.
+    axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
+    first_vertex = np.cumsum([0, *(len(piece.vertices) for piece, _ in pieces)])
+    first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
+    points = np.concatenate([piece.placed_vertices(frame) @ axes.T for piece, frame in pieces])
+    low, high = points.min(axis=0), points.max(axis=0)
+    pixel = float((high - low)[:2].max()) / pixels
+    width, height = (int(np.ceil(extent / pixel)) + 1 for extent in (high - low)[:2])
+    depth, front = np.full((height, width), np.inf, dtype=np.float32), np.full((height, width), -1, dtype=np.int32)
+    points = (points - low) / pixel
+    for (piece, _), vertex, face in zip(pieces, first_vertex, first_face, strict=False):
+        _rasterise(points, piece.triangles + vertex, piece.owners + face, depth, front)
+    return DepthBuffer(axes, low, pixel, depth, front)
+
+
+def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
+    """For each placed shape, a compound of its faces that are in front somewhere; None where there are none."""
+    front = depth_buffer(pieces, projection).front
+    first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
+    visible = np.zeros(first_face[-1], dtype=bool)
+    visible[front[front >= 0]] = True
+    found: list[TopoDS_Shape | None] = []
+    for (piece, frame), begin in zip(pieces, first_face, strict=False):
+        shown = [face for number, face in enumerate(piece.faces, start=begin) if visible[number]]
+        found.append(moved(compound_of(shown), frame) if shown else None)
+    return found
+
+
+PART_PIXELS = 1400
+"""Number of pixels along the longer side of the depth buffer of a single part."""
+EDGE_ON = 1e-6
+"""Cosine between the normal of a triangle and the direction of view up to which it is seen edge-on: rounding errors."""
+
+
+def faces_of_view(shape: MeshedShape, projection: Projection) -> TopoDS_Shape:
+    """The faces of a solid that a view of its visible lines needs, as a compound.
+
+    Left out are faces that are seen from behind or edge-on, since each of their visible edges, or one in front of it,
+    belongs to a face that is seen from the front; and faces that others hide. A face is taken as hidden if it is
+    nowhere in front in the depth buffer, and each vertex and centroid of its triangles is behind all pixels around it.
+    So the strip of a slightly curved face that is narrower than a pixel counts. Not found is a face of which only a
+    stretch between its vertices is visible, through a gap that is narrower than a pixel.
+    """
+    buffer = depth_buffer([(shape, UNMOVED)], projection, PART_PIXELS)
+    corners = ((shape.vertices @ buffer.axes.T - buffer.low) / buffer.pixel)[shape.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # The third axis points away from the eye, and rows count downwards.
+    towards = normals[:, 2] < -EDGE_ON * np.linalg.norm(normals, axis=1)
+    points = np.concatenate([corners[towards], corners[towards].mean(axis=1, keepdims=True)], axis=1)
+    around = np.array([(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)])
+    rows, columns = (
+        np.clip(points[..., axis, None].astype(int) + around[:, step], 0, buffer.depth.shape[step] - 1)
+        for axis, step in ((1, 0), (0, 1))
+    )
+    free = points[..., 2] <= buffer.depth[rows, columns].max(axis=-1)
+    needed = np.zeros(len(shape.faces), dtype=bool)
+    needed[buffer.front[buffer.front >= 0]] = True
+    needed[shape.owners[towards][free.any(axis=1)]] = True
+    return compound_of([face for face, need in zip(shape.faces, needed, strict=True) if need])
+
+
+MANY_FACES = 100
+"""Number of faces of a part up to which hidden-line removal takes less than to find the faces that a view needs."""
+
+
+def faces_of_views(shape: TopoDS_Shape, mesh: Mesh | None) -> Callable[[Projection], TopoDS_Shape]:
+    """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`)."""
+    import cadquery as cq
+
+    if sum(1 for _ in faces_of(shape)) <= MANY_FACES:
+        return lambda projection: shape
+    return partial(faces_of_view, meshed(shape, mesh or triangulated(cq.Shape.cast(shape), *FINE)))
+
+
+def visible_stretches(
+    pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection, lines: Sequence[tuple[Point, Point]]
+) -> list[Segment]:
+    """Stretches of lines in space that no shape hides, longer than `SHORTEST`, in view coordinates.
+
+    Args:
+        pieces: shapes, and where they are placed.
+        projection: direction of view.
+        lines: ends, mm.
+    """
+    buffer = depth_buffer(pieces, projection)
+    found: list[Segment] = []
+    for start, end in np.array(lines, dtype=float).reshape(-1, 2, 3):
+        count = max(2, int(np.linalg.norm(end - start)))
+        along = np.linspace(0.0, 1.0, count + 1)[:, None]
+        points = start + along * (end - start)
+        at = (points @ buffer.axes.T - buffer.low) / buffer.pixel
+        column = np.clip(at[:, 0].astype(int), 0, buffer.depth.shape[1] - 1)
+        row = np.clip(at[:, 1].astype(int), 0, buffer.depth.shape[0] - 1)
+        free = np.concatenate([[False], at[:, 2] < buffer.depth[row, column], [False]])
+        ends = np.flatnonzero(free[1:] != free[:-1]).reshape(-1, 2)
+        for first, last in ends:
+            u, v = (projection.to_view((x, y, z)) for x, y, z in points[[first, last - 1]].tolist())
+            if np.hypot(v[0] - u[0], v[1] - u[1]) > SHORTEST:
+                found.append(Segment(u, v))
+    return found
+
+
+@numba.njit(cache=True)
+def _rasterise(points, triangles, owners, depth, front):  # pragma: no cover - compiled
+    """Draw triangles into a depth buffer.
+
+    Args:
+        points: (n, 3) column, row and depth of the vertices, in pixels.
+        triangles: (m, 3) indices of the vertices.
+        owners: (m,) number of the face of each triangle.
+        depth: (height, width) least depth so far; updated.
+        front: (height, width) number of the face at that depth; updated.
+    """
+    height, width = depth.shape
+    x, y = np.empty(3), np.empty(3)
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        x[0], y[0], za = points[a, 0], points[a, 1], points[a, 2]
+        x[1], y[1], zb = points[b, 0], points[b, 1], points[b, 2]
+        x[2], y[2], zc = points[c, 0], points[c, 1], points[c, 2]
+        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+        if area >= 0.0:
+            # Back face (rows count downwards): the solid is closed, another face hides it.
+            continue
+        first = max(0, int(np.ceil(min(y[0], y[1], y[2]) - 0.5)))
+        last = min(height - 1, int(np.floor(max(y[0], y[1], y[2]) - 0.5)))
+        if first > last:
+            continue
+        along = ((zb - za) * (y[2] - y[0]) - (zc - za) * (y[1] - y[0])) / area
+        down = ((zc - za) * (x[1] - x[0]) - (zb - za) * (x[2] - x[0])) / area
+        for row in range(first, last + 1):
+            middle = row + 0.5
+            left, right = np.inf, -np.inf
+            for side in range(3):
+                other = (side + 1) % 3
+                low, high = y[side], y[other]
+                if low != high and min(low, high) <= middle <= max(low, high):
+                    place = x[side] + (middle - low) * (x[other] - x[side]) / (high - low)
+                    left, right = min(left, place), max(right, place)
+            if left > right:
+                continue
+            begin, end = max(0, int(np.ceil(left - 0.5))), min(width - 1, int(np.floor(right - 0.5)))
+            z = za + (middle - y[0]) * down + (begin + 0.5 - x[0]) * along
+            for column in range(begin, end + 1):
+                if z < depth[row, column]:
+                    depth[row, column] = z
+                    front[row, column] = owners[t]
+                z += along
+
+
+def meshed(shape: TopoDS_Shape, mesh: Mesh | None = None) -> MeshedShape:
+    """A shape with its triangles: of a given mesh, else of the kernel's mesher."""
+    import cadquery as cq
+
+    mesh = mesh or triangulated(cq.Shape.cast(shape), DEFLECTION, TURN)
+    faces = tuple(faces_of(shape))
+    return MeshedShape(shape, faces, mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
+
+
+def compound_of(faces: Sequence[Any]) -> TopoDS_Shape:
+    """A compound of faces."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Compound
+
+    compound = TopoDS_Compound()
+    builder = BRep_Builder()
+    builder.MakeCompound(compound)
+    for face in faces:
+        builder.Add(compound, face)
+    return compound
+
+
+def moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
+    """A shape placed by a frame."""
+    from OCP.TopLoc import TopLoc_Location
+
+    from stagecad.solids.export.step_stl_glb import transformation
+
+    return shape.Moved(TopLoc_Location(transformation(frame)))
+
+
+def faces_of(shape: TopoDS_Shape) -> Iterator[Any]:
+    """Faces of a shape, in the order of the kernel."""
+    from OCP.TopAbs import TopAbs_FACE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    explorer = TopExp_Explorer(shape, TopAbs_FACE)
+    while explorer.More():
+        yield TopoDS.Face_s(explorer.Current())
+        explorer.Next()
+
 
 TOP, SECTION, SIDE_SECTION = "top", "section A-A", "section B-B"
 EXPLODED, FROM_BELOW = "exploded", "from below"
@@ -44,7 +313,6 @@ def picture(
     name: str, projection: Projection, pieces: Sequence[Piece], scale: float = SCALE, *, exact: bool = True
 ) -> Picture:
     """The visible lines of an assembly."""
-    from drawings.pictures.scene import visible_faces
 
     chord = CHORD / scale
     faces = visible_faces([(piece.shape, piece.frame) for piece in pieces], projection)

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from drawings.annotations.annotation import (
+    TEXT_HEIGHT,
     AngularDimension,
     Annotation,
     Callout,
@@ -24,7 +25,6 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.annotations.annotation_geometry import ARROW, BOX, GAP, TARGET, readable
-from drawings.annotations.primitives import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import near_end, places_along
 from drawings.dimensions.specification import (

@@ -11,21 +11,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import (
+    TEXT_HEIGHT,
     AngularDimension,
     Annotation,
+    ArcStroke,
     Callout,
     DatumSymbol,
     DatumTarget,
     DetailMark,
     FeatureControlFrame,
+    FilledPolygon,
     HoleTag,
     LinearDimension,
+    Primitive,
     RadialDimension,
     ReferenceArrow,
     SectionMark,
+    Stroke,
+    Text,
 )
 from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_boxes, text_box
-from drawings.annotations.primitives import TEXT_HEIGHT, ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.annotations.symbols import BOX_RISE, symbol_text_width
 from drawings.dimensions.text import DIAMETER
 from drawings.views.segment_index import (

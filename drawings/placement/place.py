@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import (
+    LARGE_HEIGHT,
     Annotation,
     Callout,
     DetailMark,
@@ -20,7 +21,6 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.annotations.annotation_geometry import callout_boxes
-from drawings.annotations.primitives import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import CLEAR_OF_END
 from drawings.dimensions.specification import (

@@ -6,11 +6,12 @@ ends of a slot; other parts of cylinders are fillets. Millimetres, part coordina
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
+from drawings.dimensions.levels import NEAR, SQUARE, WHOLE, along_of, is_chamfer
 from drawings.dimensions.round_sections import Section, extent, sections_of
-from drawings.dimensions.small_edges import NEAR, SQUARE, WHOLE, along_of, is_chamfer
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
@@ -299,3 +300,53 @@ def tap_drill_of(drill: float) -> str:
     inches = abs(10 * drill - round(10 * drill)) > 1e-3
     usual = (one for one in threads().values() if ("coarse" in one.source or (inches and one.name.startswith("unc"))))
     return next((one.designation for one in usual if abs(one.tap_drill - drill) < (0.1 if inches else 0.01)), "")
+
+
+FACE, AXIS, MOUTH = "face", "axis", "mouth"
+"""Kinds of level: of a face, of the axis of a round feature, of the mouth of a slanting hole, seen in one view only."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A coordinate that must be given: points of the part at which it can be measured, and equal features there."""
+
+    at: float
+    points: tuple[Point, ...]
+    view: str = ""
+    kind: str = FACE
+    of: frozenset[str] = frozenset()
+
+
+def row_of_equal_steps(rows: list[Level]) -> list[Level]:
+    """The longest row of three or more equally spaced levels of equal features."""
+    found: list[Level] = []
+    for feature in sorted({one for row in rows for one in row.of}):
+        equal = [row for row in rows if feature in row.of]
+        steps = [b.at - a.at for a, b in pairwise(equal)]
+        if len(equal) > max(2, len(found)) and max(steps) - min(steps) < NEAR:
+            found = equal
+    return found
+
+
+def centre_of_circle(group: Sequence[Hole], shafts: Iterable[Section]) -> Point | None:
+    """Centre of the circle on which equal holes are equally spaced, about the axis of another round feature."""
+    if len(group) < 3:
+        return None
+    count = len(group)
+    centre: Point = tuple(sum(hole.mouth[n] for hole in group) / count for n in range(3))  # type: ignore[assignment]
+    radii = [math.dist(hole.mouth, centre) for hole in group]
+    if max(radii) - min(radii) > NEAR:
+        return None
+    gaps = sorted(math.dist(group[0].mouth, hole.mouth) for hole in group)
+    expected = sorted(2 * radii[0] * math.sin(math.pi * number / count) for number in range(count))
+    if max(abs(a - b) for a, b in zip(gaps, expected, strict=True)) > NEAR:
+        return None
+    corners = {tuple(round(hole.mouth[n] - centre[n], 2) for n in range(3)) for hole in group}
+    square = count == 4 and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
+    axis_key = group[0].faces[0].axis_key
+    # Corners of a rectangle are dimensioned as such, except within a round outline.
+    around = any(
+        one.face.off_axis(centre) < NEAR and one.face.axis_key[3:] == axis_key[3:] and one.radius > max(radii)
+        for one in shafts
+    )
+    return None if square and not around else centre

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from drawings.dimensions.small_edges import along_of, is_mirrored
+from drawings.dimensions.levels import along_of, is_mirrored
 from drawings.recognition.visible import ProposedDatum
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point

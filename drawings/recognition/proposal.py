@@ -13,9 +13,20 @@ from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.small_edges import AXES, NEAR, along_of, corners, is_fillet, is_mirrored, outward_normal
-from drawings.recognition.features import Features, Hole, features_of, middle_of_face, tap_drill_of
-from drawings.recognition.levels import AXIS, FACE, MOUTH, Level, row_of_equal_steps
+from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet, is_mirrored, outward_normal
+from drawings.recognition.features import (
+    AXIS,
+    FACE,
+    MOUTH,
+    Features,
+    Hole,
+    Level,
+    centre_of_circle,
+    features_of,
+    middle_of_face,
+    row_of_equal_steps,
+    tap_drill_of,
+)
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.visible import (
     PREFERRED,
@@ -118,8 +129,9 @@ class _Builder:
         for number, group in enumerate(groups.values(), start=1):
             head = max(group, key=lambda hole: (round(hole.mouth[1], 6), round(hole.mouth[0], 6)))
             self._callout(f"hole {number}", head, len(group))
-            centre = self._circle(group)
-            if centre:
+            circle = centre_of_circle(group, self.features.shafts)
+            if circle:
+                centre = tidy(circle)
                 self._pitch_circle(f"pitch circle {number}", centre, group)
                 for name, at in self._across(head.into, centre):
                     self._levels[name].append(Level(at, (centre,), self._view_of(head), AXIS))
@@ -220,29 +232,6 @@ class _Builder:
                     if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
                         return at, unit
         return None
-
-    def _circle(self, group: Sequence[Hole]) -> Point | None:
-        """Centre of the circle on which equal holes are equally spaced, about the axis of another round feature."""
-        if len(group) < 3:
-            return None
-        count = len(group)
-        centre: Point = tuple(sum(hole.mouth[n] for hole in group) / count for n in range(3))  # type: ignore[assignment]
-        radii = [math.dist(hole.mouth, centre) for hole in group]
-        if max(radii) - min(radii) > NEAR:
-            return None
-        gaps = sorted(math.dist(group[0].mouth, hole.mouth) for hole in group)
-        expected = sorted(2 * radii[0] * math.sin(math.pi * number / count) for number in range(count))
-        if max(abs(a - b) for a, b in zip(gaps, expected, strict=True)) > NEAR:
-            return None
-        corners = {tuple(round(hole.mouth[n] - centre[n], 2) for n in range(3)) for hole in group}
-        square = count == 4 and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
-        axis_key = group[0].faces[0].axis_key
-        # Corners of a rectangle are dimensioned as such, except within a round outline.
-        around = any(
-            one.face.off_axis(centre) < NEAR and one.face.axis_key[3:] == axis_key[3:] and one.radius > max(radii)
-            for one in self.features.shafts
-        )
-        return None if square and not around else tidy(centre)
 
     def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole]) -> None:
         hole = group[0]

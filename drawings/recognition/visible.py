@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.small_edges import AXES, along_of, outward_normal
+from drawings.dimensions.levels import AXES, along_of, outward_normal
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
 from drawings.views.section import cut_shape

@@ -7,22 +7,25 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from drawings.annotations.annotation import Annotation, Balloon, LinearDimension, Note, SectionMark
-from drawings.annotations.annotation_geometry import ARROW, BALLOON
-from drawings.annotations.primitives import (
+from drawings.annotations.annotation import (
     LARGE_HEIGHT,
     LINE_PITCH,
     SMALL_HEIGHT,
     TEXT_HEIGHT,
+    Annotation,
+    Balloon,
+    LinearDimension,
+    Note,
     Primitive,
+    SectionMark,
     Stroke,
     Text,
     text_width,
 )
+from drawings.annotations.annotation_geometry import ARROW, BALLOON
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
-from drawings.sheets.frame import Paper
+from drawings.sheets.frame import Paper, TitleBlock, title_box
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
-from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.segment_index import enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View, extreme_points, view_box
 from stagecad.parameters.dimension import Point

@@ -8,7 +8,7 @@ front view cut through the origin, `front hidden` one with hidden lines.
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from drawings.dimensions.small_edges import AXES, along_of, outward_normal
+from drawings.dimensions.levels import AXES, along_of, outward_normal
 from drawings.sheets.plans import SheetPlan, ViewPlan
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point

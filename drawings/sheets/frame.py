@@ -1,12 +1,24 @@
-"""The drawing frame with its zones, centring and trimming marks (ISO 5457)."""
+"""The drawing frame with its zones, centring and trimming marks (ISO 5457), and the title block (ISO 7200)."""
 
 import string
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from drawings.annotations.primitives import TEXT_HEIGHT, FilledPolygon, Primitive, Stroke, Text, rectangle
-from drawings.views.view import Box2, Point2
+from drawings.annotations.annotation import (
+    LARGE_HEIGHT,
+    SMALL_HEIGHT,
+    TEXT_HEIGHT,
+    ArcStroke,
+    FilledPolygon,
+    Primitive,
+    Stroke,
+    Text,
+    rectangle,
+    text_width,
+)
+from drawings.views.view import Arc, Box2, Point2
 
 Paper = Literal["A4", "A3", "A2", "A1", "A0"]
 
@@ -90,3 +102,172 @@ def _trimming(width: float, height: float) -> Iterator[Primitive]:
                 yield FilledPolygon(
                     ((x, y), (x + toward_x * a, y), (x + toward_x * a, y + toward_y * b), (x, y + toward_y * b))
                 )
+
+
+WIDTH, HEIGHT = 180.0, 67.0
+BASE_LINE, DESCENT = 1.9, 0.43
+"""Least height of a base line over the lower edge of its cell, mm, and in heights of the text: an underscore stays in
+the cell."""
+REVISION_ROW = 5.0
+"""Height of a row of the revision table, mm."""
+
+
+@dataclass(frozen=True)
+class TitleBlock:
+    """Fields of the title block."""
+
+    title: str  # name of the part or of the sheet
+    supplement: str  # product of the part
+    number: str  # file name of the drawing, `THS_PZT_TIP`
+    material: str  # of the part; empty on an assembly
+    mass: str  # with its unit, `39.1 g`
+    scale: str  # of the main views, `1:2`
+    # sheet, sheets: number of this sheet, and of how many
+    sheet: int
+    sheets: int
+    revision: str  # of the drawing
+    parameters: str  # hash of the parameters the sheet depends on
+    kind: str  # of document, `Part drawing`
+    finish: str  # general surface texture
+    tolerances: tuple[tuple[str, str], ...]  # class and tolerance, `("X.XX", "±0.01")`; `ANGLE` for all angles
+    edges: str = "-"  # state of edges (ISO 13715)
+    treatment: str = "-"  # of the material
+    date: str = "-"  # of the issue
+    creator: str = "stagecad"  # of the issue
+    checker: str = "-"  # of the issue
+    approver: str = "-"  # of the issue
+    company: str = "-"  # of the issue
+    revisions: tuple[str, ...] = ()  # changes since the earlier issue, a line each
+    geometry: str = ""  # general geometrical tolerance; empty for none
+
+
+def revision_box(block: TitleBlock, paper: Paper) -> Box2 | None:
+    """Bounding box of the revision table, above the title block; None without an earlier issue."""
+    if not block.revisions:
+        return None
+    x0, _, x1, y1 = title_box(paper)
+    return (x0, y1, x1, y1 + REVISION_ROW * (len(block.revisions) + 1))
+
+
+def revision_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
+    """Lines and texts of the revision table: what differs from the earlier issue."""
+    box = revision_box(block, paper)
+    if box is None:
+        return
+    x0, y, x1, _ = box
+    yield rectangle(box, "FRAME")
+    for text in (*reversed(block.revisions), f"Revision {block.revision}, {block.date}: changes"):
+        fitting = min(1.0, (x1 - x0 - 3.0) / text_width(text, SMALL_HEIGHT))
+        yield Text(text, (x0 + 1.8, y + (REVISION_ROW - SMALL_HEIGHT) / 2), SMALL_HEIGHT * fitting)
+        y += REVISION_ROW
+        if y < box[3] - 1e-6:
+            yield Stroke(((x0, y), (x1, y)))
+
+
+def title_box(paper: Paper) -> Box2:
+    """Bounding box of the title block, mm."""
+    _, y0, x1, _ = drawing_space(paper)
+    return (x1 - WIDTH, y0, x1, y0 + HEIGHT)
+
+
+def title_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
+    """Lines and lettering of the title block."""
+    x0, y0, x1, y1 = title_box(paper)
+    yield rectangle((x0, y0, x1, y1), "FRAME")
+    rows = [y0, y0 + 11, y0 + 22, y0 + 33, y0 + 44, y0 + 55, y1]
+    for y in rows[1:-1]:
+        yield Stroke(((x0, y), (x1, y)))
+
+    def cells(row: int, *fields: tuple[str, str, float, float]) -> Iterator[Primitive]:
+        """One row of cells from left to right: caption, text, width, height of text."""
+        left = x0
+        for number, (caption, text, width, height) in enumerate(fields):
+            if number:
+                yield Stroke(((left, rows[row]), (left, rows[row + 1])))
+            yield from _cell((left, rows[row], left + width, rows[row + 1]), caption, text, height)
+            left += width
+
+    # From the bottom up: the lowest row is read first.
+    yield from cells(
+        0,
+        ("File name", block.number, 66, LARGE_HEIGHT),
+        ("Scale", block.scale, 30, LARGE_HEIGHT),
+        ("Units", "MM", 18, LARGE_HEIGHT),
+        ("Revision", block.revision, 24, TEXT_HEIGHT),
+        ("Sheet", f"{block.sheet} of {block.sheets}", 42, LARGE_HEIGHT),
+    )
+    yield from cells(1, ("", "", 66, TEXT_HEIGHT), ("", "", 114, TEXT_HEIGHT))
+    yield from _cell((x0 + 66, rows[1], x1, rows[2]), "Title", block.title.upper(), LARGE_HEIGHT)
+    yield from cells(
+        2,
+        ("", "", 66, TEXT_HEIGHT),
+        ("Belongs to", block.supplement, 74, TEXT_HEIGHT),
+        ("Projection, third angle", "", 40, TEXT_HEIGHT),
+    )
+    yield from _third_angle((x0 + 161, rows[2] + 1.8))
+    yield from cells(
+        3,
+        ("Material", block.material, 66, TEXT_HEIGHT),
+        ("Mass", block.mass, 30, TEXT_HEIGHT),
+        ("Document type", block.kind, 44, TEXT_HEIGHT),
+        ("Parameters", block.parameters, 40, TEXT_HEIGHT),
+    )
+    yield from cells(
+        4,
+        ("Treatment", block.treatment, 66, TEXT_HEIGHT),
+        ("Edges, ISO 13715", block.edges, 74, TEXT_HEIGHT),
+        ("Roughness unless stated", block.finish, 40, TEXT_HEIGHT),
+    )
+    yield from cells(
+        5,
+        ("Owner", block.company, 42, TEXT_HEIGHT),
+        ("Date of issue", block.date, 30, TEXT_HEIGHT),
+        ("Drawn by", block.creator, 36, TEXT_HEIGHT),
+        ("Checked by", block.checker, 36, TEXT_HEIGHT),
+        ("Approved by", block.approver, 36, TEXT_HEIGHT),
+    )
+    yield from revision_primitives(block, paper)
+    yield from _tolerances(block, (x0, rows[1], x0 + 66, rows[3]))
+
+
+def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primitive]:
+    x0, y0, x1, y1 = box
+    if caption:
+        yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
+    if text:
+        fitting = min(1.0, (x1 - x0 - 3.0) / text_width(text, height))
+        yield Text(text, (x0 + 1.8, y0 + max(BASE_LINE, DESCENT * height)), height * fitting)
+
+
+def _tolerances(block: TitleBlock, box: Box2) -> Iterator[Primitive]:
+    """The table of what the decimals of a dimension allow, and angles; the general geometrical tolerance."""
+    x0, y0, x1, y1 = box
+    classes = block.tolerances
+    caption = (
+        f"ISO 8015; {block.geometry}; by decimals" if block.geometry else "Tolerancing ISO 8015; lengths by decimals"
+    )
+    yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
+    width = (x1 - x0) / max(1, len(classes))
+    for number, (name, allowed) in enumerate(classes):
+        left = x0 + number * width
+        yield Text(name, (left + width / 2, y0 + 12.6), TEXT_HEIGHT, "middle")
+        yield Text(allowed, (left + width / 2, y0 + 2.4), TEXT_HEIGHT, "middle")
+        if number:
+            yield Stroke(((left, y0), (left, y0 + 11)))
+
+
+def _third_angle(at: Point2, size: float = 5.0) -> Iterator[Primitive]:
+    """The symbol of third-angle projection (ISO 5456-2): two circles, and the cone they belong to at their right."""
+    x, y = at
+    y += size / 2
+    circles = (x - size * 1.1, y)
+    for diameter in (size, size / 2):
+        yield ArcStroke(Arc(circles, diameter / 2))
+    left, right = x + size * 0.35, x + size * 1.55
+    small, wide = size / 4, size / 2
+    cone = ((left, y - small), (right, y - wide), (right, y + wide), (left, y + small), (left, y - small))
+    yield Stroke(cone)
+    over = 1.0
+    yield Stroke(((circles[0] - size / 2 - over, y), (circles[0] + size / 2 + over, y)))
+    yield Stroke(((circles[0], y - size / 2 - over), (circles[0], y + size / 2 + over)))
+    yield Stroke(((left - over, y), (right + over, y)))

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from drawings.annotations.annotation import Note
-from drawings.annotations.primitives import LINE_PITCH, TEXT_HEIGHT, Primitive
-from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.dimensioning import SheetDimensions, sheet_dimensions
-from drawings.dimensions.hole_table import HoleTable
-from drawings.pictures.scene import faces_of_views
+from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
+from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
+from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
+from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.chosen_views import SCALES, at_scale
-from drawings.sheets.frame import PAPERS, Paper
-from drawings.sheets.hole_table import hole_table_box, hole_table_primitives
+from drawings.sheets.frame import PAPERS, Paper, TitleBlock, revision_box, title_box
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
-from drawings.sheets.title_block import TitleBlock, revision_box, title_box
 from drawings.views.centre_lines import axes_of, centre_lines, centre_mark
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
@@ -32,9 +28,59 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq
-    from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
+    from OCP.TopoDS import TopoDS_Shape
 
     from stagecad.solids.export.tessellation import Mesh
+
+COLUMNS = (13.0, 20.0, 20.0)
+"""Widths of name, X and Y of a hole, mm."""
+ACROSS = 2
+"""Number of holes in a row."""
+ROW = 6.5
+WIDTH = ACROSS * sum(COLUMNS)
+
+
+def hole_table_box(table: HoleTable, at: Point2) -> Box2:
+    """Bounding box of the table, its upper left corner at a point, mm."""
+    return (at[0], at[1] - ROW * sum(1 for _ in _rows(table)), at[0] + WIDTH, at[1])
+
+
+def hole_table_primitives(table: HoleTable, at: Point2) -> Iterator[Primitive]:
+    """Lines and texts of the table, its upper left corner at a point."""
+    x, y = at
+    yield rectangle(hole_table_box(table, at))
+    for row in _rows(table):
+        y -= ROW
+        yield Stroke(((x, y), (x + WIDTH, y)))
+        base = y + (ROW - TEXT_HEIGHT) / 2
+        if isinstance(row, str):
+            yield from symbol_text_primitives(row, (x + 1.5, base))
+            continue
+        left = x
+        for number, text in enumerate(row):
+            width = COLUMNS[number % len(COLUMNS)]
+            if number:
+                yield Stroke(((left, y), (left, y + ROW)))
+            yield Text(text, (left + width / 2, base), TEXT_HEIGHT, "middle")
+            left += width
+
+
+def _rows(table: HoleTable) -> Iterator[str | tuple[str, ...]]:
+    """Rows from the top down: a callout as one text, or the cells of holes."""
+    yield ("hole", "X", "Y") * ACROSS
+    for group in table.groups:
+        yield from _callout(group)
+        height = math.ceil(len(group.rows) / ACROSS)
+        cells = [row.cells for row in group.rows] + [("", "", "")] * (ACROSS * height - len(group.rows))
+        for index in range(height):
+            yield tuple(cell for column in range(ACROSS) for cell in cells[index + column * height])
+
+
+def _callout(group: HoleGroup) -> Iterator[str]:
+    """Lines of a callout joined as far as they fit; control frames on lines of their own."""
+    words = ", ".join(line for line in group.lines if not line.startswith("{frame:"))
+    yield from wrapped(f"{group.rows[0].tag[0]}: {words}", WIDTH - 3.0)
+    yield from (line for line in group.lines if line.startswith("{frame:"))
 
 
 WIDEST_MOUTH = 1.4

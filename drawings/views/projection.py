@@ -47,7 +47,7 @@ def hidden_lines(
     """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None.
 
     Args:
-        shapes: in place; faces that are never visible should have been left out (`drawings.pictures.scene`).
+        shapes: in place; faces that are never visible should have been left out (`drawings.pictures.picture`).
         projection: direction of view.
         chord: greatest distance of a polyline from its curve, mm.
         exact: as for `project`.

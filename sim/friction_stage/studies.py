@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
+from sim.stage.drive_setting import TipDrive
 from sim.stage.studies import ON_REQUEST, STUDY_NAMES, RunAll
 from sim.stage.studies.coupling import coupling_study
 from sim.stage.studies.ellipse import ellipse_search
@@ -20,7 +21,6 @@ from sim.stage.studies.speed import speed_study
 from sim.stage.studies.steps import step_study
 from sim.stage.studies.tip_motion import tip_motions
 from sim.stage.studies.travel_map import travel_map
-from sim.stage.waveforms import TipDrive
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses
 

@@ -13,7 +13,7 @@ from sim.integration.drive import Drive, force_at
 from stagecad.parameters.errors import InputError, require
 
 if TYPE_CHECKING:
-    from sim.integration.plan import Plan
+    from sim.integration.integrator import Plan
     from sim.integration.problem import Output, Problem, Tolerance
 
 
@@ -113,8 +113,7 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
         InputError: an argument out of range, or an effect that cannot be integrated.
         SimulationError: the step became too small, a law gave a number that is not finite, or too many steps.
     """
-    from sim.integration.integrator import DONE, begin_compilation, integrate
-    from sim.integration.plan import Surroundings, plan_of
+    from sim.integration.integrator import DONE, Surroundings, begin_compilation, integrate, plan_of
     from sim.integration.problem import WORKS
 
     chosen = Settings(**settings)

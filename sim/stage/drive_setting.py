@@ -1,4 +1,8 @@
-"""Setting of a run of the stage: start, height of the tip, and run-up to its speed."""
+"""Setting of a run of the stage: start, height of the tip, and run-up to its speed.
+
+A voltage wave is an array of shape (steps, actuators, 3): the voltages at the middle of each step. Stretches are turned
+into volts by the stack's mean gain (stroke over highest voltage), as for a drive without feedback.
+"""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +13,152 @@ from sim.stage.constants import STEP
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun, StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface
-from sim.stage.waveforms import Ellipse, ellipse_wave, step_times
+
+
+@dataclass(frozen=True)
+class Overtone:
+    """A harmonic of a path: real part of the complex amplitudes times ``exp(i order turn)``."""
+
+    order: int  # 2 or more
+    along: complex  # in the direction of motion, m
+    normal: complex  # up, m
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """A path of one tip: an ellipse, with overtones any closed path."""
+
+    along: float  # amplitude in the direction of motion, m
+    normal: float  # amplitude up, m
+    lag: float = 0.0  # of the motion along behind a quarter turn against the motion up, rad: 0 is an upright ellipse
+    direction: float = 0.0  # of the stage's motion, rad from x
+    overtones: tuple[Overtone, ...] = ()
+
+    def at(self, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement in the direction of motion and up, m, at turns (n,), rad."""
+        along, up = -self.along * np.cos(turn + self.lag), self.normal * np.sin(turn)
+        for tone in self.overtones:
+            wave = np.exp(1j * tone.order * turn)
+            along, up = along + (tone.along * wave).real, up + (tone.normal * wave).real
+        return along, up
+
+
+def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> Ellipse:
+    """The path for strokes A sin(wt), A sin(wt + phase) of piezos 1 and 2, the third half-way: the thesis's drive.
+
+    along = 2 A (h/D) sin(phase/2), normal = A cos(phase/2). With the second piezo ahead by `phase`, 0 to pi, the tip
+    moves towards +x at its apex.
+    """
+    spacing = float(machine.tip.piezo_places[1, 0] - machine.tip.piezo_places[0, 0])
+    lever = machine.tip.height / spacing
+    return Ellipse(2.0 * amplitude * lever * math.sin(0.5 * phase), amplitude * math.cos(0.5 * phase))
+
+
+@dataclass(frozen=True)
+class TipDrive:
+    """A machine driven by the strokes of `two_piezo_ellipse`."""
+
+    machine: StageMachine  # the driven machine
+    amplitude: float  # of a piezo, m
+    phase: float  # between piezos 1 and 2, rad
+    frequency: float  # Hz
+
+    @property
+    def path(self) -> Ellipse:
+        """The path of the tip."""
+        return two_piezo_ellipse(self.machine, self.amplitude, self.phase)
+
+
+def largest_stroke(machine: StageMachine, ellipse: Ellipse) -> float:
+    """Largest amplitude of a piezo over the ellipse, m."""
+    c, s = math.cos(ellipse.direction), math.sin(ellipse.direction)
+    reach = (machine.tip.piezo_places @ [c, s]) / machine.tip.height
+    # Stretch i: normal sin(p) + reach_i along cos(p + lag); amplitude of the sum of two phasors.
+    real = -reach * ellipse.along * math.sin(ellipse.lag) + ellipse.normal
+    imaginary = reach * ellipse.along * math.cos(ellipse.lag)
+    return float(np.max(np.hypot(real, imaginary)))
+
+
+def scaled_to(machine: StageMachine, ellipse: Ellipse, amplitude: float) -> Ellipse:
+    """The ellipse enlarged until its most active piezo has `amplitude`, m."""
+    factor = amplitude / largest_stroke(machine, ellipse)
+    return Ellipse(ellipse.along * factor, ellipse.normal * factor, ellipse.lag, ellipse.direction)
+
+
+def volts_for(machine: StageMachine, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Voltages (n, 3) that bring an unloaded apex to (x, y, z) from mid-stroke, m, by the stacks' mean gain."""
+    places, height = machine.tip.piezo_places, machine.tip.height
+    stretch = z[:, None] - (x[:, None] * places[:, 0] + y[:, None] * places[:, 1]) / height
+    return machine.piezo.bias + stretch * (machine.piezo.highest_voltage / machine.piezo.stroke)
+
+
+def step_times(count: int, step: float, start: float = 0.0) -> np.ndarray:
+    """Middles of `count` steps, s."""
+    return start + (np.arange(count) + 0.5) * step
+
+
+def ellipse_wave(
+    machine: StageMachine,
+    ellipses: Ellipse | list[Ellipse],
+    frequency: float,
+    time: np.ndarray,
+    envelope: np.ndarray | float = 1.0,
+    lift: np.ndarray | float = 0.0,
+    phases: np.ndarray | None = None,
+) -> np.ndarray:
+    """Voltages (n, actuators, 3) at times (n,), s, for ellipses (one for all actuators, or one each) run through at
+    `frequency`, Hz.
+
+    The `envelope` (n,) scales the ellipse; `lift` (n,) raises its middle, m; `phases`: of each actuator's turn, rad.
+    """
+    actuators = len(machine.actuators)
+    paths = [ellipses] * actuators if isinstance(ellipses, Ellipse) else ellipses
+    out = np.empty((time.size, actuators, 3))
+    for k, path in enumerate(paths):
+        turn = 2.0 * math.pi * frequency * time + (0.0 if phases is None else phases[k])
+        along, up = path.at(turn)
+        along, up = along * envelope, up * envelope + lift
+        out[:, k] = volts_for(machine, along * math.cos(path.direction), along * math.sin(path.direction), up)
+    return out
+
+
+def knots_wave(machine: StageMachine, time: np.ndarray, knots: np.ndarray, apex: np.ndarray) -> np.ndarray:
+    """Voltages (n, actuators, 3) at times (n,), s, for unloaded apexes led along straight lines through `apex` (m, 3),
+    m, at `knots` (m,), s."""
+    x, y, z = (np.interp(time, knots, apex[:, i]) for i in range(3))
+    wave = volts_for(machine, x, y, z)
+    return np.repeat(wave[:, None, :], len(machine.actuators), axis=1)
+
+
+class Actuation:
+    """Voltages of one period of a drive with one actuator: an ellipse with a part of its travel, a lift and a lean."""
+
+    def __init__(self, drive: TipDrive, step: float) -> None:
+        self.machine, self.path = drive.machine, drive.path
+        self.steps = round(1.0 / drive.frequency / step)
+        turn = 2.0 * math.pi * (np.arange(self.steps) + 0.5) / self.steps
+        self.along, self.up = -np.cos(turn) * self.path.along, np.sin(turn) * self.path.normal
+        self.ramp = (np.arange(self.steps) + 0.5) / self.steps
+        self.last = np.zeros(4)
+
+    def commands(self, along: float, rise: float, lift: float, lean: float) -> np.ndarray:
+        """Voltages (steps, 1, 3); each number changes linearly from its last value to the new one over the period.
+
+        Args:
+            along: signed amplitude of the ellipse along the travel, -1 to 1.
+            rise: amplitude of its height, 0 to 1.
+            lift: of its middle, m.
+            lean: of its middle along x, m.
+        """
+        new = np.array([along, rise, lift, lean])
+        now = self.last + self.ramp[:, None] * (new - self.last)
+        self.last = new
+        x = now[:, 0] * self.along + now[:, 3]
+        z = now[:, 1] * self.up + now[:, 2]
+        volts = volts_for(self.machine, x, np.zeros(self.steps), z)
+        count = self.machine.piezo.highest_voltage / 2**self.machine.piezo.bits
+        return (np.round(volts / count) * count)[:, None, :]
+
 
 RISE_CYCLES = 10
 SHORTEST_RISE, LONGEST_RISE = 2e-3, 20e-3

@@ -32,7 +32,7 @@ class Bending:
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Deflection and slopes along x and y at places (x, y) on the stage, kg^-1/2, shape (places, 3, modes)."""
-        from sim.stage.bending import shapes_at
+        from sim.stage.state import shapes_at
 
         out = np.zeros((len(places), 3, len(self.frequencies)))
         for (x, y), shapes in zip(np.asarray(places, dtype=float).tolist(), out, strict=True):

@@ -14,8 +14,8 @@ from drawings.annotations.annotation import (
     SectionMark,
     SurfaceTextureSymbol,
 )
+from drawings.sheets.frame import TitleBlock
 from drawings.sheets.sheet import Sheet
-from drawings.sheets.title_block import TitleBlock
 from drawings.views.view import PROJECTIONS, Arc, Polyline, Segment, View
 
 TITLE = TitleBlock(

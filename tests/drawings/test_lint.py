@@ -17,8 +17,8 @@ from drawings.annotations.annotation import (
 )
 from drawings.lint import Hit, lint
 from drawings.placement.conflicts import CROSSES_LINE
+from drawings.sheets.frame import TitleBlock
 from drawings.sheets.sheet import Sheet
-from drawings.sheets.title_block import TitleBlock
 from drawings.views.view import PROJECTIONS, Arc, Curve, Segment, View
 
 TITLE = TitleBlock(

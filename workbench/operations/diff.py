@@ -336,7 +336,7 @@ def sheet_changes(
     before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
 ) -> Rows:
     """Sheets that differ; the later one of each is written to `folder` with its changes marked."""
-    from drawings.artefacts.parallel_sheets import build_all_sheets, chosen_sheets
+    from drawings.artefacts import build_all_sheets, chosen_sheets
     from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.operations.drawings import procedure_values
 

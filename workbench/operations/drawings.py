@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
-from drawings.artefacts.parallel_sheets import build_all_sheets
-from drawings.artefacts.parallel_sheets import chosen_sheets as chosen_by_part
-from drawings.artefacts.parallel_sheets import sheet_names as names_by_part
+from drawings.artefacts import build_all_sheets
+from drawings.artefacts import chosen_sheets as chosen_by_part
+from drawings.artefacts import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest, require
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from drawings.artefacts.sheets import BuiltSheet
+    from drawings.artefacts import BuiltSheet
     from stagecad.parameters.design import Design as Values
     from stagecad.parameters.mass_properties import Masses
 

@@ -24,8 +24,7 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     """Write sheet, definition, STEP AP242 and mass properties of a part from its Python file (`sheets.toml` beside it
     changes the sheet); their document. `design` gives materials and title block; without the consent of `trust`, or an
     earlier one, the file is refused."""
-    from drawings.artefacts.parallel_sheets import sheet_names
-    from drawings.artefacts.sheets import build_sheets
+    from drawings.artefacts import build_sheets, sheet_names
     from drawings.sheets.overrides import FILE, read_overrides
     from stagecad.consent import give_consent
     from stagecad.parameters.atomic import atomic_write_text

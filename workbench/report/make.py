@@ -16,9 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.report import counted as count_of_verdicts
 from designcalc.checks.run import subjects_of
-from drawings.artefacts.machine_pictures import stored_picture
-from drawings.artefacts.parallel_sheets import TIME_LIMIT, slowest_first
-from drawings.artefacts.sheets import PICTURES, PROCEDURE, build_sheets
+from drawings.artefacts import PICTURES, PROCEDURE, TIME_LIMIT, build_sheets, slowest_first, stored_picture
 from drawings.sheets.plans import sheets_of
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import Masses

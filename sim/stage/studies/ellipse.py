@@ -6,10 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
+from sim.stage.drive_setting import SETTLED, Ellipse, Setting, Steady, TipDrive, steady, two_piezo_ellipse
 from sim.stage.studies import RunAll
 from sim.stage.studies.travel_map import LIFTED
-from sim.stage.waveforms import Ellipse, TipDrive, two_piezo_ellipse
 
 PHASES = tuple(math.radians(degrees) for degrees in (30, 50, 70, 90, 110, 130, 150))
 HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)

@@ -21,6 +21,7 @@ import numpy as np
 
 from sim.numerics.elasto_plastic import elements_along, force_along
 from sim.stage.constants import STEP, make_constants
+from sim.stage.drive_setting import Actuation, TipDrive
 from sim.stage.machine import Piezo, StageMachine
 from sim.stage.run import StageSimulation
 from sim.stage.sensors import Interferometer
@@ -28,7 +29,6 @@ from sim.stage.slip_elements import KNOTS, parabola
 from sim.stage.state import piezo_response
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.studies.steps import LOAD_SHARE, static_stiffnesses
-from sim.stage.waveforms import Actuation, TipDrive
 
 LEAN_HIGHEST = 4e-6
 MARGIN = 1.3

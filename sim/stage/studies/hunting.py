@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from sim.stage.constants import STEP
+from sim.stage.drive_setting import Actuation, TipDrive
 from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Interferometer
 from sim.stage.statics import over_drive_surface, rest_with_load
@@ -13,7 +14,6 @@ from sim.stage.studies import RunAll
 from sim.stage.studies.fine_motion import LEAN_HIGHEST
 from sim.stage.studies.positioning import COARSE_HEIGHT
 from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
-from sim.stage.waveforms import Actuation, TipDrive
 
 DURATION = 1.0
 STILL = 5e-9

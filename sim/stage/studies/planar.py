@@ -9,11 +9,10 @@ from functools import partial
 
 import numpy as np
 
-from sim.stage.drive_setting import Setting, run_setting
+from sim.stage.drive_setting import Ellipse, Setting, TipDrive, run_setting, scaled_to, two_piezo_ellipse
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.studies import RunAll
-from sim.stage.waveforms import Ellipse, TipDrive, scaled_to, two_piezo_ellipse
 
 DIRECTIONS = tuple(math.radians(degrees) for degrees in range(0, 360, 30))
 DURATION = 0.06

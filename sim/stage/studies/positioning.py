@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from sim.stage.constants import STEP
+from sim.stage.drive_setting import Actuation, TipDrive
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
@@ -30,7 +31,6 @@ from sim.stage.studies.fine_motion import (
     tracking_error,
 )
 from sim.stage.studies.steps import LOAD_SHARE
-from sim.stage.waveforms import Actuation, TipDrive
 
 TARGET = 0.5e-3
 COARSE_HEIGHT = 0.25

@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
+from sim.stage.drive_setting import SETTLED, Setting, Steady, TipDrive, steady
 from sim.stage.studies import RunAll
-from sim.stage.waveforms import TipDrive
 
 LAWS = {"stopping": 1.0, "coasting": 2.0, "apex": math.pi}
 NEAR = 0.15

@@ -7,12 +7,12 @@ from functools import partial
 import numpy as np
 
 from sim.stage.constants import STEP, make_constants
+from sim.stage.drive_setting import TipDrive, knots_wave, step_times
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun, drive_stage
 from sim.stage.state import Constants, piezo_response
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.studies import RunAll
-from sim.stage.waveforms import TipDrive, knots_wave, step_times
 
 SIZES = {"1_count": None, "10nm": 10e-9, "100nm": 100e-9}
 """Commanded steps of the unloaded apex, m; none: one count of the converter on the two piezos, opposed."""

@@ -12,10 +12,20 @@ from functools import partial
 
 import numpy as np
 
-from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
+from sim.stage.drive_setting import (
+    SETTLED,
+    Ellipse,
+    Overtone,
+    Setting,
+    Steady,
+    TipDrive,
+    ellipse_wave,
+    steady,
+    step_times,
+    two_piezo_ellipse,
+)
 from sim.stage.machine import StageMachine
 from sim.stage.studies import RunAll
-from sim.stage.waveforms import Ellipse, Overtone, TipDrive, ellipse_wave, step_times, two_piezo_ellipse
 
 ORDERS = (2, 3)
 """Of the overtones."""

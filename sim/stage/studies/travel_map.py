@@ -7,12 +7,11 @@ import numpy as np
 
 from designcalc.drive.friction_drive import tip_force_limit
 from sim.stage.constants import STEP
-from sim.stage.drive_setting import Setting, run_setting
+from sim.stage.drive_setting import Setting, TipDrive, knots_wave, run_setting, step_times
 from sim.stage.machine import StageMachine
 from sim.stage.run import drive_stage
 from sim.stage.statics import rest_with_load
 from sim.stage.studies import RunAll
-from sim.stage.waveforms import TipDrive, knots_wave, step_times
 
 POSITIONS = 9
 HEIGHTS = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)

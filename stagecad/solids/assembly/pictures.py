@@ -10,7 +10,6 @@ from typing import Any
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import EXPLODED, BuiltMachine, meshes_of, placed_shapes, shapes_of
-from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
 from stagecad.solids.modelling.frame import PlacedShape
 from stagecad.solids.modelling.part import ASSEMBLY, construction
 
@@ -36,6 +35,8 @@ def part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefac
     """Picture of a part, and that from below of some, from the cache or rendered now."""
 
     def make(_: Any, folder: Path) -> None:
+        from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
+
         shapes = [PlacedShape(part.name, part.name, part.colour)]
         meshes = {part.name: part.mesh}
         (folder / f"{part.name}.png").write_bytes(picture(shapes, meshes, ISOMETRIC, PART_SIZE))
@@ -49,6 +50,8 @@ def assembly_pictures(store: ArtefactStore, machine: BuiltMachine) -> Artefact:
     """Pictures of the assembly and of the exploded view, from the cache or rendered now."""
 
     def make(_: Any, folder: Path) -> None:
+        from stagecad.solids.export.render import picture
+
         instances, parts = machine.assembly.instances, machine.parts
         changed = [instance for instance in instances if instance.shape != instance.part]
         shapes = shapes_of(changed, parts, machine.design)

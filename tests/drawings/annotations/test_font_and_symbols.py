@@ -6,11 +6,10 @@ from typing import get_args
 import pytest
 from ezdxf.fonts import fonts
 
-from drawings.annotations.annotation import Symbol
-from drawings.annotations.annotation_geometry import primitive_box
-from drawings.annotations.primitives import (
+from drawings.annotations.annotation import (
     TEXT_HEIGHT,
     WIDTH_FACTOR,
+    Symbol,
     Text,
     cap_height,
     font_path,
@@ -19,6 +18,7 @@ from drawings.annotations.primitives import (
     printed,
     text_width,
 )
+from drawings.annotations.annotation_geometry import primitive_box
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
 
 

@@ -8,8 +8,7 @@ import pytest
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import readfile
 
-from drawings.annotations.annotation import LinearDimension
-from drawings.annotations.primitives import (
+from drawings.annotations.annotation import (
     LAYERS,
     TEXT_STYLE,
     THICK,
@@ -17,11 +16,11 @@ from drawings.annotations.primitives import (
     Alignment,
     ArcStroke,
     FilledPolygon,
+    LinearDimension,
     Stroke,
     Text,
 )
-from drawings.export.dxf import VIEWPORT_LAYER, dxf_bytes
-from drawings.export.dxf_entities import ModelMapping, add_primitive, measured_text
+from drawings.export.dxf import VIEWPORT_LAYER, ModelMapping, add_primitive, dxf_bytes, measured_text
 from drawings.views.view import Arc
 from tests.drawings.drawn import document_of
 from tests.drawings.plate_sheet import sheet

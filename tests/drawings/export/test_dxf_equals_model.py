@@ -9,13 +9,12 @@ import pytest
 from ezdxf.document import Drawing
 from scipy.spatial import KDTree
 
+from drawings.annotations.annotation import Primitive, Text, printed
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
-from drawings.annotations.primitives import Primitive, Text, printed
 from drawings.export.dxf import flattened
 from drawings.placement.conflicts import primitive_lines, view_lines
-from drawings.sheets.frame import frame
+from drawings.sheets.frame import frame, title_primitives
 from drawings.sheets.sheet import Sheet
-from drawings.sheets.title_block import title_primitives
 from drawings.views.segment_index import Line, polyline_lines
 from stagecad.friction_stage.construction import MADE
 from tests.drawings.drawn import document_of, sheets

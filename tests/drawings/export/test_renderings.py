@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 from pypdfium2 import PdfDocument
 
-from drawings.annotations.annotation import Note, Symbol
-from drawings.annotations.primitives import (
+from drawings.annotations.annotation import (
     LINE_TYPES,
     ArcStroke,
     FilledPolygon,
     LineStyle,
+    Note,
     Primitive,
     Stroke,
+    Symbol,
     Text,
     text_width,
 )

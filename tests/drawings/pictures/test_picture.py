@@ -9,8 +9,18 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from drawings.pictures.picture import Picture, Piece, picture
-from drawings.pictures.scene import FINE, MANY_FACES, faces_of_view, faces_of_views, meshed, moved, visible_faces
+from drawings.pictures.picture import (
+    FINE,
+    MANY_FACES,
+    Picture,
+    Piece,
+    faces_of_view,
+    faces_of_views,
+    meshed,
+    moved,
+    picture,
+    visible_faces,
+)
 from drawings.views.projection import hidden_lines, project
 from drawings.views.section import HATCHES, different_hatches
 from drawings.views.view import PROJECTIONS, Curve, extreme_points

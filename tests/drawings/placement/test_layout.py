@@ -14,9 +14,9 @@ from drawings.annotations.annotation import (
     RadialDimension,
     ReferenceArrow,
     SectionMark,
+    Text,
 )
 from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_box
-from drawings.annotations.primitives import Text
 from drawings.dimensions.specification import CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec, RoundSpec
 from drawings.placement.place import AnnotatedView, place_annotations
 from drawings.placement.views import VIEW_SPACING, SheetArea, annotated_views, arrange, detached

@@ -13,10 +13,9 @@ import pytest
 from ap242_file import Ap242File, ReadDimension, decimals, read_ap242
 from ap242_measures import measured, off_axis
 
-from drawings.dimensions.dimensioning import sheet_dimensions
-from drawings.dimensions.hole_table import HoleGroup
+from drawings.dimensions.dimensioning import HoleGroup, sheet_dimensions
 from drawings.dimensions.specification import CalloutSpec, FrameSpec, TagSpec, TargetSpec
-from drawings.friction_stage.sheet_plans import sheet_plans
+from drawings.friction_stage.sheets import sheet_plans
 from drawings.pmi.ap242 import ap242_bytes, pmi_of, with_properties
 from drawings.sheets.part import part_views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement

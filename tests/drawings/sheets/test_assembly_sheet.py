@@ -12,16 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import Balloon, LinearDimension, SectionMark
+from drawings.annotations.annotation import SMALL_HEIGHT, Balloon, LinearDimension, SectionMark, Text
 from drawings.annotations.annotation_geometry import BALLOON
-from drawings.annotations.primitives import SMALL_HEIGHT, Text
-from drawings.artefacts.machine_pictures import stored_picture
-from drawings.artefacts.sheets import PICTURES, machine_size
+from drawings.artefacts import PICTURES, machine_size, stored_picture
 from drawings.friction_stage.sheets import ACROSS, ALONG, NOT_CUT, VIEWS
 from drawings.lint import lint
 from drawings.pictures.machine import machine_picture
-from drawings.pictures.picture import Picture
-from drawings.pictures.scene import scene_of
+from drawings.pictures.picture import Picture, scene_of
 from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread, uncrossed
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
@@ -295,8 +292,8 @@ def ink_by_part(shown: Picture) -> dict[str, float]:
 DRAW = """
 import sys
 from pathlib import Path
-from drawings.artefacts.machine_pictures import stored_picture
-from drawings.artefacts.sheets import build_sheets
+from drawings.artefacts import stored_picture
+from drawings.artefacts import build_sheets
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore
 build_sheets(ArtefactStore(Path(sys.argv[1])), "assembly", load_design())

@@ -6,14 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import LinearDimension
+from drawings.annotations.annotation import LinearDimension, Text
 from drawings.annotations.annotation_geometry import text_box
-from drawings.annotations.primitives import Text
-from drawings.sheets.frame import PAPERS, drawing_space, frame
+from drawings.sheets.frame import PAPERS, drawing_space, frame, title_box, title_primitives
 from drawings.sheets.overrides import read_overrides
 from drawings.sheets.part import part_sheets
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
-from drawings.sheets.title_block import title_box, title_primitives
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from tests.drawings.drawn import described

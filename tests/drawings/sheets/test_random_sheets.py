@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from drawings.artefacts.sheets import PICTURES, build_sheets
+from drawings.artefacts import PICTURES, build_sheets
 from drawings.dimensions.definition import definition, notes_on_shape
 from drawings.lint import lint
 from drawings.sheets.part import part_sheets

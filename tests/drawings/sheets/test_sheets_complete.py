@@ -14,6 +14,7 @@ from PIL import Image
 
 from drawings.annotations.annotation import (
     AngularDimension,
+    ArcStroke,
     Callout,
     DatumSymbol,
     FeatureControlFrame,
@@ -21,8 +22,8 @@ from drawings.annotations.annotation import (
     LinearDimension,
     RadialDimension,
     ReferenceArrow,
+    Text,
 )
-from drawings.annotations.primitives import ArcStroke, Text
 from drawings.dimensions.text import number, tolerance_text
 from drawings.export.drawing_model import drawing_model
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes

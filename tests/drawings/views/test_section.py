@@ -6,7 +6,7 @@ from itertools import pairwise
 import cadquery as cq
 import pytest
 
-from drawings.pictures.scene import meshed
+from drawings.pictures.picture import meshed
 from drawings.views.detail import clipped
 from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines, in_plane
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment

@@ -6,7 +6,7 @@ import pytest
 from sim.effects.catalogue import compose
 from sim.integration import drive
 from sim.integration.drive import SHARE, compressed, force_at
-from sim.integration.plan import Surroundings, plan_of
+from sim.integration.integrator import Surroundings, plan_of
 from sim.integration.simulate import simulate
 
 NO_SURROUNDINGS = Surroundings(np.full((1, 2), np.nan))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from stage_machines import example
 
+from sim.stage.drive_setting import TipDrive
 from sim.stage.run import drive_stage
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies.coupling import with_ample_amplifier
@@ -21,7 +22,6 @@ from sim.stage.studies.fine_motion import (
     inverse_hysteresis,
     tracking_error,
 )
-from sim.stage.waveforms import TipDrive
 
 PERIOD = 2e-4
 FREQUENCY = np.fft.rfftfreq(2000, PERIOD)[1:]

@@ -15,12 +15,11 @@ from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.pads import pad_positions, pad_spring_stiffness
 from designcalc.friction_stage.physics.stage_plate import give_at_tip, payload_feet
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
-from sim.friction_stage.bending_modes import BENDING_MODES
-from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
+from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, driven_by_three, flexible_machine
+from sim.stage.drive_setting import ellipse_wave, step_times, two_piezo_ellipse
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
 from sim.stage.run import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_with_load
-from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))

@@ -10,11 +10,18 @@ from scipy.optimize import brentq
 from stage_machines import GRAVITY, RADIUS, example, ideal_piezos, symmetric
 
 from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
-from sim.stage.drive_setting import Setting, run_setting, steady
+from sim.stage.drive_setting import (
+    Setting,
+    ellipse_wave,
+    knots_wave,
+    run_setting,
+    steady,
+    step_times,
+    two_piezo_ellipse,
+)
 from sim.stage.run import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_at, rest_with_load
 from sim.stage.studies.travel_map import pushed_over
-from sim.stage.waveforms import ellipse_wave, knots_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.errors import InputError
 
 STEP = 1e-6

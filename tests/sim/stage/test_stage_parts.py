@@ -10,6 +10,15 @@ from stage_machines import example, ideal_piezos
 
 from designcalc.drive.piezo_stack import stack_tension
 from sim.friction_stage.studies import run_serially
+from sim.stage.drive_setting import (
+    Ellipse,
+    Overtone,
+    TipDrive,
+    largest_stroke,
+    step_times,
+    two_piezo_ellipse,
+    volts_for,
+)
 from sim.stage.machine import Surroundings
 from sim.stage.run import drive_stage
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
@@ -23,7 +32,6 @@ from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
 from sim.stage.studies.steps import converter_count
 from sim.stage.studies.tip_motion import loads
-from sim.stage.waveforms import Ellipse, Overtone, TipDrive, largest_stroke, step_times, two_piezo_ellipse, volts_for
 
 STEP = 1e-6
 FAR_BELOW = -1e-4

@@ -109,7 +109,7 @@ def export(
     folder = Path(out) / results_key(out, comparison.problem.experiment.folder) / "export"
     folder.mkdir(parents=True, exist_ok=True)
     if to == "fmu":
-        from sim.export.fmu import write_fmu
+        from sim.export.files import write_fmu
 
         return Export(exported, to, (str(write_fmu(exported, folder)),))
     written = []

@@ -168,7 +168,7 @@ CALL = """\
 import ctypes
 import numpy as np
 from sim.effects.catalogue import find
-from sim.integration.compiled.kernel_source import compile_effect
+from sim.integration.compiled.kernels import compile_effect
 from sim.effects.effect import Axis
 
 kernel = compile_effect(find("viscous"), [])

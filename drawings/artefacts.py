@@ -1,7 +1,8 @@
 """Sheets as build artefacts: their files and the result of lint, from the artefact store or drawn now.
 
 The artefact of a part holds ``SHEET.dxf``, ``.svg``, ``.pdf``, ``.png`` of each of its sheets, ``PART_ap242.step`` and
-``sheets.json``. Reading it needs neither the CAD kernel nor the libraries that write the files.
+``sheets.json``. Reading it needs neither the CAD kernel nor the libraries that write the files. A picture of the
+whole machine is drawn once for all sheets that show it; it depends on the solids that it shows and on their positions.
 """
 
 from __future__ import annotations
@@ -15,13 +16,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drawings.artefacts.machine_pictures import stored_picture
 from drawings.sheets.plans import sheets_of
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, LostProcessError, PartError, nearest
 from stagecad.parameters.mass_properties import combined
-from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, part_mass
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore, versions
+from stagecad.processes import TimeLimit, parallel_map
+from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, find_part, part_mass
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object, versions
 from stagecad.solids.assembly.built_machine import assemble
+from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
@@ -41,6 +43,38 @@ if TYPE_CHECKING:
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
     from stagecad.solids.modelling.verification import DimensionVerifier
+
+FROM_BELOW = "from below"
+"""Shows the moving parts alone."""
+
+
+def stored_picture(
+    store: ArtefactStore,
+    name: str,
+    instances: Sequence[Instance],
+    parts: Mapping[str, BuiltPart],
+    design: Any,
+    *,
+    exact: bool = True,
+) -> Picture | None:
+    """One picture of the machine from the store, or drawn now; None as of `machine_picture`."""
+    views = sheets_of(design).views(design, instances, parts)
+    moving = views.moving if name == FROM_BELOW else tuple(parts)
+    shown = [instance for instance in instances if instance.part in moving]
+
+    def draw(tracked: Any) -> Picture | None:
+        from drawings.pictures.machine import machine_picture
+        from drawings.pictures.picture import scene_of
+        from stagecad.solids.assembly.built_machine import shapes_of
+
+        shapes = {shape: solid.wrapped for shape, solid in shapes_of(shown, parts, tracked).items()}
+        scene = scene_of(shapes, {part.name: part.mesh for part in parts.values() if part.name in shapes})
+        return machine_picture(name, shown, scene, views, exact=exact)
+
+    kinds = dict.fromkeys(instance.part for instance in shown)
+    depends = [repr(tuple(shown)), repr(views), *(f"{kind} {parts[kind].entry.content}" for kind in kinds)]
+    return stored_object(store, f"{name} of the machine", design, ("drawings.pictures.machine",), draw, depends)
+
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
@@ -242,7 +276,7 @@ def describe(
     A part without a plan gets one by its declarations; what it does not state is symmetric only if the solid is.
     """
     from drawings.dimensions.definition import centred_axes, notes_on_shape
-    from drawings.dimensions.small_edges import AXES
+    from drawings.dimensions.levels import AXES
     from drawings.sheets.chosen_views import chosen_plan
     from drawings.sheets.part import PartDescription
 
@@ -389,3 +423,109 @@ def write_sheet(sheet: Sheet, folder: Path) -> dict[str, Any]:
         "digest": sheet.title.parameters,
         "hits": [*sheet.unapplied, *(str(hit) for hit in lint(sheet))],
     }
+
+
+BUILD = "build "
+"""Begins the name of a task that builds a part; the other tasks draw the sheets of their name."""
+
+TIME_LIMIT = 120.0
+"""Processor time after which a task is repeated without exact hidden-line removal, which can hang, s; the longest takes
+some ten."""
+
+SLOWEST_FIRST = ("base", "spring", ASSEMBLY, PROCEDURE, "stage", "holder", "tip", "tooth_bar", "bearing_way")
+"""Order in which parts are built and sheets drawn, so that no long task is left for the end."""
+
+
+def build_all_sheets(
+    store: ArtefactStore,
+    subjects: Iterable[str],
+    design: Any,
+    advance: Callable[[str], None] = lambda name: None,
+    workers: int | None = None,
+    calculate: CalculateValues | None = None,
+) -> dict[str, tuple[BuiltSheet, ...]]:
+    """The sheets of parts and of the machine; those that the store lacks are drawn in several processes."""
+    wanted = tuple(subjects)
+    found: dict[str, tuple[BuiltSheet, ...]] = {}
+    for subject in wanted:
+        sheets = find_sheets(store, subject, design, calculate)
+        if sheets is not None:
+            found[subject] = sheets
+            advance(subject)
+    missing = slowest_first(subject for subject in wanted if subject not in found)
+    if missing:
+        before: tuple[str, ...] = ()
+        if any(subject in PICTURES for subject in missing):
+            parts = slowest_first(name for name in part_names(design) if find_part(store, name, design) is None)
+            before = tuple(f"{BUILD}{name}" for name in parts)
+
+        def report(task: str) -> None:
+            if task in missing:
+                advance(task)
+
+        requires = {
+            subject: [task for task in before if subject in PICTURES or task == f"{BUILD}{subject}"]
+            for subject in missing
+        }
+        tasks = (*before, *missing)
+        run = partial(_run, store.folder, design, calculate)
+        limit = TimeLimit(TIME_LIMIT, fallback=partial(run, exact=False))
+        try:
+            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
+        except LostProcessError as error:
+            if str(error.item).startswith(BUILD):
+                raise PartError(str(error.item).removeprefix(BUILD), design, CRASHED) from None
+            raise
+        found |= dict(zip(missing, built[len(before) :]))
+    return {subject: found[subject] for subject in wanted}
+
+
+def slowest_first(names: Iterable[str]) -> Sequence[str]:
+    return sorted(names, key=lambda name: SLOWEST_FIRST.index(name) if name in SLOWEST_FIRST else len(SLOWEST_FIRST))
+
+
+def _run(
+    folder: Path, design: Any, calculate: CalculateValues | None, task: str, exact: bool = True
+) -> tuple[BuiltSheet, ...]:
+    """Run a task in a worker process, with or without exact hidden-line removal."""
+    load_kernel()
+    store = ArtefactStore(folder)
+    if task.startswith(BUILD):
+        build_part(store, task.removeprefix(BUILD), design)
+        return ()
+    return build_sheets(store, task, design, calculate, exact=exact)
+
+
+def sheet_names(design: Any) -> dict[str, tuple[str, ...]]:
+    """Names of the sheets of each subject: the parts that are made, the assembly, the procedure."""
+    sheets: dict[str, tuple[str, ...]] = {}
+    for name, source in construction(design).sources(design).items():
+        if not source.purchased:
+            plans = sheets_of(design).plans(source.kind, source.design_of(design))
+            sheets[name] = tuple(plan.name for plan in plans) or (source.kind,)
+    return {**sheets, ASSEMBLY: (ASSEMBLY,), PROCEDURE: (PROCEDURE,)}
+
+
+def chosen_sheets(names: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
+    """The sheets that are named, by subject or one by one; all when none is named."""
+    known = sheet_names(design)
+    if not names:
+        return known
+    chosen: set[str] = set()
+    for name in names:
+        subject = next((subject for subject, sheets in known.items() if name == subject or name in sheets), None)
+        if subject is None:
+            raise InputError(_unknown(name, known, design))
+        chosen.update(known[subject] if name == subject else (name,))
+    found = {subject: tuple(sheet for sheet in sheets if sheet in chosen) for subject, sheets in known.items()}
+    return {subject: sheets for subject, sheets in found.items() if sheets}
+
+
+def _unknown(name: str, known: dict[str, tuple[str, ...]], design: Any) -> str:
+    if name in part_names(design):
+        return f"part '{name}' is bought; it has no drawing"
+    reason = construction(design).refusal(name, design)
+    if reason:
+        return f"part '{name}': {reason}"
+    everything = [*known, *(sheet for sheets in known.values() for sheet in sheets if sheet not in known)]
+    return f"no drawing '{name}'{nearest(name, everything)}"

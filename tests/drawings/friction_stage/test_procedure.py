@@ -6,8 +6,7 @@ from functools import cache
 
 import pytest
 
-from drawings.friction_stage.procedure.figures import CALCULATED, ProcedureValues
-from drawings.friction_stage.procedure.steps import step_templates
+from drawings.friction_stage.procedure import CALCULATED, ProcedureValues, step_templates
 from drawings.friction_stage.sheets import Procedure, procedure
 from stagecad.friction_stage.assembly import accessories
 from stagecad.friction_stage.construction import MADE
