@@ -12,7 +12,7 @@ from pathlib import Path
 
 from benchmarks.generators.undeclared_parts import PARTS
 from workbench.operations.design import Design
-from workbench.operations.proposed_part import propose_sheet
+from workbench.operations.drawings import propose_sheet
 
 COLUMNS, ROWS = 3, 4
 

@@ -8,7 +8,7 @@ from PIL import Image
 
 from stagecad.parameters.atomic import atomic_write_bytes
 from workbench.operations.design import Design
-from workbench.operations.proposed_part import draw_file
+from workbench.operations.drawings import draw_file
 
 PART = Path(__file__).with_name("declarations.py")
 PICTURE = Path(__file__).parent / "images" / "declarations.png"

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.operations.design import Design
-from workbench.operations.proposed_part import draw_part as draw
+from workbench.operations.drawings import draw_part as draw
 
 PARTS = Path(__file__).with_name("parts")
 

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from stagecad.parameters.errors import one_line
 from workbench.cli.options import Run
-from workbench.operations.lines import BAR, NUMBER, QUIET, Line, Note, Table, Warned
+from workbench.operations.result import BAR, NUMBER, QUIET, Line, Note, Table, Warned
 
 if TYPE_CHECKING:
     from rich.progress import Progress

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from workbench.operations.design import Design
-    from workbench.operations.lines import ProgressCallback
+    from workbench.operations.result import ProgressCallback
 
 
 FILE, FOLDER = click.Path(path_type=Path), click.Path(path_type=Path, file_okay=False)

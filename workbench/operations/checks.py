@@ -31,9 +31,8 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.processes import parallel_map, processors
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, silent
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.result import Result, finite, frame
+from workbench.operations.result import Line, ProgressCallback, Result, counted, finite, frame, plain_table, silent
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -13,9 +13,8 @@ from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.design import Design, as_design
-from workbench.operations.lines import Line, ProgressCallback, plain_table, silent
 from workbench.operations.parameters import difference_json, difference_lines
-from workbench.operations.result import Result, finite, frame
+from workbench.operations.result import Line, ProgressCallback, Result, finite, frame, plain_table, silent
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,7 +7,7 @@ from typing import Any
 from sim.effects.catalogue import find, library
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect
-from workbench.operations.lines import Line, Table, plain_table
+from workbench.operations.result import Line, Table, plain_table
 
 
 def effects(custom: Sequence[Path] = ()) -> list[Effect]:

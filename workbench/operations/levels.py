@@ -11,9 +11,8 @@ from designcalc.checks.report import shown
 from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
-from workbench.operations.lines import Line, ProgressCallback, Table, markdown, plain_table, silent
 from workbench.operations.optimise import Search, write_study
-from workbench.operations.result import Result, frame
+from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, markdown, plain_table, silent
 
 if TYPE_CHECKING:
     import pandas as pd

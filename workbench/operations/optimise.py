@@ -24,9 +24,19 @@ from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, Note, ProgressCallback, markdown, plain_table, silent
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.result import Result, finite, frame, without_options
+from workbench.operations.result import (
+    Line,
+    Note,
+    ProgressCallback,
+    Result,
+    finite,
+    frame,
+    markdown,
+    plain_table,
+    silent,
+    without_options,
+)
 
 if TYPE_CHECKING:
     import pandas as pd

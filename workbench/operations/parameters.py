@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import diff, load_design
 from stagecad.parameters.units import as_json, to_si
-from workbench.operations.lines import Line, Table, plain_table
+from workbench.operations.result import Line, Table, plain_table
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design as Values

@@ -17,8 +17,17 @@ from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import assemble, body_masses, build_machine, find_machine, part_mass
 from stagecad.solids.modelling.part import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, ProgressCallback, counted, plain_table, remark, silent
-from workbench.operations.result import Result, finite, frame
+from workbench.operations.result import (
+    Line,
+    ProgressCallback,
+    Result,
+    counted,
+    finite,
+    frame,
+    plain_table,
+    remark,
+    silent,
+)
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,9 +15,9 @@ from stagecad.parameters.input_file import read_input
 from stagecad.parameters.rules import violations
 from workbench.operations.design import Design, load_design
 from workbench.operations.diff import diff
-from workbench.operations.lines import remark
 from workbench.operations.live_checks import LiveChecks, check_row
 from workbench.operations.parameters import entry_row
+from workbench.operations.result import remark
 from workbench.page.project import Project
 
 CHANGED = "assumed: changed in the workbench"

@@ -52,7 +52,7 @@ from workbench.operations.measurement.tables import (
     worst_over_noise,
 )
 from workbench.operations.result import Reported, finite
-from workbench.report.checks import render
+from workbench.report.machine import render
 
 SCHEMA = 7
 REPORT = "report.html"

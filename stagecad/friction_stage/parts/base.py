@@ -32,8 +32,7 @@ from stagecad.friction_stage.parameters.derived import Derived, Place, corners, 
 from stagecad.friction_stage.parts.base_clamp import Clamp, clamp_cutters, clamp_datums, clamps
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -29,8 +29,7 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq

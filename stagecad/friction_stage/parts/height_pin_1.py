@@ -20,8 +20,7 @@ from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, stepped_hole, turned
-from stagecad.solids.modelling.primitives import cut_all
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, stepped_hole, turned
 
 if TYPE_CHECKING:
     import cadquery as cq

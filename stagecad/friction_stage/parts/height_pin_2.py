@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Z, named
-from stagecad.solids.modelling.holes import OVERRUN
-from stagecad.solids.modelling.primitives import cut_all, revolved
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, revolved
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -25,8 +25,7 @@ from typing import TYPE_CHECKING
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, Z, named
-from stagecad.solids.modelling.primitives import plate
+from stagecad.solids.modelling.holes import plate
 
 if TYPE_CHECKING:
     import cadquery as cq

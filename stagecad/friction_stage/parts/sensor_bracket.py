@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, X, Y, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq

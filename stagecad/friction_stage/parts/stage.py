@@ -39,8 +39,7 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, joined, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq

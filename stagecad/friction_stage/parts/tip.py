@@ -23,8 +23,15 @@ from typing import TYPE_CHECKING
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
-from stagecad.solids.modelling.holes import repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, revolved, upright_edges
+from stagecad.solids.modelling.holes import (
+    cut_all,
+    edges_where,
+    joined,
+    repeated,
+    revolved,
+    stepped_hole,
+    upright_edges,
+)
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -31,8 +31,16 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, plate, upright_edges
+from stagecad.solids.modelling.holes import (
+    OVERRUN,
+    cut_all,
+    edges_where,
+    joined,
+    plate,
+    repeated,
+    stepped_hole,
+    upright_edges,
+)
 
 if TYPE_CHECKING:
     import cadquery as cq

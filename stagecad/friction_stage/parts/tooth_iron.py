@@ -24,8 +24,7 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN
-from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate
 
 if TYPE_CHECKING:
     import cadquery as cq

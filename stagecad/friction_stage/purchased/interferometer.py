@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
-from stagecad.solids.modelling.primitives import plate
+from stagecad.solids.modelling.holes import plate
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X
-from stagecad.solids.modelling.holes import OVERRUN
-from stagecad.solids.modelling.primitives import cut_all, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from stagecad.friction_stage.purchased import catalogue
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
-from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.modelling.primitives import cut_all, plate
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq

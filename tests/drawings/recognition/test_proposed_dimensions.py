@@ -19,7 +19,7 @@ from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_
 from drawings.recognition.proposal import propose
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.operations.design import Design
-from workbench.operations.proposed_part import draw_file
+from workbench.operations.drawings import draw_file
 
 FREE_FORM = ("bspline", "revolution", "extrusion")
 """Kinds of face that no dimension defines: the sheet says that the model does."""

@@ -4,7 +4,6 @@ import re
 from itertools import pairwise
 
 import pytest
-from tests.drawings.friction_stage.procedure.test_procedure import made, rows, thesis
 
 from drawings.annotations.annotation import SMALL_HEIGHT, Balloon, Stroke, Text, text_width
 from drawings.friction_stage.sheets import Procedure, Step
@@ -14,6 +13,7 @@ from drawings.sheets.procedure import procedure_sheet
 from drawings.sheets.sheet import Sheet, wrapped
 from drawings.views.view import PROJECTIONS, Segment, View, view_box
 from tests.drawings.drawn import document_of
+from tests.drawings.friction_stage.test_procedure import made, rows, thesis
 
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())
 

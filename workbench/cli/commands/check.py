@@ -10,7 +10,7 @@ from workbench.cli.console import show
 from workbench.cli.options import Run, common_options, design_trust, whole_number
 from workbench.figures.plot import save
 from workbench.operations.checks import Checks, chains, checks, ranges_of, sweep, tolerances
-from workbench.report.checks import write_check_files
+from workbench.report.machine import write_check_files
 
 
 @click.command("check")

@@ -8,8 +8,7 @@ from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.design import Design
-from workbench.operations.drawings import drawings
-from workbench.operations.proposed_part import draw_file
+from workbench.operations.drawings import draw_file, drawings
 
 PART = (
     "Draw a part of your own instead, from a Python file (see `stagecad new part`), a CadQuery script or a STEP file; "

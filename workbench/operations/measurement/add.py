@@ -16,7 +16,6 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment import history
 from sysid.experiment.experiment import find_experiment
 from sysid.report import parameters_json
-from workbench.operations.lines import Line, Note
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, error_frames, parameter_frame
@@ -32,7 +31,7 @@ from workbench.operations.measurement.tables import (
     worst_over_noise,
 )
 from workbench.operations.measurement.write_back import WriteBack, WrittenBack
-from workbench.operations.result import Reported, finite
+from workbench.operations.result import Line, Note, Reported, finite
 
 if TYPE_CHECKING:
     import pandas as pd

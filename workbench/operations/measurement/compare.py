@@ -12,7 +12,6 @@ from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.identifiability import public_key
 from sysid.report import comparison_json, parameter_unit
-from workbench.operations.lines import Line, Note, ProgressCallback, Table, Warned, counted
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import (
@@ -31,7 +30,7 @@ from workbench.operations.measurement.tables import (
     parameter_table,
     simulation_table,
 )
-from workbench.operations.result import finite
+from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from sysid.diagnosis.candidate_screening import Progress
-from workbench.operations.lines import Line
 from workbench.operations.measurement.add import add, ladder
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.diagnose import Diagnosis, diagnose
 from workbench.operations.measurement.suggest import suggest_after
 from workbench.operations.measurement.tables import parameter_table
+from workbench.operations.result import Line
 from workbench.operations.templates import remember
 
 MOST_ROUNDS = 5

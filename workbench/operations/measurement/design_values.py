@@ -10,7 +10,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue, DesignValues
 from workbench.operations.design import Design
-from workbench.operations.lines import remark
+from workbench.operations.result import remark
 
 if TYPE_CHECKING:
     from designcalc.checks.check import DesignInputs

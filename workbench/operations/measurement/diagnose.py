@@ -11,7 +11,6 @@ from sysid import diagnose as identification
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from sysid.report import diagnosis_json
-from workbench.operations.lines import Line, Note, ProgressCallback, Warned
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.measurement.statements import (
@@ -26,7 +25,7 @@ from workbench.operations.measurement.statements import (
     verdict_title,
 )
 from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
-from workbench.operations.result import finite, frame
+from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd

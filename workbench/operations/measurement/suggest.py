@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.experiment_design import t_optimal_design as experiment_design
 from sysid.report import suggestion_json
-from workbench.operations.lines import Line, ProgressCallback
 from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.statements import suggestion_statements
 from workbench.operations.measurement.tables import motion_table
-from workbench.operations.result import Reported, finite, frame
+from workbench.operations.result import Line, ProgressCallback, Reported, finite, frame
 
 if TYPE_CHECKING:
     import pandas as pd

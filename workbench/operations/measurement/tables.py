@@ -9,7 +9,7 @@ from typing import Any
 
 from stagecad.parameters.units import format_quantity
 from workbench.figures.curves import LEAST_SHARE
-from workbench.operations.lines import REMARK, Table
+from workbench.operations.result import REMARK, Table
 
 PARTS = {"fit": "fit", "validate": "held out"}
 """Names of the sets of records."""

@@ -30,10 +30,9 @@ from sysid.experiment.readers.memory import MemoryTable
 from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
 from workbench.operations.design import Design, load_design
-from workbench.operations.lines import Line, Note, ProgressCallback, counted
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of, results_key
 from workbench.operations.measurement.tables import make_table, quantity_text
-from workbench.operations.result import Result, finite, frame
+from workbench.operations.result import Line, Note, ProgressCallback, Result, counted, finite, frame
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
 if TYPE_CHECKING:

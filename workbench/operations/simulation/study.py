@@ -18,7 +18,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
 from stagecad.processes import parallel_map
 from workbench.operations.design import Design
-from workbench.operations.lines import NUMBER, TEXT, Line, Note, ProgressCallback, Table, counted
+from workbench.operations.result import NUMBER, TEXT, Line, Note, ProgressCallback, Table, counted
 from workbench.operations.simulation.simulate import (
     EXPERIMENTS,
     FeaturePath,

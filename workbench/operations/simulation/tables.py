@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.integration.simulate import Simulation
 from stagecad.parameters.atomic import atomic_path
-from workbench.operations.lines import NUMBER, TEXT, Table
+from workbench.operations.result import NUMBER, TEXT, Table
 
 Columns = dict[str, np.ndarray]
 

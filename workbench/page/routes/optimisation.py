@@ -10,7 +10,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from workbench.operations.optimise import marked_free, need_free
 from workbench.page.routes.machine import Body, Text, session_of
-from workbench.page.tasks.optimisation import BEST, STOP
+from workbench.page.tasks.machine import BEST, STOP
 
 router = APIRouter(prefix="/api/machine/optimize")
 

@@ -349,7 +349,7 @@ def test_damaged_is_computed_again(tmp_path: Path) -> None:
 
 
 def test_a_store_that_does_not_keep_what_is_written_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stagecad.solids.artefacts.store.sha256", lambda data: "another")
+    monkeypatch.setattr(Artefact, "data", lambda self, name: b"another")
     with pytest.raises(OSError, match="does not keep"):
         lengths(ArtefactStore(tmp_path), Plate(), [])
 
