@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 15058,
-    "designcalc": 10697,
-    "sim": 12653,
-    "sysid": 20279,
-    "drawings": 12404,
-    "workbench": 15476,
+    "stagecad": 14922,
+    "designcalc": 10594,
+    "sim": 12582,
+    "sysid": 20278,
+    "drawings": 12330,
+    "workbench": 15418,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
