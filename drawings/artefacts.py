@@ -233,7 +233,7 @@ def _part_sheets(
     part: BuiltPart, source: PartSource, design: Any, plain: Any, folder: Path, *, exact: bool
 ) -> tuple[Sequence[Sheet], list[str]]:
     """The sheets of a part, and what is not defined; its STEP AP242 file and the table are written into the folder."""
-    from drawings.dimensions.consistency import mistakes
+    from drawings.dimensions.consistency import mistakes, unsuited
     from drawings.pmi.ap242 import ap242_bytes
     from drawings.sheets.part import part_sheets
     from stagecad.solids.modelling.verification import DimensionVerifier
@@ -241,7 +241,11 @@ def _part_sheets(
     module: Any = source.definition()
     verifier = DimensionVerifier(part.solid)
     described, notes = describe(part, source, design, plain, verifier)
-    for mistake in mistakes(described.dimensions, described.requirements, verifier, alike=described.chosen):
+    texts = (getattr(module, "TREATMENT", ""), *module.notes(design)) if described.chosen else ()
+    for mistake in (
+        *mistakes(described.dimensions, described.requirements, verifier, alike=described.chosen),
+        *unsuited(design.materials[part.material], described.dimensions, texts),
+    ):
         raise InputError(f"{getattr(module, 'path', source.kind)}: {mistake}")
     kind = source.kind
     (folder / f"{kind}_ap242.step").write_bytes(ap242_bytes(kind, module, design, described.solid, verifier))

@@ -6,6 +6,7 @@ Each function gives a workplane without dimensions, for the proposal of dimensio
 # The types of cadquery's fluent interface are not those that a checker can follow.
 # pyright: basic
 
+import math
 from collections.abc import Callable
 
 import cadquery as cq
@@ -434,6 +435,62 @@ def nozzle() -> W:
     return W("XZ").polyline(outline).close().revolve(360, (0, 0, 0), (0, 1, 0))
 
 
+def sprayer() -> W:
+    """Holes around a tube, at equal angles towards its axis."""
+    tube = W("XY").circle(30).circle(22).extrude(50)
+    for number in range(6):
+        tube = tube.cut(W("XZ").circle(3).extrude(40).rotate((0, 0, 0), (0, 0, 1), 60 * number).translate((0, 0, 35)))
+    return tube
+
+
+def ball_stem() -> W:
+    """A ball that is wider than the stem."""
+    stem = W("YZ").circle(6).extrude(50).union(W("XY").sphere(9).translate((58, 0, 0)))
+    return stem.cut(W("YZ").circle(2.1).extrude(14))
+
+
+def curved_slots() -> W:
+    disc = W("XY").circle(50).extrude(8).faces(">Z").workplane().hole(20)
+    (x, y), (u, v) = ((32 * math.cos(0.5), 32 * math.sin(0.5)), (3 * math.sin(0.5), 3 * math.cos(0.5)))
+    slot = W("XY").moveTo(35 / 32 * x, -35 / 32 * y).threePointArc((35, 0), (35 / 32 * x, 35 / 32 * y))
+    slot = slot.threePointArc((x - u, y + v), (29 / 32 * x, 29 / 32 * y)).threePointArc(
+        (29, 0), (29 / 32 * x, -29 / 32 * y)
+    )
+    slot = slot.threePointArc((x - u, -y - v), (35 / 32 * x, -35 / 32 * y)).close().extrude(8)
+    return disc.cut(slot).cut(slot.rotate((0, 0, 0), (0, 0, 1), 180))
+
+
+def hollow_block() -> W:
+    """A blind hole in an inner wall, which no view from outside shows."""
+    block = W("XY").box(80, 60, 50).cut(W("XY").box(60, 60, 30))
+    return block.cut(W("YZ").workplane(offset=30).circle(4).extrude(6))
+
+
+def sealed_flange() -> W:
+    """A groove for a seal about the bore, and counterbores from behind."""
+    disc = W("XY").circle(50).extrude(18).faces(">Z").workplane().hole(30)
+    disc = disc.cut(W("XY").workplane(offset=15).circle(22).circle(18.5).extrude(10))
+    return disc.faces("<Z").workplane().polarArray(38, 0, 360, 8).cboreHole(6.6, 11, 6.5)
+
+
+def finned_base() -> W:
+    """Fins, whose edges pass others in the view from below."""
+    base = W("XY").box(80, 60, 6, centered=(True, True, False))
+    for number in range(8):
+        base = base.union(W("XY").box(2, 60, 25, centered=(True, True, False)).translate((-35 + 10 * number, 0, 5)))
+    return base.faces("<Z").workplane().rect(60, 40, forConstruction=True).vertices().hole(3.3, 4)
+
+
+def fine_plate() -> W:
+    """A slot and a row of holes that are not legible at the scale of the whole."""
+    plate = W("XY").box(800, 500, 20, centered=(True, True, False))
+    plate = plate.faces(">Z").workplane().rect(700, 400, forConstruction=True).vertices().hole(14)
+    plate = plate.cut(W("XY").workplane(offset=18).center(200, 100).slot2D(6, 1.5).extrude(5))
+    return plate.cut(
+        W("XY").workplane(offset=18.5).pushPoints([(200, 110), (203, 110), (206, 110)]).circle(0.5).extrude(5)
+    )
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -445,6 +502,7 @@ PARTS: dict[str, Callable[[], W]] = {
         lens_cell, mirror_plate, optical_post, rail, dowel_plate, t_slot_table, u_channel, ribbed_bracket, knob,
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
-        seat_housing, nozzle,
+        seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
+        fine_plate,
     )
 }  # fmt: skip

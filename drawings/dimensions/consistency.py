@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 from drawings.dimensions.levels import NEAR, SQUARE, like_edges
 from drawings.dimensions.round_sections import sections_of
@@ -18,6 +19,7 @@ from stagecad.parameters.dimension import (
 )
 from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.frame import cross, subtract
+from stagecad.solids.modelling.part import takes
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
@@ -58,6 +60,16 @@ def mistakes(
         for one in [r] if getattr(r, "round", False) else [replace(r, points=(point,)) for point in r.points]:
             if not any(is_on(surface, one) for surface in verifier.surfaces):
                 yield f"{name}: no face of the solid at {one.points[0]}"
+
+
+def unsuited(material: Any, dimensions: Sequence[Dimension], texts: Sequence[str]) -> Iterator[str]:
+    """Threads in a brittle material, and texts that ask for a coating which a material has not; a line each."""
+    for d in dimensions:
+        if d.kind == "tap_drill" and material.strength_kind == "fracture":
+            yield f"'{d.name}': {material.description} is brittle, and no thread is tapped in it"
+    for text in texts:
+        if not takes(material, text):
+            yield f"'{text}': {material.description} is not anodised (key `coating` of a material)"
 
 
 def _twice(what: str, names: Sequence[str]) -> Iterator[str]:

@@ -29,6 +29,7 @@ from drawings.dimensions.round_sections import sections_of
 from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
+from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
@@ -154,6 +155,7 @@ class _Part:
                 name in notes.symmetric,
                 partial(self._feature_at, axis),
                 datum=notes.packaged or name in notes.symmetric or self._on_axis(axis),
+                rounds=[s for s in verifier.surfaces if s.kind == "CYLINDER"],
                 halved=() if notes.packaged else [d for d in dimensions if self._is_slot(d)],
                 strict=not notes.packaged,
             )
@@ -362,9 +364,10 @@ class _StatedPart(_Part):
         return ""
 
     def _slanting(self, surface: Surface) -> str:
-        """A hole at an angle: by the angle, and the levels of the point where its axis meets the face."""
+        """A hole at an angle: by the angle, and the levels of the point where its axis meets the face, or of the middle
+        of a ring of holes."""
         for d in self._slopes:
-            if d.kind == "angle" and all(surface.off_axis(point) < NEAR for point in d.points):
+            if d.kind == "angle" and (_is_at(surface, d) or all(surface.off_axis(point) < NEAR for point in d.points)):
                 levels = [self.levels[name].located_by(dot(d.points[0], unit)) for name, unit in AXES.items()]
                 if all(levels):
                     return "; ".join(dict.fromkeys((d.name, *levels)))
@@ -478,6 +481,18 @@ def centred_axes(verifier: DimensionVerifier) -> str:
     """Names of the axes along which a solid reaches equally far to both sides of the origin: what is not dimensioned
     from a side is symmetric about this middle, and the sheet says so."""
     return "".join(name for name, low, high in zip(AXES, *verifier.box, strict=True) if abs(low + high) < NEAR)
+
+
+def _is_at(surface: Surface, d: Dimension) -> bool:
+    """Whether an axis is one of several at equal angles about a vertex."""
+    if d.count == 1 or d.direction is None or surface.off_axis(d.points[0]) > NEAR:
+        return False
+    normal = cross(d.direction, subtract(d.points[1], d.points[0]))
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, dot(surface.axis, d.direction)))))
+    steps = [one / d.value for one in (angle, 180.0 - angle)]
+    return any(abs(one - round(one)) < NEAR for one in steps) and abs(dot(surface.axis, normal)) < NEAR * math.hypot(
+        *normal
+    )
 
 
 def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:

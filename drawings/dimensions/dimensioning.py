@@ -287,7 +287,7 @@ class _Builder:
             if v.clip and all(math.dist(v.projection.to_view(p), v.clip[0]) < v.clip[1] for p in dimension.points)
         ]
         if dimension.view == "section" and preferred and preferred[0].cut:
-            details = []
+            details = [v for v in details if v.cut == preferred[0].cut]
         return next((view for view in (*details, *preferred) if self._is_true_size(view, dimension)), None)
 
     def _is_true_size(self, view: View, dimension: Dimension) -> bool:

@@ -12,7 +12,6 @@ import numpy as np
 
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 NEAR = 2e-3
@@ -34,6 +33,7 @@ class Levels:
         feature_at: identifies the plane face, by a number, or the axis of a round face, at a point of a dimension.
         datum: whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part.
         halved: dimensions whose middle is an axis, as the width of a slot.
+        rounds: cylinders of the part.
         strict: whether with a datum no other level is a reference, and a row of equal features ends where it is said.
 
     Attributes:
@@ -49,6 +49,7 @@ class Levels:
         *,
         datum: bool = True,
         halved: Sequence[Dimension] = (),
+        rounds: Sequence[Surface] = (),
         strict: bool = False,
     ) -> None:
         self._datum, self._strict, self._strict_rows = datum, strict and datum, strict
@@ -71,7 +72,7 @@ class Levels:
                 if abs(dot(point, axis)) < NEAR and not private and isinstance(feature_at(point), int):
                     self._at_middle = d.name
             rows.append(row)
-        rows += self._outlines(dimensions, axis)
+        rows += self._outlines(own, rounds, axis)
         for d in halved:
             if _is_along(d, axis):
                 low, high = (dot(point, axis) for point in d.points[:2])
@@ -142,19 +143,18 @@ class Levels:
             self._private.add(len(self._levels) - 1)
         return len(self._levels) - 1, side
 
-    def _outlines(self, dimensions: Sequence[Dimension], axis: Point) -> list[dict[int, float]]:
-        """The equations of round faces at whose outline, a radius off the axis, a distance ends."""
+    def _outlines(self, own: Sequence[Dimension], rounds: Sequence[Surface], axis: Point) -> list[dict[int, float]]:
+        """The equations of round faces at whose outline, a radius off the axis, a distance ends: of a whole one however
+        long this is, else on the face."""
         rows: list[dict[int, float]] = []
-        ends = [point for d in dimensions if _is_along(d, axis) for point in d.points]
-        for d in dimensions:
-            if d.kind != "diameter" or d.direction is None or abs(dot(d.direction, axis)) > SQUARE:
-                continue
-            centre = dot(d.points[0], axis)
-            for side in (-1.0, 1.0):
-                outline = centre + side * d.value / 2
-                if any(abs(dot(end, axis) - outline) < NEAR and _is_on(d, end) for end in ends):
+        for surface in (s for s in rounds if abs(dot(s.axis, axis)) < SQUARE):
+            centre = dot(surface.origin, axis)
+            for d, end in [(one, end) for one in own for end in one.points]:
+                off = (abs(dot(end, axis) - centre), surface.off_axis(end))
+                near = max(abs(one - surface.radius) for one in off) < NEAR
+                if near and (surface.span > WHOLE or surface.holds(end)):
                     row: dict[int, float] = {}
-                    for level, sign in ((outline, 1.0), (centre, -1.0)):
+                    for level, sign in ((dot(end, axis), 1.0), (centre, -1.0)):
                         number, mirrored = self._unknown(level, private=False)
                         row[number] = row.get(number, 0.0) + sign * mirrored
                         self._names.setdefault(number, d.name)
@@ -226,12 +226,6 @@ def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hash
             found.append(d.name)
         parents[one] = other
     return found
-
-
-def _is_on(d: Dimension, point: Point) -> bool:
-    """Whether a point is on the round face of a diameter, however long this is."""
-    assert d.direction is not None
-    return abs(math.hypot(*cross(subtract(point, d.points[0]), d.direction)) - d.value / 2) < NEAR
 
 
 def _is_along(d: Dimension, axis: Point) -> bool:

@@ -150,8 +150,8 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
     """The view that shows where a section or a detail is taken."""
     whole = [other for other in views if other.name != view.name and not other.clip and other.projection.name != "iso"]
     first = [other for other in whole if other.name == view.aligned_with]
-    # A detail is marked in the view from outside rather than in a section.
-    for other in sorted(whole, key=lambda other: other.cut is not None):
+    # A detail is marked in the view from outside rather than in a section, and that of a section there.
+    for other in sorted(whole, key=lambda other: other.cut != view.cut):
         if view.clip and other.projection == view.projection:
             return other
     # Preferably where the section would be in its place by projection, not turned.

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from drawings.dimensions.levels import NEAR, SQUARE, WHOLE, along_of, is_chamfer
-from drawings.dimensions.round_sections import Section, extent, sections_of
+from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
-from stagecad.solids.modelling.frame import subtract
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 WIDEST_CHAMFER = 1.3
@@ -92,7 +92,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
     grooves: list[Section] = []
     holes = tuple(_holes(inner, [s for s in surfaces if s.kind == "CONE"], verifier, grooves))
     in_holes = {id(face) for hole in holes for face in hole.faces}
-    slots = tuple(_slots(parts))
+    slots = tuple(_slots(parts, [s for s in surfaces if s.kind == "PLANE"]))
     in_slots = {id(end) for slot in slots for end in slot.ends}
     chamfers = tuple(s for s in surfaces if id(s) not in in_holes and is_chamfer(s, surfaces))
     taken = in_holes | {id(s) for s in chamfers}
@@ -118,10 +118,11 @@ def is_usual(axis: Point) -> bool:
 
 
 def middle_of_face(surface: Surface) -> Point:
-    """A point of a face in the middle of its parameters."""
+    """A point of a face in the middle of its parameters, or if this is cut out, off the middle."""
     u0, u1, v0, v1 = surface.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
-    _, point = surface.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
-    return point.toTuple()
+    parts = (0.5, 0.25, 0.75, 0.05, 0.95)
+    found = [surface.face.normalAt(u0 + part * (u1 - u0), (v0 + v1) / 2)[1].toTuple() for part in parts]
+    return next((point for point in found if surface.holds(point)), found[0])
 
 
 def _round_and_partial(surfaces: list[Surface]) -> tuple[list[Surface], list[Surface]]:
@@ -148,13 +149,14 @@ def _holes(
     for sections in by_axis.values():
         axis = sections[0].face.axis
         own = [s for s in cones if s.is_coaxial(sections[0].face) and not s.outward]
-        sections = sorted(
-            (replace_axis(section, axis) for section in sections), key=lambda section: (section.low, section.high)
-        )
+        # About a shoulder or boss that the bore goes through there is a groove in an end face.
+        sections = sorted((section.along(axis) for section in sections), key=lambda one: (one.low, one.high))
+        inside = [o for o in sections if any(i.radius < o.radius and _within(o, i) for i in sections)]
+        grooves += inside
         chain: list[Section] = []
-        for section in sections:
+        for section in (one for one in sections if one not in inside):
             gap = (chain[-1].high, section.low) if chain else (0.0, 0.0)
-            cones_between = (extent(cone, axis) for cone in own)
+            cones_between = (cone.extent(axis) for cone in own)
             bridged = any(abs(low - gap[0]) < NEAR and abs(high - gap[1]) < NEAR for low, high in cones_between)
             if gap[1] - gap[0] > NEAR and not bridged:
                 yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
@@ -163,11 +165,9 @@ def _holes(
         yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
 
 
-def replace_axis(section: Section, axis: Point) -> Section:
-    """A section with its ends along an axis that may be opposite to its own."""
-    if dot(section.face.axis, axis) > 0:
-        return section
-    return Section(section.radius, -section.high, -section.low, section.faces)
+def _within(one: Section, other: Section) -> bool:
+    """Whether a section is beside another along its whole length."""
+    return other.low < one.low + NEAR and one.high < other.high + NEAR
 
 
 @dataclass(frozen=True)
@@ -183,9 +183,9 @@ class _Chain:
     def turned(self) -> "_Chain":
         """The chain from its other end on."""
         x, y, z = self.axis
-        flipped = [Section(s.radius, -s.high, -s.low, s.faces) for s in self.sections[::-1]]
+        back = (-x + 0.0, -y + 0.0, -z + 0.0)
         tips = {1 - end: (cone, -far) for end, (cone, far) in self.tips.items()}
-        return _Chain(flipped, (-x + 0.0, -y + 0.0, -z + 0.0), tips, self.is_open[::-1], self.is_free[::-1])
+        return _Chain([s.along(back) for s in self.sections[::-1]], back, tips, self.is_open[::-1], self.is_free[::-1])
 
 
 def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, verifier: DimensionVerifier) -> _Chain:
@@ -196,7 +196,7 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
     reach = [verifier.size * part / 40 for part in range(1, 40)]
     for end, side, level in ((0, -1.0, sections[0].low), (1, 1.0, sections[-1].high)):
         for cone in cones:
-            near, far = extent(cone, axis)[:: -1 if end == 0 else 1]
+            near, far = cone.extent(axis)[:: -1 if end == 0 else 1]
             if abs(near - level) < NEAR:
                 chain.tips[end] = (cone, far)
         cone, far = chain.tips.get(end, (None, level))
@@ -265,7 +265,7 @@ def _hole(sections: list[Section], chain: _Chain, verifier: DimensionVerifier, w
     return Hole(moved(on_axis, into, start), into, steps, (*(s.face for s in sections), *cones), way_out, sink)
 
 
-def _slots(parts: list[Surface]) -> Iterator[Slot]:
+def _slots(parts: list[Surface], planes: list[Surface]) -> Iterator[Slot]:
     """Pairs of half cylinders, nearest first, that face each other."""
     ends = [s for s in parts if not s.outward and abs(s.span - math.pi) < 0.02]
     used: set[int] = set()
@@ -280,16 +280,22 @@ def _slots(parts: list[Surface]) -> Iterator[Slot]:
             and abs(other.radius - one.radius) < NEAR
             and abs(abs(dot(one.axis, other.axis)) - 1.0) < SQUARE
             and not one.is_coaxial(other)
-            and max(abs(a - b) for a, b in zip(extent(one, one.axis), extent(other, one.axis), strict=True)) < 0.05
+            and max(abs(a - b) for a, b in zip(one.extent(one.axis), other.extent(one.axis), strict=True)) < 0.05
         ]
         if not others:
             continue
-        level = sum(extent(one, one.axis)) / 2
+        level = sum(one.extent(one.axis)) / 2
 
         def centre(surface: Surface, level: float = level, axis: Point = one.axis) -> Point:
             return moved(surface.origin, axis, level - dot(surface.origin, axis))
 
         other = min(others, key=lambda end: math.dist(centre(one), centre(end)))
+        # Between the ends is a plane side, else they are those of a curved slot.
+        side = cross(one.axis, subtract(centre(other), centre(one)))
+        middle = scaled(add(centre(one), centre(other)), 0.5)
+        wall = moved(middle, side, one.radius / math.hypot(*side))
+        if not any(abs(dot(subtract(wall, s.origin), s.axis)) < NEAR for s in planes):
+            continue
         used |= {id(one), id(other)}
         first, second = sorted((centre(one), centre(other)))
         yield Slot((first, second), one.axis, one.radius, (one, other))

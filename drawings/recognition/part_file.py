@@ -173,7 +173,7 @@ def in_position(solid: cq.Solid) -> cq.Solid:
         surfaces = DimensionVerifier(solid).surfaces
         axis = _turning_axis(surfaces)
     low, high = _box(surfaces)
-    shift = [-value for value in low]
+    shift = [-round(value, 6) for value in low]  # a box of the kernel is larger than its face by 1e-7
     for number, name in enumerate("xyz"):
         middle = (low[number] + high[number]) / 2
         if axis is not None and name != axis[0]:
@@ -188,7 +188,8 @@ def _box(surfaces: list[Surface]) -> tuple[list[float], list[float]]:
 
 
 def _turning_axis(surfaces: list[Surface]) -> tuple[str, float, float, tuple[float, float, float]] | None:
-    """Name of the axis of a part whose largest outer face is a whole cylinder about it, length, diameter, a point."""
+    """Name of the axis of a part whose largest outer faces are a cylinder and balls about it, length, diameter, a
+    point."""
     outside = [s for s in surfaces if s.kind == "CYLINDER" and s.outward]
     largest = max(outside, key=lambda s: s.radius, default=None)
     name = along_of(largest.axis) if largest else None
@@ -198,6 +199,8 @@ def _turning_axis(surfaces: list[Surface]) -> tuple[str, float, float, tuple[flo
     number = "xyz".index(name)
     sizes = [high[n] - low[n] for n in range(3) if n != number]
     middles = [(high[n] + low[n]) / 2 - largest.origin[n] for n in range(3) if n != number]
-    if max(abs(size - 2 * largest.radius) for size in sizes) > 0.01 or math.hypot(*middles) > 0.01:
+    balls = [s.radius for s in surfaces if s.kind == "SPHERE" and largest.off_axis(s.origin) < 0.01]
+    radius = max(largest.radius, *balls, 0.0)
+    if max(abs(size - 2 * radius) for size in sizes) > 0.01 or math.hypot(*middles) > 0.01:
         return None
-    return name, high[number] - low[number], 2 * largest.radius, largest.origin
+    return name, high[number] - low[number], 2 * radius, largest.origin

@@ -28,10 +28,12 @@ from drawings.recognition.features import (
     tap_drill_of,
 )
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
+from drawings.recognition.rings import Ring, rings_around
 from drawings.recognition.visible import (
     PREFERRED,
     VIEW_OF,
     VisibleLines,
+    at_level,
     extremes,
     negative,
     on_outline,
@@ -69,7 +71,7 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     questions = tuple(builder.questions)
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
-    datums = tuple(proposed_datums(verifier, builder.features, views, diameters))
+    datums = tuple(proposed_datums(verifier, builder.features, views, diameters, builder.lines))
     views = builder.with_inside(views, found)
     found = builder.in_section(found) if "front section" in views else found
     return Proposal(tuple(found), questions, problems(found), views, datums)
@@ -123,33 +125,40 @@ class _Builder:
 
     def holes(self) -> None:
         """Callouts of equal holes, circles on which they are, and the levels of their axes."""
-        groups: dict[tuple[object, ...], list[Hole]] = defaultdict(list)
-        for hole in self.features.holes:
-            groups[hole.kind].append(hole)
-        for number, group in enumerate(groups.values(), start=1):
+        groups: dict[object, list[Hole]] = defaultdict(list)
+        shafts, all_holes = self.features.shafts, self.features.holes
+        rings = {id(hole): ring for ring in rings_around(all_holes, shafts) for hole in ring.holes}
+        for hole in all_holes:
+            groups[rings.get(id(hole), hole.kind)].append(hole)
+        for number, (kind, group) in enumerate(groups.items(), start=1):
+            ring = kind if isinstance(kind, Ring) else None
             head = max(group, key=lambda hole: (round(hole.mouth[1], 6), round(hole.mouth[0], 6)))
+            head = ring.holes[0] if ring else head
             self._callout(f"hole {number}", head, len(group))
-            circle = centre_of_circle(group, self.features.shafts)
+            if ring:
+                angle, points = 360.0 / len(group), (ring.centre, ring.neighbour, ring.start)
+                self.add("angle", f"angle {number}", angle, *points, view="section", count=len(group))
+            circle = None if ring else centre_of_circle(group, shafts)
             if circle:
                 centre = tidy(circle)
                 self._pitch_circle(f"pitch circle {number}", centre, group)
-                for name, at in self._across(head.into, centre):
-                    self._levels[name].append(Level(at, (centre,), self._view_of(head), AXIS))
+                self._add_levels(head.into, centre, self._view_of(head))
             elif self._view_of(head) == "auxiliary":
                 self._on_face(f"place {number}", group)
-            elif self._view_of(head) == "section":
+            elif along_of(head.into) is None:
                 for count, hole in enumerate(group, start=1):
                     self._slanting(f"angle {number}" if count == 1 else f"angle {number}.{count}", hole)
             else:
-                for hole in group:
-                    for name, at in self._across(hole.into, hole.mouth):
-                        equal = frozenset((f"hole {number}",))
-                        self._levels[name].append(Level(at, (hole.mouth,), self._view_of(hole), AXIS, equal))
+                for hole in [head] if ring else group:
+                    self._add_levels(hole.into, hole.mouth, self._view_of(hole), AXIS, f"hole {number}")
 
     def _view_of(self, hole: Hole) -> str:
-        """View from the side of the mouth of a hole; for a slanting one that against its face, or else the section."""
-        face = along_of(hole.into) is None and self._face_of(hole)
-        return "auxiliary" if face else VIEW_OF.get(tidy(negative(hole.into)), "section")
+        """View from the side of the mouth of a hole; for a slanting one that against its face; else the section."""
+        if along_of(hole.into) is None:
+            return "auxiliary" if self._face_of(hole) else "section"
+        view = VIEW_OF[tidy(negative(hole.into))]
+        # One in an inner wall is covered.
+        return view if hole.through or not self.lines.is_covered(negative(hole.into), hole.mouth) else "section"
 
     def _face_of(self, hole: Hole) -> Surface | None:
         """The slanting face to which a hole is square."""
@@ -184,12 +193,13 @@ class _Builder:
         end = tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
         angle = math.degrees(math.acos(dot(start, into)))
         self.add("angle", name, angle, mouth, end, start, view="section")
-        view = self.lines.open_view(normal, mouth)
-        for axis, at in self._across(normal, mouth):
-            self._levels[axis].append(Level(at, (mouth,), view, MOUTH))
+        self._add_levels(normal, mouth, self.lines.open_view(normal, mouth), MOUTH)
 
-    def _across(self, axis: Point, point: Point) -> list[tuple[str, float]]:
-        return [(name, dot(point, unit)) for name, unit in AXES.items() if abs(dot(unit, axis)) < 1e-6]
+    def _add_levels(self, axis: Point, point: Point, view: str, kind: str = AXIS, *equal: str) -> None:
+        """Levels of a point along the axes of the part that are square to its own axis."""
+        for name, unit in AXES.items():
+            if abs(dot(unit, axis)) < 1e-6:
+                self._levels[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
 
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)
@@ -205,7 +215,7 @@ class _Builder:
             note: dict[str, Any] = {"note": hole.way_out} if number == last and hole.through else {}
             at, direction = (on[0], on[1]) if on else (at, None)
             self.add("diameter", step, 2 * radius, tidy(at), along, direction, **common, **note)
-            if number < last or not hole.through:
+            if (number < last or not hole.through) and self._is_outside(hole.mouth):
                 end_point, into = moved(hole.mouth, hole.into, end), tidy(hole.into)
                 self.add("depth", f"{step} depth", end, tidy(hole.mouth), tidy(end_point), into, **common)
         if hole.sink[0]:
@@ -218,6 +228,12 @@ class _Builder:
                 f"{name}: is {2 * hole.steps[-1][0]:g} mm the tap drill of {thread}? Then declare it with d.tapped(...)"
             )
 
+    def _is_outside(self, mouth: Point) -> bool:
+        """Whether an axis meets a face of the part at a point, from which a depth is measured there."""
+        planes = (dot(s.axis, mouth) - dot(s.axis, s.origin) for s in self.verifier.surfaces if s.kind == "PLANE")
+        rounds = (s.off_axis(mouth) - s.radius for s in self.verifier.surfaces if s.kind == "CYLINDER")
+        return any(abs(off) < NEAR for off in (*planes, *rounds))
+
     def _touch(self, mouth: Point, into: Point, radius: float, span: tuple[float, float]) -> tuple[Point, Point] | None:
         """A point of the axis, and a direction from it to a point that is on the face of a step."""
         for part in (0.5, 0.2, 0.8, 0.05, 0.95):
@@ -226,7 +242,9 @@ class _Builder:
             across = [
                 cross(into, unit) for unit in AXES.values() if abs(dot(unit, into)) < 1e-6 and along_of(into) is None
             ]
-            for unit in (*across, *AXES.values(), *map(negative, AXES.values())):
+            # In the plane of a section through the middle first.
+            usual = [AXES[name] for name in "zxy"]
+            for unit in (*across, *usual, *map(negative, usual)):
                 if abs(dot(unit, into)) < 1e-6:
                     point = moved(at, unit, radius)
                     if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
@@ -258,8 +276,7 @@ class _Builder:
                 (middle, across, view)
             )
             for centre in slot.centres:
-                for name, at in self._across(axis, centre):
-                    self._levels[name].append(Level(at, (tidy(centre),), view, AXIS))
+                self._add_levels(axis, tidy(centre), view)
         for number, (key, group) in enumerate(groups.items(), start=1):
             (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
             ends = [tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
@@ -275,7 +292,7 @@ class _Builder:
             shafts[key].append(shaft)
         for number, group in enumerate(shafts.values(), start=1):
             shaft = group[0]
-            axis = shaft.face.axis
+            axis = shaft.axis
             at = moved(shaft.face.origin, axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, axis))
             on = self._touch(moved(at, axis, -1e-3), axis, shaft.radius, (0.0, 2e-3))
             view = "section" if shaft in grooves else self._side_view(axis, shaft.radius, at)
@@ -293,10 +310,7 @@ class _Builder:
             )
             for one in group:
                 foot = moved(one.face.origin, axis, (one.low + one.high) / 2 - dot(one.face.origin, axis))
-                for name, level in self._across(axis, foot):
-                    self._levels[name].append(
-                        Level(level, (tidy(foot),), VIEW_OF.get(tidy(positive(axis)), "top"), AXIS)
-                    )
+                self._add_levels(axis, tidy(foot), VIEW_OF.get(tidy(positive(axis)), "top"))
         rounds: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
         for face in (*self.features.fillets, *self.features.spheres):
             key = (face.kind == "SPHERE", round(face.radius, 4))
@@ -304,9 +318,7 @@ class _Builder:
         for face in self.features.fillets:
             if face.kind == "CYLINDER" and not is_fillet(face, self.verifier.surfaces):
                 foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
-                for name, level in self._across(face.axis, foot):
-                    view = self.lines.open_view(face.axis, middle_of_face(face))
-                    self._levels[name].append(Level(level, (tidy(foot),), view, AXIS))
+                self._add_levels(face.axis, tidy(foot), self.lines.open_view(face.axis, middle_of_face(face)))
         for number, faces in enumerate(rounds.values(), start=1):
             circular = [face for face in faces if face.kind == "CYLINDER"] or faces
             face = circular[0]
@@ -455,15 +467,15 @@ class _Builder:
             return
         (_, on), _ = inner
         number = list(AXES).index(name)
-        own = [s for s in self.features.shafts if s.low - NEAR <= dot(on, s.face.axis) <= s.high + NEAR]
+        own = [s for s in self.features.shafts if s.low - NEAR <= dot(on, s.axis) <= s.high + NEAR]
         radius, view = max((s.radius for s in own), default=shaft.radius), "section"
         across = [s.radius for hole in self.features.holes for s in hole.faces if s.axis_key == shaft.face.axis_key]
         seat = [r for r in across if r < abs(row.at)]
         if seat and any(on[number] * outward_normal(s)[number] < 0 for s in self.verifier.surfaces if s.holds(on)):
             # The floor of a key seat in a bore, from the opposite wall of the bore.
             radius, view = max(seat), VIEW_OF.get(positive(shaft.face.axis), "section")
-        opposite: Point = tuple(-math.copysign(radius, row.at) if n == number else v for n, v in enumerate(on))  # type: ignore[assignment]
-        self.add("linear", f"{name} place", abs(row.at) + radius, tidy(opposite), on, AXES[name], view=view, order=1)
+        opposite = at_level(on, name, -math.copysign(radius, row.at))
+        self.add("linear", f"{name} place", abs(row.at) + radius, opposite, on, AXES[name], view=view, order=1)
 
     def _from_datum(self, name: str, rows: list[Level], ends: list[Level]) -> None:
         """Distances from a datum: the lower end, else the middle axis of the part."""
@@ -538,6 +550,8 @@ class _Builder:
         """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
         wanted = [view for view in (second.view, first.view) if view in views_along(name)]
         shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
+        if second.kind == AXIS and second.view == "section":
+            return (at_level(second.points[0], name, first.at), second.points[0]), "section"
         inner = None if shown or second.kind == AXIS else self._in_section(name, first, second)
         return inner or (points, view)
 
@@ -563,17 +577,10 @@ class _Builder:
 
     def _in_section(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str] | None:
         """Ends of a distance to a face within the part, in a section through the middle of this face."""
-        for surface in self.verifier.surfaces:
-            if (
-                surface.kind == "PLANE"
-                and along_of(surface.axis) == name
-                and abs(dot(surface.origin, AXES[name]) - second.at) < NEAR
-            ):
-                inside = middle_of_face(surface)
-                number = list(AXES).index(name)
-                start: Point = tuple(first.at if n == number else v for n, v in enumerate(inside))  # type: ignore[assignment]
-                return (tidy(start), tidy(inside)), "section"
-        return None
+        planes = (s for s in self.verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) == name)
+        face = next((s for s in planes if abs(dot(s.origin, AXES[name]) - second.at) < NEAR), None)
+        inside = middle_of_face(face) if face else None
+        return ((at_level(inside, name, first.at), tidy(inside)), "section") if inside else None
 
     def _shown(self, level: Level, view: str) -> list[tuple[float, Point]]:
         """Points of a level in a view with their costs; the axes of holes in the view along them."""

@@ -59,6 +59,11 @@ class VisibleLines:
         box = (u - LINE_NEAR, v - LINE_NEAR, u + LINE_NEAR, v + LINE_NEAR)
         return PASSING if lines.count_in(box) else None
 
+    def drawn(self, points: Sequence[Point], view: str) -> bool:
+        """Whether a view has lines at different points of an edge, or at a single point."""
+        apart = len({tidy((*PROJECTIONS[view].to_view(point), 0.0)) for point in points}) == len(points)
+        return apart and all(self.seen(point, view) is not None for point in points)
+
     def cut_front(self) -> None:
         """Take the lines of a section through the middle for those of the front view."""
         cut = Cut((0.0, 0.0, 0.0), PROJECTIONS["front"].towards_eye, "")
@@ -69,10 +74,13 @@ class VisibleLines:
         usual = tidy(axis) if is_usual(axis) else tidy(negative(axis))
         for eye in (usual, negative(usual)):
             view = VIEW_OF.get(eye)
-            steps = [moved(point, eye, self._size * part / 40) for part in range(40)]
-            if view and not any(map(self._verifier.is_inside, steps)):
+            if view and not self.is_covered(eye, point):
                 return view
         return otherwise or VIEW_OF.get(usual, "front")
+
+    def is_covered(self, eye: Point, point: Point) -> bool:
+        """Whether material is between a point and the eye."""
+        return any(self._verifier.is_inside(moved(point, eye, self._size * part / 40)) for part in range(40))
 
 
 def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tuple[str, ...]:
@@ -94,6 +102,11 @@ def tidy(point: Point) -> Point:
     """A point without rounding errors of the kernel."""
     x, y, z = (round(value, 9) + 0.0 for value in point)
     return (x, y, z)
+
+
+def at_level(point: Point, name: str, level: float) -> Point:
+    """The point at a level along an axis of the part."""
+    return tidy(tuple(level if axis == name else value for axis, value in zip(AXES, point, strict=True)))  # type: ignore[arg-type]
 
 
 def negative(vector: Point) -> Point:
@@ -118,7 +131,11 @@ class ProposedDatum:
 
 
 def proposed_datums(
-    verifier: DimensionVerifier, features: Features, views: Sequence[str], shown: Mapping[float, str]
+    verifier: DimensionVerifier,
+    features: Features,
+    views: Sequence[str],
+    shown: Mapping[float, str],
+    lines: VisibleLines,
 ) -> Iterator[ProposedDatum]:
     """The axis of a turned part and its largest end face; else the largest faces at right angles to each other.
 
@@ -128,19 +145,17 @@ def proposed_datums(
     used: list[Point] = []
     letters = iter("ABC")
 
-    def side_view(axis: Point, diameter: float = 0.0) -> str:
-        if diameter in shown:
-            return shown[diameter]
-        return next((v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6), "")
+    def side_views(axis: Point) -> list[str]:
+        return [v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6]
 
     shaft = max(features.shafts, key=lambda one: one.radius, default=None)
     if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
         face, axis = shaft.face, positive(shaft.face.axis)
-        at = moved(face.origin, face.axis, (shaft.low + shaft.high) / 2 - dot(face.origin, face.axis))
+        at = moved(face.origin, shaft.axis, (shaft.low + shaft.high) / 2 - dot(face.origin, shaft.axis))
         rim = (moved(at, unit, side * shaft.radius) for unit in _across(axis) for side in (1.0, -1.0))
         touch = next((point for point in rim if face.holds(tidy(point))), None)
-        if touch and side_view(axis):
-            view = side_view(axis, round(2 * shaft.radius, 9))
+        if touch and side_views(axis):
+            view = shown.get(round(2 * shaft.radius, 9), side_views(axis)[0])
             yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)
             used = _across(axis)
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
@@ -155,18 +170,19 @@ def proposed_datums(
         normal = outward_normal(surface)
         if any(abs(dot(normal, other)) > 0.5 for other in used):
             continue
-        view, letter = side_view(normal), next(letters, "")
-        if not view or not letter:
-            break
         edges = sorted(surface.face.Edges(), key=lambda edge: -round(edge.Length(), 3))
         # Off the middle, where centre lines and cutting lines are, except on a small face between others.
-        along = [edge.positionAt(0.3).toTuple() for edge in edges]  # pyright: ignore[reportAttributeAccessIssue]
-        points = [*along, middle_of_face(surface), *surface.vertices]
+        along = [[edge.positionAt(part).toTuple() for part in (0.3, 0.7)] for edge in edges]  # pyright: ignore[reportAttributeAccessIssue]
+        rows = [*along, [middle_of_face(surface)], *([vertex] for vertex in surface.vertices)]
         if edges[0].Length() < SMALL_FACE:
-            points.insert(0, middle_of_face(surface))
-        point = next(point for point in points if surface.holds(point))
-        yield ProposedDatum(letter, (tidy(point),), normal, view)
-        used.append(normal)
+            rows.insert(0, [middle_of_face(surface)])
+        # A line of the face, and not one that passes by chance.
+        drawn = ((row[0], v) for row in rows for v in side_views(normal) if lines.drawn(row, v))
+        found = next((one for one in drawn if surface.holds(one[0])), None)
+        letter = next(letters, "") if found else ""
+        if found and letter:
+            yield ProposedDatum(letter, (tidy(found[0]),), normal, found[1])
+            used.append(normal)
 
 
 def _across(axis: Point) -> list[Point]:

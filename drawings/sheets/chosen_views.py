@@ -5,12 +5,13 @@ each declaration that asks for one. `VIEWS` in the file of a part, or `sheets.to
 front view cut through the origin, `front hidden` one with hidden lines.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from drawings.dimensions.levels import AXES, along_of, outward_normal
 from drawings.sheets.plans import SheetPlan, ViewPlan
-from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot
+from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -21,7 +22,11 @@ ROOM = (230.0, 160.0)
 """Space of the views on the smallest sheet, with gaps and dimensions, mm."""
 PICTURE = 90.0
 """Greatest size of the picture on the sheet, mm."""
-LETTERS = "ABCDEFGH"
+LETTERS, DETAILS = "ABCDEFGH", "XYZUVW"
+LEGIBLE = 1.2
+"""Size on the paper from which on a feature is legible, mm: two lines of 0.5 mm with a space of 0.7 mm (ISO 128-20)."""
+LARGEST_DETAIL = 60.0
+"""Diameter of a detail on the paper, mm."""
 BASE = ("top", "front", "right")
 """The usual views; those that no declaration names are left out, but for the front view and one more."""
 
@@ -143,3 +148,43 @@ def at_scale(plan: SheetPlan, scale: float) -> SheetPlan:
     """A plan at another scale, with a picture that is not larger."""
     views = tuple(replace(view, scale=min(view.scale, scale)) if view.scale else view for view in plan.views)
     return replace(plan, scale=scale, views=views)
+
+
+def with_details(plan: SheetPlan, dimensions: Sequence[Dimension]) -> SheetPlan:
+    """A plan with a detail for each place in a view where features are not legible at its scale."""
+    found: list[tuple[ViewPlan, Point, float]] = []
+    for d in dimensions:
+        size, on_axis = d.major or d.value, d.kind in ("diameter", "tap_drill")
+        drawn = on_axis or d.kind in ("linear", "pitch") or (d.kind == "depth" and not d.feature)
+        shows = [v for v in plan.views if v.cut and all(map(v.cut.holds, d.points))] if d.view == "section" else []
+        shows += [v for v in plan.views if d.view == v.projection]
+        if drawn and shows and size * plan.scale < LEGIBLE:
+            ends = d.points[:1] if on_axis else d.points
+            middle: Point = tuple(sum(end[n] for end in ends) / len(ends) for n in range(3))  # type: ignore[assignment]
+            wide = size if d.kind == "pitch" else 2 * size
+            found.append((shows[0], middle, wide + max(_apart(shows[0], middle, end) for end in ends)))
+    views = list(plan.views)
+    while found and len(views) < len(plan.views) + len(DETAILS):
+        view, at, reach = found.pop()
+        near = next((one for one in found if one[0] is view and _apart(view, at, one[1]) < reach + one[2]), None)
+        if near:
+            # One circle around both.
+            found.remove(near)
+            _, other, far = near
+            apart = _apart(view, at, other)
+            around = max(reach, far, (apart + reach + far) / 2)
+            part = (around - reach) / apart if apart else 0.0
+            at: Point = tuple(a + part * (b - a) for a, b in zip(at, other, strict=True))  # type: ignore[assignment]
+            found.append((view, at, around))
+            continue
+        scale = next((one for one in SCALES if 2 * reach * one <= LARGEST_DETAIL), SCALES[-1])
+        if scale >= 2 * plan.scale:
+            letter = DETAILS[len(views) - len(plan.views)]
+            detail = replace(view, name=f"detail {letter}", aligned_with="", symmetry="", scale=scale)
+            views.append(replace(detail, detail=(at, reach), letter=letter))
+    return replace(plan, views=tuple(views))
+
+
+def _apart(view: ViewPlan, one: Point, other: Point) -> float:
+    """Distance of two points in a view."""
+    return math.dist(*(projection_of(view.projection).to_view(point) for point in (one, other)))

@@ -12,7 +12,7 @@ from drawings.annotations.symbols import symbol_text_primitives, symbol_text_wid
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
-from drawings.sheets.chosen_views import SCALES, at_scale
+from drawings.sheets.chosen_views import SCALES, at_scale, with_details
 from drawings.sheets.frame import PAPERS, Paper, TitleBlock, revision_box, title_box
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement
@@ -119,7 +119,7 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
 def _slanting_mouths(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[tuple[Point, Point, float]]:
     """Points at which the axes of holes at a declared angle meet a face, its normal, and the radius of the hole."""
     found: list[tuple[Point, Point, float]] = []
-    for d in (d for d in dimensions if d.kind == "angle" and d.direction):
+    for d in (d for d in dimensions if d.kind == "angle" and d.direction and d.count == 1):
         for s in verifier.surfaces:
             along = dot(s.axis, d.direction or s.axis)
             if s.kind == "CYLINDER" and abs(along) > 1e-6 and max(map(s.off_axis, d.points)) < 1e-3:
@@ -234,8 +234,10 @@ def part_sheets(
     """The sheets of a part; with a chosen plan, at a smaller scale if only this fits on the smallest paper."""
     verifier = verifier or DimensionVerifier(part.solid)
     if part.chosen:
+        first, part = part, replace(part, plans=tuple(with_details(plan, part.dimensions) for plan in part.plans))
         for scale in (one for one in SCALES if 1.0 <= one <= part.plans[0].scale):
-            part = replace(part, plans=tuple(at_scale(plan, scale) for plan in part.plans))
+            plans = (with_details(at_scale(plan, scale), part.dimensions) for plan in first.plans)
+            part = replace(part, plans=tuple(plans))
             sheets = _sheets(part, design, verifier, exact=exact)
             if all(sheet.paper == plan.papers[0] for sheet, plan in zip(sheets, part.plans, strict=True)):
                 return sheets

@@ -168,7 +168,8 @@ class GeometricTolerance:
         if not (math.isfinite(self.value) and self.value > 0):
             raise ValueError(f"{self.characteristic} '{self.name}': {self.value} is no width of a zone")
         if self.characteristic != "profile" and bool(self.datums) == (self.characteristic in FORM):
-            raise ValueError(f"{self.characteristic} '{self.name}': refers to {len(self.datums)} datums")
+            allowed = "no datum" if self.characteristic in FORM else "a datum"
+            raise ValueError(f"{self.characteristic} '{self.name}': has {len(self.datums)} datums, but needs {allowed}")
 
 
 @dataclass(frozen=True)

@@ -257,6 +257,7 @@ class Material:
     strength_kind: str = choice("meaning of the strength", "yield", "fracture")
     magnetic: bool = switch("whether a magnet attracts it")
     treatment: str = text("heat treatment of a part made of it, for the title block", default="none")
+    coating: str = text("that grows from it, as `anodised` of aluminium; of others no sheet says so", default="none")
 
 
 @dataclass(frozen=True)

@@ -105,15 +105,22 @@ class Part(Protocol):
 
 
 def notes_of(part: Any, design: Any) -> tuple[str, ...]:
-    """The notes of a part's sheet: of its function ``notes``, else its ``NOTES``."""
+    """The notes of a part's sheet: of its function ``notes``, else its ``NOTES``; no coating of other materials."""
     notes = getattr(part, "notes", None)
-    return notes(design) if notes else getattr(part, "NOTES", ())
+    material = design.materials[part.material(design)]
+    return tuple(text for text in (notes(design) if notes else getattr(part, "NOTES", ())) if takes(material, text))
+
+
+def takes(material: Any, text: str) -> bool:
+    """Whether a material has the coating that a text asks for: only aluminium is anodised."""
+    return "anodi" not in text.lower() or "anodi" in material.coating
 
 
 def treatment_of(part: Any, design: Any, material: str) -> str:
     """Treatment for the title block: of the material, and of the part's own (``TREATMENT``: its coatings)."""
-    of_material = design.materials[material].treatment
-    found = [text for text in (of_material, getattr(part, "TREATMENT", "")) if text not in ("", "none", "-")]
+    made_of = design.materials[material]
+    coating = ", ".join(text for text in getattr(part, "TREATMENT", "").split(", ") if takes(made_of, text))
+    found = [text for text in (made_of.treatment, coating) if text not in ("", "none", "-")]
     return "; ".join(found) or "none"
 
 

@@ -97,9 +97,14 @@ class Surface:
         return {}
 
     def extent(self, along: Point) -> tuple[float, float]:
-        """Least and largest coordinate of the face's vertices in a direction, mm."""
+        """Least and largest coordinate of the face's vertices in a direction, mm; along an axis of the part of the face
+        itself, as the edges of crossing bores go beyond their vertices."""
         at = [dot(v, along) for v in self.vertices]
-        return min(at), max(at)
+        ends = sorted((dot(self.low, along), dot(self.high, along)))
+        if max(map(abs, along)) < 1 - 1e-9:
+            return min(at), max(at)
+        low, high = min(at, default=ends[0]), max(at, default=ends[1])
+        return ends[0] if ends[0] < low - NEAR else low, ends[1] if ends[1] > high + NEAR else high
 
     def place(self, point: Point, along: Point) -> float | None:
         """Coordinate along `along` of the intersection with the line through the point, if nearly normal; else None."""
@@ -139,6 +144,9 @@ class DimensionVerifier:
         from OCP.gp import gp_Pnt  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
         from OCP.TopAbs import TopAbs_IN  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
 
+        low, high = self.box
+        if not all(a <= p <= b for a, p, b in zip(low, point, high)):
+            return False
         for classifier in self._classifiers:
             classifier.Perform(gp_Pnt(*point), 1e-6)
             if classifier.State() == TopAbs_IN:
@@ -197,8 +205,14 @@ class DimensionVerifier:
             case "depth":
                 return abs(self._level(points[1], along) - self._level(points[0], along))
             case "pitch":
-                whole = abs(self._place(points[1], along) - self._place(points[0], along))
-                return whole / dimension.count
+                whole = self._place(points[1], along) - self._place(points[0], along)
+                between = [moved(points[0], along, n * whole / dimension.count) for n in range(1, dimension.count)]
+                # Each feature of the row is at its place, holes as holes.
+                holes = self._axis_place(points[0], along) is not None
+                for point in between:
+                    if (self._axis_place(point, along) if holes else self._place(point, along)) is None:
+                        raise LookupError(f"no hole of the row at {point}")
+                return abs(whole) / dimension.count
             case "sag":
                 half, radius = math.dist(points[0], points[1]) / 2, self.face_on(points[0], "SPHERE").radius
                 return radius - math.sqrt(radius**2 - half**2)
@@ -213,7 +227,7 @@ class DimensionVerifier:
                 sine = abs(dot(self.face_on(points[0], "PLANE").axis, along))
                 return sine / math.sqrt(1 - sine**2)
             case "angle":
-                return self._angle(points[0], points[1], along)
+                return self._angle(points[0], points[1], along, dimension.count)
             case "pitch_circle":
                 return self._pitch_circle(dimension)
             case "count":
@@ -261,15 +275,19 @@ class DimensionVerifier:
         """Round face about `axis` at the first point, on the axis, and its radius there; a second point, on the face,
         selects one of several."""
         point, touch = points[0], points[1] if len(points) > 1 else None
-        at = dot(point, axis)
+        at, found = dot(point, axis), set[str]()
         for surface in (s for kind in ("CYLINDER", "CONE") for s in self._of(kind, axis) if s.off_axis(point) < NEAR):
             radius = surface.radius + surface.taper * dot(subtract(point, surface.origin), surface.axis)
             low, high = surface.extent(axis) if surface.kind == "CYLINDER" else (at, at)
             away = surface.off_axis(touch) - radius if touch else 0.0
             held = not touch or (surface.holds(touch) if surface.kind == "CYLINDER" else abs(away) < NEAR)
-            if held and low - NEAR <= at <= high + NEAR:
-                return surface, radius
-        raise LookupError(f"no round face about {axis} through {point}")
+            if low - NEAR <= at <= high + NEAR:
+                if held:
+                    return surface, radius
+                found.add(f"{2 * radius:.6g}")
+        size = f" of diameter {2 * math.dist(touch, point):.6g}" if touch else ""
+        there = f"; the solid has {', '.join(sorted(found))} there" if found else ""
+        raise LookupError(f"no round face{size} about {axis} through {point}{there}")
 
     def _pitch_circle(self, dimension: Dimension) -> float:
         """Diameter of a circle of equally spaced holes, mm."""
@@ -357,13 +375,24 @@ class DimensionVerifier:
                 return dot(start, along)
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
-    def _angle(self, vertex: Point, point: Point, along: Point) -> float:
+    def _angle(self, vertex: Point, point: Point, along: Point, count: int) -> float:
         """Angle at the axis through `vertex` between `along` and the axis through `point`, both upright; or between
-        `along` and a slanting axis through both points; degrees."""
+        `along` and a slanting axis through both points, the next of `count` at equal angles all around; degrees."""
         for surface in self._of("CYLINDER"):
             if max(map(abs, surface.axis)) < 1 - 1e-9 and max(map(surface.off_axis, (vertex, point))) < NEAR:
                 sign = math.copysign(1.0, dot(subtract(point, vertex), surface.axis))
-                return math.degrees(math.acos(sign * dot(surface.axis, along)))
+                angle = math.acos(sign * dot(surface.axis, along))
+                out = scaled(_across(scaled(surface.axis, sign), along), 1 / math.sin(angle))
+                if count > 1 and abs(count * angle - math.tau) > 1e-6:
+                    raise LookupError(f"{count} times {math.degrees(angle):.6g} degrees do not go around")
+                for number in range(2, count):
+                    c, s = math.cos(number * angle), math.sin(number * angle)
+                    way = add(scaled(along, c), scaled(out, s))
+                    like = (one for one in self._of("CYLINDER", way) if abs(one.radius - surface.radius) < NEAR)
+                    ends = (one.extent(way)[1] - dot(vertex, way) for one in like if one.off_axis(vertex) < NEAR)
+                    if max(ends, default=0.0) < surface.radius:
+                        raise LookupError(f"no hole at {number} times {math.degrees(angle):.6g} degrees from {along}")
+                return math.degrees(angle)
         step = [0.0, 0.0]
         for index, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))):
             ends = self._axis_place(vertex, axis), self._axis_place(point, axis)

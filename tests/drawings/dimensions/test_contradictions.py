@@ -6,9 +6,12 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
-from drawings.dimensions.consistency import contradictions, mistakes
+from drawings.dimensions.consistency import contradictions, mistakes, unsuited
+from stagecad.friction_stage.construction import part_definition
 from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
+from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.own_parts import draw_part, hits_of
 
@@ -25,6 +28,7 @@ DRILL = Dimension(
 THREAD = Dimension(
     "m8 thread depth", "thread_depth", 10.0, "part.full", ((20, 10, 20),), DOWN, note="M8x1.25", feature="m8"
 )
+ROW = Dimension("row", "pitch", 20.0, "part.row", ((-20, -10, 20), (20, -10, 20)), X, count=2)
 FLAT = GeometricTolerance("flat", "flatness", 0.01, "part.flat", ((0, 0, 20),), Z, "front")
 SQUARE = GeometricTolerance("square", "perpendicularity", 0.02, "part.square", ((30, 0, 10),), X, "front", ("A",))
 BASE = DatumFeature("A", ((0, 0, 0),), DOWN, "front")
@@ -44,6 +48,8 @@ def verifier() -> DimensionVerifier:
         ([LENGTH, LENGTH], [], "two dimensions have the name 'length'"),
         ([replace(LENGTH, value=61.0)], [], "dimension 'length': declared 61, the solid measures 60"),
         ([replace(OPEN, points=((20, -11, 10),))], [], "no round face about"),
+        ([replace(OPEN, points=((20, -10, 10), (23, -10, 10)))], [], "no round face of diameter 6 about"),
+        ([ROW], [], "dimension 'row': no hole of the row at (0.0, -10.0, 20.0)"),
         ([], [SQUARE], "requirement 'square': no datum A is declared"),
         ([], [BASE, replace(BASE, points=((30, 0, 10),))], "two datums have the letter 'A'"),
         ([], [replace(FLAT, points=((0, 0, 21),))], "requirement 'flat': no face of the solid at (0, 0, 21)"),
@@ -67,6 +73,20 @@ def test_what_cannot_be_drawn_is_named(dimensions, requirements, text: str, veri
 def test_contradictions_are_named(dimensions: list[Dimension], text: str, verifier: DimensionVerifier) -> None:
     found = [*mistakes(dimensions, (), verifier), *contradictions(verifier, dimensions, (), 0.8)]
     assert found == ([text] if text else [])
+
+
+def test_threads_and_coatings_follow_the_material() -> None:
+    design = load_design()
+    texts = ("hard anodise: see notes", "Edges polished.")
+    brittle, light, steel = (design.materials[name] for name in ("alumina", "al_6061_t6", "steel"))
+    drill = replace(DRILL, name="m8 tap drill", kind="tap_drill")
+    assert ["is brittle" in line for line in unsuited(brittle, (drill,), ())] == [True]
+    assert not [*unsuited(light, (drill,), texts)]
+    assert ["Steel is not anodised" in line for line in unsuited(steel, (drill,), texts)] == [True]
+    stainless = load_design(None, ("stage.material=sus416",))
+    said = [" ".join(notes_of(part_definition("stage"), one)) for one in (design, stainless)]
+    assert ["anodised" in text for text in said] == [True, False]
+    assert treatment_of(part_definition("stage"), stainless, "sus416") == "PTFE: see notes"
 
 
 def test_a_wrong_value_is_refused(tmp_path: Path) -> None:

@@ -76,6 +76,22 @@ def test_a_bore_whose_outline_is_at_another_level_by_chance_is_not_placed_by_it(
     assert definition(verifier, (*dimensions, high), (), Notes(packaged=False)).problems == ()
 
 
+def test_a_slot_is_placed_by_its_width_and_its_length_over_all() -> None:
+    block = cq.Workplane().box(60, 40, 10).cut(cq.Workplane().slot2D(24, 8).extrude(5))
+    dimensions = [
+        linear("length", (-30, 0, 5), (30, 0, 5), X, 60.0),
+        linear("width", (0, -20, 5), (0, 20, 5), Y, 40.0),
+        linear("height", (-30, -20, -5), (-30, -20, 5), Z, 10.0),
+        linear("depth", (0, -4, 0), (0, -4, 5), Z, 5.0),
+        linear("slot width", (0, -4, 5), (0, 4, 5), Y, 8.0),
+        linear("slot length", (-12, 0, 5), (12, 0, 5), X, 24.0),
+    ]
+    verifier, notes = DimensionVerifier(block.val()), Notes("xy", packaged=False)
+    assert definition(verifier, dimensions, (), notes).problems == ()
+    ends = definition(verifier, dimensions[:-1], (), notes).problems
+    assert len(ends) == 2 and all("the place of face" in line and "cylinder" in line for line in ends)
+
+
 def test_symmetry_of_the_notes_places_both_ends() -> None:
     solid = cq.Solid.makeBox(40, 30, 10, cq.Vector(-20, -15, 0))
     dimensions = (

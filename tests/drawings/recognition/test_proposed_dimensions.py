@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import cadquery as cq
+import ezdxf
 import pytest
 
 from benchmarks.generators.undeclared_parts import PARTS
@@ -19,11 +20,11 @@ from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_
 from drawings.recognition.proposal import propose
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.operations.design import Design
-from workbench.operations.drawings import draw_file
+from workbench.operations.drawings import draw_file, propose_sheet
 
 FREE_FORM = ("bspline", "revolution", "extrusion")
 """Kinds of face that no dimension defines: the sheet says that the model does."""
-QUICK = ("keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut", "angled_holes", "wedge_block", "crossed_pin")
+QUICK = ("sprayer", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut", "wedge_block", "crossed_pin")
 
 
 @cache
@@ -112,6 +113,24 @@ def test_a_bore_is_called_out_from_both_ends_and_a_hole_into_it_is_not_called_th
     assert [hole.way_out for hole in found.holes if abs(hole.into[1]) == 1.0] == ["to bore"]
 
 
+def test_holes_around_a_tube_are_a_ring_and_a_groove_about_a_bore_is_no_counterbore() -> None:
+    shown = {one.name: one for one in proposed("sprayer")[1].dimensions}
+    assert shown["angle 1"].value == pytest.approx(60.0) and shown["angle 1"].fields["count"] == 6
+    assert shown["hole 1"].fields == {"view": "front", "count": 6, "feature": "hole 1", "note": "through"}
+    flange = [one for one in proposed("sealed_flange")[1].dimensions if one.method == "diameter"]
+    assert [one.name for one in flange if one.value == 44.0] == ["diameter 3"]
+    inner = [one for one in proposed("hollow_block")[1].dimensions if one.name.startswith("hole")]
+    assert {one.fields["view"] for one in inner} == {"section"}
+    radii = {(one.value, one.fields.get("count", 1)) for one in proposed("curved_slots")[1].dimensions}
+    assert (3.0, 4) in radii
+
+
+def test_a_datum_is_a_face_whose_line_its_view_shows() -> None:
+    """Edges of the fins pass others in the view from below."""
+    datums = proposed("finned_base")[1].datums
+    assert [(one.letter, one.view) for one in datums] == [("A", "front"), ("B", "bottom"), ("C", "front")]
+
+
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
@@ -187,6 +206,15 @@ def test_a_tap_drill_is_a_question_and_a_proposal_is_python() -> None:
     text = part_text("t_nut", "t_nut.step", proposal)
     compile(text, "t_nut_proposed.py", "exec")
     assert "d.diameter('hole 1'" in text and "- hole 1: is 5 mm" in text
+
+
+def test_features_that_are_not_legible_at_the_scale_are_in_details(tmp_path: Path) -> None:
+    solid = PARTS["fine_plate"]().solids().val()
+    (sheet,) = propose_sheet("fine_plate", solid, "fine_plate.py", Design(), tmp_path)["sheets"]
+    assert not sheet["hits"] and sheet["scale"] == "1:5"
+    assert [view for view in sheet["views"] if view.startswith("detail")] == ["detail X", "detail Y"]
+    drawn = ezdxf.readfile(tmp_path / "fine_plate.dxf").modelspace().query("DIMENSION")
+    assert sum(abs(one.get_measurement() - 1.5) < 1e-6 for one in drawn) == 1
 
 
 @pytest.mark.slow

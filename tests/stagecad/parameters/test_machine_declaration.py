@@ -125,9 +125,9 @@ def test_requirements_without_zone_datum_or_letter_are_refused() -> None:
     assert GeometricTolerance("top", "flatness", 0.01, "stage.length", *face).datums == ()
     with pytest.raises(ValueError, match="no width"):
         GeometricTolerance("top", "flatness", 0.0, "stage.length", *face)
-    with pytest.raises(ValueError, match="refers to 0 datums"):
+    with pytest.raises(ValueError, match="has 0 datums"):
         GeometricTolerance("top", "parallelism", 0.01, "stage.length", *face)
-    with pytest.raises(ValueError, match="refers to 1 datums"):
+    with pytest.raises(ValueError, match="has 1 datums"):
         GeometricTolerance("top", "flatness", 0.01, "stage.length", *face, datums=("A",))
     with pytest.raises(ValueError, match="capital"):
         DatumFeature("a", *face)
