@@ -9,13 +9,13 @@ from pathlib import Path
 from types import ModuleType
 
 from stagecad.parameters.atomic import atomic_write_text
-from sysid.diagnosis import constants, ties
+from sysid import signals
+from sysid.diagnosis import constants, ledger
 from sysid.estimation import misfit
-from sysid.signals import trimmed_rms
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- constants: .*? -->\n).*?(<!-- end of constants -->)", re.DOTALL)
-OTHERS = ((ties, "TIE"), (trimmed_rms, "KEPT"), (misfit, "LOSS_CORNER"))
+OTHERS = ((ledger, "TIE"), (signals, "KEPT"), (misfit, "LOSS_CORNER"))
 """Constants of ties and of the measure of misfit, with their modules."""
 
 

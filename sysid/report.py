@@ -12,9 +12,15 @@ from sysid.compare import Comparison
 from sysid.diagnose import IN_FULL, Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.estimation.covariance import Intervals, intervals
+from sysid.estimation.covariance import (
+    Intervals,
+    correlation_json,
+    identifiability_report,
+    intervals,
+    public_key,
+    substitution_angle,
+)
 from sysid.estimation.fit import FittedModel, information_criteria, root_mean_huber
-from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key, substitution_angle
 from sysid.estimation.misfit import ChannelMisfit, worst_over_noise
 from sysid.estimation.residual_correlation import residual_correlation
 from sysid.experiment.rigs import CHANNELS

@@ -18,7 +18,7 @@ import numpy as np
 from sim.effects.catalogue import rounding_effects
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
-from sysid.estimation.identifiability import public_key
+from sysid.estimation.covariance import public_key
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.channels import choose_columns
 from sysid.experiment.experiment import DesignValues, Experiment
@@ -37,8 +37,7 @@ from sysid.prediction.rig_model import Start
 from sysid.prediction.sensors import is_scale, noise_of_scale, scale_ratio, unscaled
 from sysid.prediction.simulation import simulated_channels
 from sysid.report import parameter_unit
-from sysid.signals.gaussian_filter import GaussianFilter
-from sysid.signals.masks import filled
+from sysid.signals import GaussianFilter, filled
 
 SMOOTHING_STEPS = 4.0
 """Width in steps of the filter of a noisy position that serves as the true motion of a velocity drive."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from sysid.diagnosis.held_out import Gain, HeldOut, held_out
+from sysid.estimation.covariance import implausible, rig_values_at_bound
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.identifiability import implausible, rig_values_at_bound
 from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.model import public_name

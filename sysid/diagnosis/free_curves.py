@@ -25,7 +25,7 @@ from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model, Scales, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals import GaussianFilter
 
 PRIOR_SCALE = 2.0
 """Standard deviation of the value at a knot, over the force scale of the records (the range of a voltage)."""

@@ -37,14 +37,39 @@ from sysid.diagnosis.constants import (
     STEP_Z,
     WELL_EXPLAINED,
 )
-from sysid.diagnosis.coordinate_dependence import explained_variance
+from sysid.diagnosis.held_out import Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
-from sysid.diagnosis.ties import simplest, ties
-from sysid.diagnosis.transfer import Transfer, transfer
+from sysid.diagnosis.residual_maps import explained_variance
+from sysid.estimation.covariance import implausible
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.identifiability import implausible
 from sysid.estimation.misfit import blocks, huber_square, worst_over_noise
 from sysid.prediction.model import Model, public_name
+
+TIE = 0.03
+"""Largest loss of gain, over the gain, by another effect in the place of one that is indistinguishable from it."""
+
+
+def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
+    """The simplest of the candidates whose gain over a model hardly differs from the largest."""
+    best = min(options, key=lambda c: c.loss)
+    tied = [c for c in options if is_tied(c, best, model.loss - best.loss)]
+    # In one direction of motion a friction that depends on the position is the same as a force.
+    return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.loss))
+
+
+def is_tied(other: Candidate, best: Candidate, gained: float) -> bool:
+    """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
+    behind = other.loss - best.loss
+    return behind <= 0.1 * TIE * gained or (behind <= TIE * gained and other.held_out.gain_of(best.held_out).z < STEP_Z)
+
+
+def ties(rivals: Sequence[Candidate], model: Candidate, gained: float) -> tuple[str, ...]:
+    """Up to two effects that tie with the one whose place in the model the rivals take, which gains `gained`."""
+    # One with more parameters that gains no more contains this effect.
+    simple = [c for c in rivals if c.parameter_count <= model.parameter_count or c.held_out.loss < model.held_out.loss]
+    names = (public_name(c.added[-1].name) for c in simple if is_tied(c, model, gained))
+    return tuple(dict.fromkeys(names))[:2]
+
 
 State = Literal["established", "possible", "refused"]
 

@@ -19,10 +19,16 @@ import numpy as np
 from sim.effects.catalogue import rigid_friction
 from sim.effects.effect import Effect
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
-from sysid.diagnosis.candidate_screening import Progress, ScreeningResult, map_items, screen_all
+from sysid.diagnosis.candidate_screening import (
+    Progress,
+    ScoredPair,
+    ScreeningResult,
+    map_items,
+    scored_pairs,
+    screen_all,
+)
 from sysid.diagnosis.free_curves import free_curves, with_curve
 from sysid.diagnosis.held_out import HeldOut, held_out
-from sysid.diagnosis.pair_scores import ScoredPair, scored_pairs
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit

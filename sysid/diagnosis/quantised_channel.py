@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from sim.effects.catalogue import find_where, rounding_effects
 from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import CURVE_MARGIN, NOISE_FACTOR
-from sysid.diagnosis.held_out import Gain
+from sysid.diagnosis.held_out import LARGEST, Gain, Transfer
 from sysid.diagnosis.ledger import Entry
-from sysid.diagnosis.transfer import LARGEST, Transfer
 from sysid.estimation.misfit import misfit, worst_over_noise
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.prediction.problem import Problem, build_problem
-from sysid.signals.trimmed_rms import KEPT, TRIM_FACTOR
+from sysid.signals import KEPT, TRIM_FACTOR
 
 EVEN = (KEPT / TRIM_FACTOR) ** 2
 """Trimmed variance of a uniform distribution, that of the rounding error, over its variance."""

@@ -36,8 +36,7 @@ from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecor
 from sysid.prediction.model import Model, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem
-from sysid.signals.gaussian_filter import BAND
-from sysid.signals.masks import dilated, longer_than
+from sysid.signals import BAND, dilated, longer_than
 
 EVENT_WIDTHS = 3.0
 """Filter widths around each event that are left out, since the uncertainty of its time exceeds the response of a

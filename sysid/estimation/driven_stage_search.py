@@ -31,10 +31,11 @@ from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.friction_drive.friction import CONTACT
-from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS, contact_damping
 from sysid.prediction.friction_drive.record import (
+    CONTACT_STIFFNESS,
     TRANSVERSE,
     FrictionDriveRecord,
+    contact_damping,
     leading_segment,
     predict_friction_drive,
 )

@@ -12,8 +12,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, predict
 from sysid.prediction.prepared_record import PreparedRecord
-from sysid.signals.gaussian_filter import GaussianFilter
-from sysid.signals.trimmed_rms import trimmed_rms
+from sysid.signals import GaussianFilter, trimmed_rms
 
 LEAST_AT_REST = 200
 """Scored samples in stick phases from which presliding displacements count in the misfit."""

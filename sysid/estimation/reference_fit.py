@@ -19,8 +19,7 @@ from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import AT_THE_NOISE, lower_of, lowest_bristle_fit
 from sysid.estimation.misfit import ResidualWeights, misfit, residual_weights, weighted_residual
-from sysid.estimation.score_test import profiled_residual
-from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.estimation.variant_selection import select_variants
 from sysid.prediction.force_balance.predict import friction_along, unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord

@@ -18,7 +18,7 @@ from stagecad.processes import fork_map
 from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import residual_weights, weighted_residual
-from sysid.estimation.score_test import candidate_directions, profiled_residual, score_test
+from sysid.estimation.screening import candidate_directions, profiled_residual, score_test
 from sysid.experiment.history import edited_by_hand, read_history
 from sysid.prediction.model import Model, Scales, public_name, variant_group, with_effect
 from sysid.prediction.observable import is_observable

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stagecad.parameters.units import format_quantity
-from sysid.signals.masks import dilated, runs
+from sysid.signals import dilated, runs
 
 EQUAL = 3
 """Equal values in a row from which a run of them is one: noise of some steps repeats a value twice, seldom thrice."""

@@ -15,11 +15,10 @@ from sysid.experiment.columns.settings import (
     read_record_settings,
     units_by_key,
 )
-from sysid.experiment.readers.base import shown_path
-from sysid.experiment.readers.format import Format, read_format
+from sysid.experiment.readers.base import Format, read_format, shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
-from sysid.experiment.rig_kinds.balance import Balance
+from sysid.experiment.rig_kinds.declaration import Balance
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, quantity
 

@@ -21,7 +21,7 @@ from sysid.diagnose import Diagnosis
 from sysid.diagnosis.constants import CERTAIN_Z, LEAST_GAIN
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
-from sysid.estimation.score_test import orthonormal
+from sysid.estimation.screening import orthonormal
 from sysid.prediction.model import Scales, public_name, shape_grid, size_of, with_effect
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.prepared_record import PreparedRecord

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
+from sysid.signals import WHITE, NoiseSpectrum
 
 LAGS = tuple(np.unique(np.round(2.0 ** np.arange(0.0, 10.1, 0.5)).astype(int)).tolist())
 QUANTILE, NORMAL_QUANTILE = 0.35, 0.453762

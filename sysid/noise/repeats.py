@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sysid.experiment.record import Record
-from sysid.signals.trimmed_rms import trimmed_rms
+from sysid.signals import trimmed_rms
 
 SAME = 2e-3
 """Mean squared change of the input from cycle to cycle, over twice its variance, below which it is periodic."""

@@ -27,7 +27,7 @@ from sysid.prediction.prepared_record import PredictsChannels, PreparedRecord
 from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.prediction.sensors import sensed
-from sysid.signals.masks import filled
+from sysid.signals import filled
 
 VOLTAGES = ("voltage_1", "voltage_2", "voltage_3")
 TIP_CHANNELS = ("tip_x", "tip_y", "tip_z")

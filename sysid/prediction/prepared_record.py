@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals import GaussianFilter
 
 LONGEST_START = 0.1
 """Largest part of a record that is left out at its start."""

@@ -16,8 +16,14 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.questions import Prior
 from sysid.experiment.record import Record, load_records
-from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
-from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
+from sysid.noise.estimate import (
+    Noise,
+    decimated,
+    decimation_factor,
+    noise_by_channel,
+    noise_of_means,
+    with_quantisation,
+)
 from sysid.prediction.model import Model, Scales, scales_of, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.rig_model import RigModel

@@ -4,7 +4,7 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
-from sysid.signals.masks import filled
+from sysid.signals import filled
 
 MOST_SAMPLES = 1_000_000
 MOST_PER_ROW = 100

@@ -15,7 +15,7 @@ from sysid.prediction.force_balance.imposed_motion import VelocityDrive
 from sysid.prediction.friction_drive.record import FrictionDrive
 from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import RigModel, Start
-from sysid.signals.masks import filled
+from sysid.signals import filled
 
 RIG_MODELS: dict[str, RigModel] = {
     rig.name: rig for rig in (VelocityDrive(), SpringPull(), ForceDrive(), ActuatorTip(), FrictionDrive())

@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.bootstrap import Bootstrap
-from sysid.estimation.identifiability import public_key
+from sysid.estimation.covariance import public_key
 from sysid.estimation.residual_correlation import ResidualCorrelation
 from sysid.prediction.problem import Problem
 from sysid.report import LEAST_P

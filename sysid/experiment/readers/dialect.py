@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.columns.units import column_unit
-from sysid.experiment.readers.format import DELIMITERS, Format
-from sysid.experiment.readers.numbers import GAPS, NumberForm, is_hexadecimal
-from sysid.experiment.readers.time_stamps import STAMPS
+from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.readers.base import DELIMITERS, Format
+from sysid.experiment.readers.numbers import GAPS, STAMPS, NumberForm, is_hexadecimal
 
 COMMENTS = ("#", "%", "//")
 

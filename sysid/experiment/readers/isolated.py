@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MEMORY, MOST_ROWS, Column, Header, file_sha256
-from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.base import MEMORY, MOST_ROWS, Column, Format, Header, file_sha256
 from sysid.experiment.readers.formats.arrays import damaged
 
 SECONDS = 60

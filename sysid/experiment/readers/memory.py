@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import Column, Header, check_finite
-from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.base import Column, Format, Header, check_finite
 
 
 class MemoryTable:

@@ -11,6 +11,7 @@ from sysid.experiment.readers import csv
 from sysid.experiment.readers.base import (
     MOST_COLUMNS,
     Column,
+    Format,
     Header,
     Reader,
     check_file,
@@ -18,7 +19,6 @@ from sysid.experiment.readers.base import (
     is_folder,
     shown_path,
 )
-from sysid.experiment.readers.format import Format
 from sysid.experiment.readers.isolated import IsolatedReader
 from sysid.experiment.readers.memory import MemoryTable
 

@@ -20,8 +20,7 @@ from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
-from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
-from sysid.signals.masks import filled
+from sysid.signals import GaussianFilter, NoiseSpectrum, filled
 
 LEAST_ROWS = 200
 """Scored rows below which a mass is not read off a record."""

@@ -24,8 +24,7 @@ from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecor
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import ON_ROW, UniformGrid, distance_to_rows, nearest_row, uniform
 from sysid.prediction.rig_model import Noises, RigModel
-from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
-from sysid.signals.masks import filled
+from sysid.signals import WHITE, GaussianFilter, NoiseSpectrum, filled
 
 SIGN_SIGMAS = 6.0
 SIGN_STEPS = 2.5

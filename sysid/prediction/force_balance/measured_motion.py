@@ -12,9 +12,8 @@ import numpy as np
 from sim.numerics.compilation import compiled
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
-from sysid.prediction.force_balance.stick_event_times import KINK_WIDTHS
-from sysid.signals.gaussian_filter import WHITE, GaussianFilter
-from sysid.signals.masks import filled, runs
+from sysid.prediction.force_balance.reversals import KINK_WIDTHS
+from sysid.signals import WHITE, GaussianFilter, filled, runs
 
 CLEAR_SPEED = 2.0 * REST_SIGMAS
 """Mean speed, in standard deviations of the velocity's noise, at which the motion is distinct from rest."""

@@ -24,17 +24,19 @@ from sysid.prediction.effect_terms import (
     values_of,
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
-from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
-from sysid.prediction.force_balance.state_observer import at_rows, observed_motion
-from sysid.prediction.force_balance.stick_event_times import (
+from sysid.prediction.force_balance.reversals import (
     Forces,
     Onsets,
+    ResolvedMotion,
     Slip,
     break_away_times,
+    event_resolved_friction,
+    shifted_events,
     sticking_onsets,
     substeps_of,
     write_presliding_friction,
 )
+from sysid.prediction.force_balance.state_observer import at_rows, observed_motion
 from sysid.prediction.force_balance.stick_phases import (
     FULLY_AT_REST,
     STICK_DISPLACEMENT,

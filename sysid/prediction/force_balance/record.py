@@ -12,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.effects.effect import Axis
-from sysid.prediction.force_balance.stick_event_times import SlipPhases
+from sysid.prediction.force_balance.reversals import SlipPhases
 from sysid.prediction.prepared_record import PreparedRecord
-from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
-from sysid.signals.masks import filled
+from sysid.signals import GaussianFilter, NoiseSpectrum, filled
 
 PREFILTER_SHARE = 0.4
 """Part of the whole filter's width that is applied to the motion before a law is evaluated."""

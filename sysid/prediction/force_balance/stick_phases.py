@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
 from sim.numerics.elasto_plastic import Elements, Springs, displace_to, elements_along, springs_of
-from sysid.signals.masks import runs
+from sysid.signals import runs
 
 STICK_DISPLACEMENT = "rest"
 """Name under which displacements at rest are predicted and scored, in addition to the measured channels."""

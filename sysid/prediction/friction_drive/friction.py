@@ -18,7 +18,7 @@ from sim.numerics.elasto_plastic import Elements
 from stagecad.parameters.errors import InputError
 from sysid.prediction.effect_terms import TERMS, Values, axis_force, friction_level, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, rest_age
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals import GaussianFilter
 
 CONTACT = "contact."
 PREFILTER_STEPS = 4.0

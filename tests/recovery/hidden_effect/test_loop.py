@@ -17,8 +17,7 @@ from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.friction_state_search import AT_THE_NOISE
 from sysid.estimation.misfit import worst_over_noise
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.estimation.score_test import profiled_residual
-from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.ladder import add_effects
 from sysid.prediction.problem import load_problem
 from workbench.cli import run

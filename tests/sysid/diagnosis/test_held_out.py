@@ -16,7 +16,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.force_balance.record import INDEPENDENT_WIDTHS, ForceBalanceRecord
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals import GaussianFilter
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 BLOCKS, LENGTH = 24, 400

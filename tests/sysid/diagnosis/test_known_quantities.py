@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sysid.diagnosis.known_quantities import contradicted_known
+from sysid.diagnosis.consistency import contradicted_known
 from sysid.prediction.problem import load_problem
 
 STEP, ROWS = 2e-3, 6000

@@ -10,8 +10,8 @@ from sim.effects.catalogue import find
 from sim.integration.compiled.kernels import is_built_in
 from stagecad.parameters.errors import InputError
 from sysid.diagnose import Diagnosis, diagnose
+from sysid.diagnosis.held_out import Transfer
 from sysid.diagnosis.ledger import Evidence, judge
-from sysid.diagnosis.transfer import Transfer
 from sysid.ladder import add_all
 from sysid.prediction.model import public_name, variant_group
 from sysid.report import ledger_json

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from sysid.diagnosis.coordinate_dependence import coordinates_of
-from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, order_maps, residual_maps, standard_errors
+from sysid.diagnosis.residual_maps import (
+    ResidualMap,
+    compared_with_time,
+    coordinates_of,
+    order_maps,
+    residual_maps,
+    standard_errors,
+)
 from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import residual_weights
 from sysid.prediction.problem import Problem

@@ -11,13 +11,11 @@ from scipy.signal import lfilter
 from sim.effects.catalogue import find
 from sim.effects.effect import Effect
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
-from sysid.diagnosis.candidate_screening import ScreeningResult, screen_all
-from sysid.diagnosis.held_out import HeldOut
-from sysid.diagnosis.pair_scores import scored_pairs
-from sysid.diagnosis.transfer import correlation_time, transfer
+from sysid.diagnosis.candidate_screening import ScreeningResult, scored_pairs, screen_all
+from sysid.diagnosis.held_out import HeldOut, correlation_time, transfer
 from sysid.estimation.fit import fit_model
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
-from sysid.estimation.score_test import IN_PAIRS
+from sysid.estimation.screening import IN_PAIRS
 from sysid.prediction.model import public_name, with_effect
 from sysid.prediction.problem import Problem, load_problem
 from tests.sysid.axis_with_pitch import uneven, with_cogging, write

@@ -15,7 +15,7 @@ from sysid.experiment.experiment import load_experiment
 from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem, load_problem
-from sysid.signals.gaussian_filter import BAND
+from sysid.signals import BAND
 from tests.sysid.slide import NOISE, SIGN, VELOCITY, slide
 from workbench.cli import run
 

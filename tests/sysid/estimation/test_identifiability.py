@@ -8,9 +8,8 @@ import pytest
 from scipy.linalg import subspace_angles
 
 from sim.effects.catalogue import find
-from sysid.estimation.covariance import Intervals
-from sysid.estimation.fit import FittedModel, fit_model
-from sysid.estimation.identifiability import (
+from sysid.estimation.covariance import (
+    Intervals,
     correlation_json,
     identifiability_report,
     orthogonal_sensitivities,
@@ -18,6 +17,7 @@ from sysid.estimation.identifiability import (
     public_key,
     substitution_angle,
 )
+from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import FitResult
 from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.model import Model, with_effect

@@ -20,7 +20,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict
 from sysid.prediction.problem import Problem, load_problem
-from sysid.signals.trimmed_rms import TRIM_FACTOR, trimmed_rms
+from sysid.signals import TRIM_FACTOR, trimmed_rms
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 

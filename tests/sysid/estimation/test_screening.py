@@ -10,8 +10,14 @@ from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
 from sysid.estimation.misfit import misfit
-from sysid.estimation.score_test import candidate_directions, orthonormal, pitches, profiled_residual, score_test
-from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.screening import (
+    candidate_directions,
+    orthonormal,
+    pitches,
+    profiled_residual,
+    score_test,
+    screen_and_refit,
+)
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
 from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide

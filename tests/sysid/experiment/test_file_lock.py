@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.file_lock import file_lock
+from sysid.experiment.history import file_lock
 
 
 def test_a_lock_is_reentrant_holds_the_process_number_and_is_removed(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.quality import BESIDE, faults_of, scale_warnings, without_faults
 from sysid.experiment.record import load_whole_records
-from sysid.signals.masks import dilated
+from sysid.signals import dilated
 
 TIME = np.arange(4000) * 1e-3
 UNITS = {"position": "m", "friction_force": "N"}

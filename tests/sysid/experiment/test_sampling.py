@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sysid.experiment.sampling import sampled_times, stamp_rounding
+from sysid.experiment.record import sampled_times, stamp_rounding
 
 
 @pytest.mark.parametrize("rate", [10.0, 30.0, 60.0, 70.0, 333.0, 1000.0, 10_000.0])

@@ -9,13 +9,16 @@ from scipy.optimize import nnls
 
 from sim.effects.catalogue import find
 from sysid.estimation.misfit import residual_weights
-from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.experiment_design.t_optimal_design import (
+    Envelope,
+    Motion,
     _distance_after_refit,
+    axis_motions,
     columns_of,
     discrimination_distance,
     motion_record,
     motions_for,
+    tip_motions,
 )
 from sysid.prediction.model import Model, predict, with_effect
 from sysid.prediction.problem import Problem, load_problem

@@ -5,7 +5,7 @@ import pytest
 
 from sysid.experiment.record import Record
 from sysid.noise.autocorrelation import Series, _differences, fit_noise, without_outliers
-from sysid.noise.motion_regression import motion_residual
+from sysid.noise.estimate import motion_residual
 
 STEP = 1e-3
 

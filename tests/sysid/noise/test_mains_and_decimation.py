@@ -6,10 +6,9 @@ import pytest
 from sysid.experiment.record import Record
 from sysid.noise import mains
 from sysid.noise.autocorrelation import Series
-from sysid.noise.decimation import MOST_ROWS, decimated, decimation_factor, noise_of_means
-from sysid.noise.estimate import Noise
+from sysid.noise.estimate import MOST_ROWS_FITTED, Noise, decimated, decimation_factor, noise_of_means
 from sysid.noise.mains import without_hum
-from sysid.signals.gaussian_filter import NoiseSpectrum
+from sysid.signals import NoiseSpectrum
 
 ROWS = 6000
 
@@ -131,7 +130,7 @@ def _record(time: np.ndarray, **channels: np.ndarray) -> Record:
 
 
 def test_the_factor_keeps_all_records_together_within_the_limit():
-    time = np.arange(MOST_ROWS) * 1e-3
+    time = np.arange(MOST_ROWS_FITTED) * 1e-3
     assert decimation_factor([_record(time, position=time)]) == 1
     assert decimation_factor([_record(time, position=time)] * 2) == 2
     assert decimation_factor([_record(time, position=time), _record(time[:10], position=time[:10])]) == 2

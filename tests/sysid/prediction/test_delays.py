@@ -11,8 +11,8 @@ from sim.effects.effect import Effect
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate import Reference
 from sysid.diagnosis.held_out import HeldOut
+from sysid.estimation.covariance import implausible, rig_values_at_bound
 from sysid.estimation.fit import fit_model, root_mean_huber
-from sysid.estimation.identifiability import implausible, rig_values_at_bound
 from sysid.estimation.reference_fit import reference_fit
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem

@@ -10,8 +10,7 @@ from sim.effects.catalogue import find
 from stagecad.parameters.errors import InputError
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.estimation.score_test import profiled_residual
-from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.problem import load_problem
 from workbench.cli import run

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.numerics.elasto_plastic import Elements, springs_of
-from sysid.prediction.force_balance.stick_event_times import (
+from sysid.prediction.force_balance.reversals import (
     MOST_SUBSTEPS,
     Forces,
     Onsets,

@@ -5,21 +5,19 @@ import pytest
 
 from sysid.prediction.force_balance.reversals import (
     EventSearch,
-    ResolvedMotion,
-    event_resolved_friction,
-    event_times,
-    resolve_events,
-    shifted_events,
-)
-from sysid.prediction.force_balance.stick_event_times import (
     Forces,
+    ResolvedMotion,
     SlipPhases,
     SmoothedMotion,
     break_away_times,
+    event_resolved_friction,
+    event_times,
+    resolve_events,
     restored_kinks,
+    shifted_events,
     sticking_onsets,
 )
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals import GaussianFilter
 
 
 def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> np.ndarray:

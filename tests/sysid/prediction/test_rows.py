@@ -10,7 +10,7 @@ import stagecad
 from sim.numerics.record_operators import resonance
 from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
 from sysid.prediction.problem import load_problem
-from sysid.signals.masks import longer_than
+from sysid.signals import longer_than
 
 STEP = 1e-3
 MASS = 1.5

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.errors import InputError
 from sysid import ladder as identification
 from sysid.diagnosis.candidate_screening import Progress
-from sysid.estimation.identifiability import public_key
+from sysid.estimation.covariance import public_key
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment import history
 from sysid.experiment.experiment import find_experiment

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from stagecad.processes import parallel_map
 from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
-from sysid.estimation.identifiability import public_key
+from sysid.estimation.covariance import public_key
 from sysid.report import comparison_json, parameter_unit
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame

@@ -15,9 +15,8 @@ from sim.effects.catalogue import find
 from sim.export.program import ForceFunction
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
-from sysid.estimation.covariance import intervals
+from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import InformationCriteria, information_criteria
-from sysid.estimation.identifiability import public_key
 from sysid.estimation.misfit import misfit
 from sysid.estimation.residual_correlation import ResidualCorrelation, residual_correlation
 from sysid.experiment.history import read_history

@@ -20,8 +20,7 @@ from sysid.experiment.channels import parse_label
 from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
 from sysid.experiment.columns.proposal import Proposal as Column
 from sysid.experiment.columns.proposal import propose as propose_columns
-from sysid.experiment.columns.settings import RATED
-from sysid.experiment.columns.units import column_unit
+from sysid.experiment.columns.settings import RATED, column_unit
 from sysid.experiment.questions import QUESTION
 from sysid.experiment.readers.base import Header, shown_path
 from sysid.experiment.readers.open import SUFFIXES as SUFFIXES

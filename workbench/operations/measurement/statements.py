@@ -12,7 +12,7 @@ from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, wor
 from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.problem import Problem
 from sysid.report import WORTH_SAYING, channel_unit, worst_channel
-from sysid.signals.gaussian_filter import BAND
+from sysid.signals import BAND
 from workbench.operations.measurement.tables import over_noise_text, quantity_text
 
 COORDINATE_NAMES = {

@@ -14,10 +14,9 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import packaged_path
 from stagecad.parameters.load import check_values, write_values
 from stagecad.parameters.units import from_si, si_unit, unit_dimension
-from sysid.estimation.covariance import intervals
+from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.identifiability import public_key
-from sysid.experiment.file_lock import file_lock
+from sysid.experiment.history import file_lock
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MEMORY, Column, Header
-from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.base import MEMORY, Column, Format, Header
 from sysid.experiment.readers.formats.arrays import (
     columns_of,
     damaged,

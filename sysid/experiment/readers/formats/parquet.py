@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MOST_ROWS, Column, Header, check_finite, to_numpy
-from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.base import MOST_ROWS, Column, Format, Header, check_finite, to_numpy
 from sysid.experiment.readers.formats.arrays import damaged
 
 

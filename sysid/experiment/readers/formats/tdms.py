@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sysid.experiment.readers.base import Column, Header
-from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.base import Column, Format, Header
 from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit")

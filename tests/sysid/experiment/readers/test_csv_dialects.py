@@ -12,8 +12,8 @@ import pytest
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import propose, read_numbers
 from sysid.experiment.experiment import load_experiment
+from sysid.experiment.readers.csv import SingleBlanks
 from sysid.experiment.readers.open import open_record_file
-from sysid.experiment.readers.text import SingleBlanks
 from sysid.experiment.record import Record, load_records
 
 ROWS = 40
@@ -232,7 +232,7 @@ def test_a_damaged_gzip_file_is_refused(tmp_path):
 
 
 def test_runs_of_blanks_are_single_across_blocks(monkeypatch):
-    monkeypatch.setattr("sysid.experiment.readers.text._BLOCK", 7)
+    monkeypatch.setattr("sysid.experiment.readers.csv._BLOCK", 7)
     source = b"  1.0   \t 2.0\t\r\n   3 4  \n\n 5      6"
     assert io.BufferedReader(SingleBlanks(io.BytesIO(source))).read() == b"1.0 2.0\r\n3 4\n\n5 6"
 

@@ -20,8 +20,8 @@ from hypothesis import strategies as st
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label
-from sysid.experiment.columns.units import column_unit
-from sysid.experiment.readers.format import Format
+from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.open import open_record_file
 
 ROWS = 30

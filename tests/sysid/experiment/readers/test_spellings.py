@@ -9,8 +9,8 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.proposal import propose, read_numbers
-from sysid.experiment.columns.units import column_unit
-from sysid.experiment.readers.format import Format
+from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.numbers import NumberForm
 from sysid.experiment.readers.open import open_record_file
 

@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
-from sysid.signals.trimmed_rms import KEPT, TRIM_FACTOR, trimmed_rms
+from sysid.signals import KEPT, TRIM_FACTOR, GaussianFilter, NoiseSpectrum, trimmed_rms
 
 
 @pytest.mark.parametrize("width", [2e-3, 5e-3, 0.02])

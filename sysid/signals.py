@@ -1,4 +1,4 @@
-"""Gaussian smoothing and differentiation of uniformly sampled signals, the same for every term of a force balance."""
+"""Signals in rows: Gaussian filters with their noise, masks and runs of rows, root mean square without outliers."""
 
 from functools import cached_property
 from typing import NamedTuple
@@ -149,3 +149,65 @@ class GaussianFilter:
         weights[[0, -1]] = 1.0
         angle = np.linspace(0.0, np.pi, power.size)
         return float(np.sqrt(np.sum(power * spectrum.power(angle) * weights) / length))
+
+
+def runs(mask: np.ndarray) -> list[tuple[int, int]]:
+    """Half-open index ranges in which `mask` (n,) is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def longer_than(mask: np.ndarray, length: float) -> np.ndarray:
+    """`mask` (n,) without its runs of at most `length` samples."""
+    out = np.zeros_like(mask)
+    for start, stop in runs(mask):
+        if stop - start > length:
+            out[start:stop] = True
+    return out
+
+
+def dilated(mask: np.ndarray, reach: int) -> np.ndarray:
+    """`mask` (n,) extended by `reach` samples on both sides."""
+    if reach <= 0 or not mask.any():
+        return mask.copy()
+    out = mask.copy()
+    for start, stop in runs(mask):
+        out[max(0, start - reach) : stop + reach] = True
+    return out
+
+
+def filled(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`values` (n,) with gaps interpolated linearly, and the mask of the gaps."""
+    gap = ~np.isfinite(values)
+    if not gap.any():
+        return values, gap
+    if gap.all():
+        return np.zeros_like(values), gap
+    index = np.arange(values.size)
+    bridged = values.copy()
+    bridged[gap] = np.interp(index[gap], index[~gap], values[~gap])
+    return bridged, gap
+
+
+KEPT = 0.97
+"""Share of samples in the trimmed rms; it leaves out single samples, such as those at jumps or beside a
+reversal between two samples."""
+
+_CORNER = 2.17009
+"""Two-sided 97 % point of the normal distribution."""
+
+TRIM_FACTOR = float(np.sqrt(1.0 - 2.0 * _CORNER * np.exp(-0.5 * _CORNER**2) / np.sqrt(2.0 * np.pi) / KEPT))
+"""rms of a standard normal variable within its central 97 %."""
+
+
+def trimmed_rms(residual: np.ndarray) -> float:
+    """rms of the smallest 97 % of the samples (n,), over `TRIM_FACTOR`: the standard deviation of normal noise.
+
+    Returns:
+        NaN without samples.
+    """
+    if residual.size == 0:
+        return float("nan")
+    size = np.sort(np.abs(residual))
+    kept = size[: max(1, int(np.ceil(KEPT * size.size)))]
+    return float(np.sqrt(np.mean(kept**2))) / TRIM_FACTOR
