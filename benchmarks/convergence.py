@@ -17,9 +17,8 @@ import numpy as np
 from designcalc.bearing.plate import SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.drive.magnetic_teeth import teeth_field
-from designcalc.friction_stage.physics.loads import tip_load
+from designcalc.friction_stage.physics.loads import CIRCUITS, circuit, tip_load
 from designcalc.friction_stage.physics.stage_plate import DRIVEN_MODES, TIP, payload_places, stage_plate
-from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
 from sim.effects.catalogue import compose
 from sim.experiments.friction_models import Friction
 from sim.experiments.limit_cycles import cycle

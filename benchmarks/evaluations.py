@@ -9,8 +9,7 @@ import time
 
 import numpy as np
 
-from designcalc.optimisation.search import Evaluator
-from designcalc.optimisation.space import free_parameters
+from designcalc.optimisation.search import Evaluator, free_parameters
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import variations_of
 

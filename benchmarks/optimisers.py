@@ -14,8 +14,7 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.optimisation.search import Best, Evaluator, cma_es
-from designcalc.optimisation.space import free_parameters
+from designcalc.optimisation.search import Best, Evaluator, cma_es, free_parameters
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import variations_of
 

@@ -281,8 +281,8 @@ def describe(
     """
     from drawings.dimensions.definition import centred_axes, notes_on_shape
     from drawings.dimensions.levels import AXES
-    from drawings.sheets.chosen_views import chosen_plan
     from drawings.sheets.part import PartDescription
+    from drawings.sheets.plans import chosen_plan
 
     module: Any = source.definition()
     sheets, material, name = sheets_of(plain), design.materials[part.material], source.kind

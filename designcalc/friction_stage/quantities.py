@@ -13,8 +13,11 @@ from designcalc.contact.hertz import ShearPeak, contact_modulus, peak_mises, poi
 from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip, press_angle, screw_preload
 from designcalc.friction_stage.physics.heat import BODIES, growth, warmed
 from designcalc.friction_stage.physics.loads import (
+    CIRCUITS,
+    attraction,
     load,
     load_centre,
+    magnets,
     moved_mass,
     moving_body,
     preload,
@@ -33,7 +36,6 @@ from designcalc.friction_stage.physics.pads import (
 )
 from designcalc.friction_stage.physics.position_loop import suspension
 from designcalc.friction_stage.physics.stage_plate import above_tip, give_at_tip
-from designcalc.friction_stage.physics.teeth import CIRCUITS, attraction, magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
     bent_stack,
     driven_capacitance,

@@ -32,11 +32,10 @@ from designcalc.friction_stage.checks import (
     wear,
 )
 from designcalc.friction_stage.physics.clamp import clamping_shift, screw_preload, wedge
+from designcalc.friction_stage.physics.loads import attraction
 from designcalc.friction_stage.physics.pads import heaviest_pad
 from designcalc.friction_stage.physics.position_loop import dynamic_budgets
-from designcalc.friction_stage.physics.teeth import attraction
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
-from designcalc.friction_stage.physics.tolerance_chains import chains as tolerance_chains
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 
 if TYPE_CHECKING:
@@ -196,7 +195,7 @@ def _figures(design: Design) -> tuple[str, ...]:
 
 SUBJECTS = Subjects(
     checks=_CHECKS,
-    chains=tolerance_chains,
+    chains=chains.chains,
     changed_masses=changed_masses,
     mass_keys=MASS_KEYS,
     requirements=_REQUIREMENTS,

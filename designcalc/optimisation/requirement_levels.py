@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.optimisation.conflicts import out_of_reach
-from designcalc.optimisation.search import Best, Evaluation, Evaluator, evaluator_offer, search
-from designcalc.optimisation.space import Free
+from designcalc.optimisation.search import Best, Evaluation, Evaluator, Free, evaluator_offer, search
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity, to_si
 from stagecad.parameters.variations import Variations

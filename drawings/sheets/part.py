@@ -12,10 +12,9 @@ from drawings.annotations.symbols import symbol_text_primitives, symbol_text_wid
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
-from drawings.sheets.chosen_views import SCALES, at_scale, with_details
 from drawings.sheets.frame import PAPERS, Paper, TitleBlock, revision_box, title_box
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
-from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement
+from drawings.sheets.plans import SCALES, SheetPlan, ViewPlan, at_scale, sheet_of, sheet_of_requirement, with_details
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.views.centre_lines import axes_of, centre_lines, centre_mark
 from drawings.views.detail import clipped

@@ -1,15 +1,23 @@
-"""Sheet plans: the views of a part, their sheets and scales, and the plans of a machine."""
+"""Sheet plans: the views of a part, their sheets and scales, and the plans of a machine.
+
+A part that states none has the views in which its dimensions are seen, at the largest usual scale. Front view and
+picture, and the views that declarations name, else the top view; and a section through the points of each declaration
+that asks for one. `VIEWS` in the file of a part, or `sheets.toml`, add others; `front section` is the front view cut
+through the origin, `front hidden` one with hidden lines."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from drawings.dimensions.levels import AXES, along_of, outward_normal
 from drawings.sheets.frame import Paper
-from drawings.views.view import Cut, projection_of
-from stagecad.parameters.dimension import FaceRequirement, Point
+from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
+from stagecad.parameters.dimension import Dimension, FaceRequirement, Point
 from stagecad.parameters.machine import content, packaged_machine
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     from drawings.pictures.machine import MachineViews
@@ -92,3 +100,178 @@ def sheets_of(design: Any) -> Sheets:
 def packaged_sheets() -> Sheets:
     """The sheets of the packaged machine, whose parts any machine may have."""
     return content("drawings", packaged_machine(), "sheets").SHEETS
+
+
+ALIGNED = {"front": "", "top": "front", "bottom": "front", "right": "front", "left": "front", "back": "right"}
+"""Third-angle projection: the view beside which each view is placed."""
+SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+ROOM = (230.0, 160.0)
+"""Space of the views on the smallest sheet, with gaps and dimensions, mm."""
+PICTURE = 90.0
+"""Greatest size of the picture on the sheet, mm."""
+LETTERS, DETAILS = "ABCDEFGH", "XYZUVW"
+LEGIBLE = 1.2
+"""Size on the paper from which on a feature is legible, mm: two lines of 0.5 mm with a space of 0.7 mm (ISO 128-20)."""
+LARGEST_DETAIL = 60.0
+"""Diameter of a detail on the paper, mm."""
+BASE = ("top", "front", "right")
+"""The usual views; those that no declaration names are left out, but for the front view and one more."""
+
+
+def chosen_plan(
+    name: str,
+    dimensions: Sequence[Dimension],
+    requirements: Sequence[FaceRequirement],
+    verifier: DimensionVerifier,
+    stated: Sequence[str] = (),
+    symmetric: str = "",
+) -> SheetPlan:
+    """The one sheet of a part, with every view that its declarations name.
+
+    Args:
+        stated: views that the part states.
+        symmetric: axes whose middle plane the sheet says to be one of symmetry, shown by lines.
+    """
+    asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
+    how = {view.partition(" ")[0]: view.partition(" ")[2] for view in stated}
+    stated = tuple(how)
+    base = () if stated else ("front",) if set(asked) - {"front"} else BASE[:2]
+    wanted = [view for view in ALIGNED if view in (*stated, *base, *asked)]
+    if "front" not in wanted and len(wanted) > 1:
+        wanted = ["front", *wanted]
+    origin = (0.0, 0.0, 0.0)
+    cuts = [(PROJECTIONS[view].towards_eye, origin) for view in wanted if how.get(view) == "section"]
+    sections = {view: LETTERS[n] for n, view in enumerate(v for v in wanted if how.get(v) == "section")}
+    names = {view: f"section {letter}-{letter}" for view, letter in sections.items()}
+    views: list[ViewPlan] = []
+    for view in (view for view in wanted if view != "iso"):
+        beside, projection = _beside(view, wanted), PROJECTIONS[view]
+        lines = "".join(
+            line
+            for line, along in (("v", projection.right), ("u", projection.up))
+            if any(abs(dot(along, AXES[axis])) > 0.5 for axis in symmetric)
+        )
+        cut = Cut(origin, projection.towards_eye, sections[view]) if view in sections else None
+        hidden = how.get(view) == "hidden" or (view == "front" and not stated)
+        views.append(
+            ViewPlan(names.get(view, view), view, names.get(beside, beside), hidden=hidden, cut=cut, symmetry=lines)
+        )
+    others = [
+        plane for plane in _cuts([*dimensions, *requirements], verifier) if not any(_same(plane, one) for one in cuts)
+    ]
+    for letter, (normal, point) in zip(LETTERS[len(cuts) :], others, strict=False):
+        view = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
+        cut, beside = Cut(point, normal, letter), names.get("front", "front")
+        views.append(ViewPlan(f"section {letter}-{letter}", view, beside, cut=cut))
+    for face in slanting_faces([*dimensions, *requirements], verifier):
+        views.append(ViewPlan(f"auxiliary {len(views)}", auxiliary(face.normal), face=face))
+    x, y, z = (b - a for a, b in zip(*verifier.box, strict=True))
+    scale = usual_scale((x, y, z), [view.projection for view in views])
+    wide, tall = 0.87 * (x + y), 0.5 * (x + y) + z
+    picture = next((one for one in SCALES if one <= scale and max(one * wide, one * tall) <= PICTURE), SCALES[-1])
+    views.append(ViewPlan("iso", "iso", scale=picture))
+    return SheetPlan(name, ("A3", "A2", "A1", "A0"), scale, tuple(views))
+
+
+def slanting_faces(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[Cut]:
+    """Planes of the slanting faces that declarations for an auxiliary view are on, one of each normal."""
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is None]
+    found: dict[Point, Cut] = {}
+    for one in (one for one in declared if one.view == "auxiliary"):
+        for cut in (Cut(plane.origin, outward_normal(plane), "") for plane in planes):
+            along = getattr(one, "direction", None)
+            if any(map(cut.holds, one.points)) or (along and abs(dot(along, cut.normal)) > 1 - 1e-6):
+                found.setdefault(cut.normal, cut)
+                break
+    return list(found.values())
+
+
+def _beside(view: str, wanted: Sequence[str]) -> str:
+    """The view with which a view is aligned; that of a back view is the front view if there is no right view."""
+    parent = ALIGNED[view]
+    return parent if parent in wanted else "" if view == "front" or "front" not in wanted else "front"
+
+
+def _cuts(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[tuple[Point, Point]]:
+    """Normals and points of the planes of declarations for a section; across a long shaft rather than along it."""
+    found: list[tuple[Point, Point]] = []
+    shaft = max((s for s in verifier.surfaces if s.kind == "CYLINDER"), key=lambda s: s.radius, default=None)
+    along = shaft is not None and shaft.outward and abs(shaft.axis[0]) > 1 - 1e-9
+    for one in declared:
+        if one.view != "section" or not one.points:
+            continue
+        across = getattr(one, "direction", None) or getattr(one, "normal", None)
+        normals: list[Point] = [(0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+        normals = [normals[1], normals[0], normals[2]] if along else normals
+        planes = [
+            (normal, one.points[0])
+            for normal in normals
+            if (across is None or abs(abs(dot(normal, across)) - (getattr(one, "kind", "") == "radius")) < 1e-6)
+            and all(abs(dot(normal, point) - dot(normal, one.points[0])) < 1e-6 for point in one.points)
+        ]
+        known = [plane for plane in planes if any(_same(plane, other) for other in found)]
+        if planes and not known:
+            found.append(planes[0])
+    return found
+
+
+def _same(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
+    (normal, point), (direction, through) = one, other
+    return normal == direction and abs(dot(normal, point) - dot(normal, through)) < 1e-6
+
+
+def usual_scale(size: Sequence[float], projections: Sequence[str] = BASE) -> float:
+    """The largest usual scale with which the aligned views of a part of a size fit on an A3 sheet."""
+    x, y, z = size
+    sides = sum(view in projections for view in ("right", "left"))
+    rows = sum(view in projections for view in ("top", "bottom"))
+    for scale in SCALES:
+        if scale * (x + sides * y) <= ROOM[0] and scale * (z + rows * y) <= ROOM[1]:
+            return scale
+    return SCALES[-1]
+
+
+def at_scale(plan: SheetPlan, scale: float) -> SheetPlan:
+    """A plan at another scale, with a picture that is not larger."""
+    views = tuple(replace(view, scale=min(view.scale, scale)) if view.scale else view for view in plan.views)
+    return replace(plan, scale=scale, views=views)
+
+
+def with_details(plan: SheetPlan, dimensions: Sequence[Dimension]) -> SheetPlan:
+    """A plan with a detail for each place in a view where features are not legible at its scale."""
+    found: list[tuple[ViewPlan, Point, float]] = []
+    for d in dimensions:
+        size, on_axis = d.major or d.value, d.kind in ("diameter", "tap_drill")
+        drawn = on_axis or d.kind in ("linear", "pitch") or (d.kind == "depth" and not d.feature)
+        shows = [v for v in plan.views if v.cut and all(map(v.cut.holds, d.points))] if d.view == "section" else []
+        shows += [v for v in plan.views if d.view == v.projection]
+        if drawn and shows and size * plan.scale < LEGIBLE:
+            ends = d.points[:1] if on_axis else d.points
+            middle: Point = tuple(sum(end[n] for end in ends) / len(ends) for n in range(3))  # type: ignore[assignment]
+            wide = size if d.kind == "pitch" else 2 * size
+            found.append((shows[0], middle, wide + max(_apart(shows[0], middle, end) for end in ends)))
+    views = list(plan.views)
+    while found and len(views) < len(plan.views) + len(DETAILS):
+        view, at, reach = found.pop()
+        near = next((one for one in found if one[0] is view and _apart(view, at, one[1]) < reach + one[2]), None)
+        if near:
+            # One circle around both.
+            found.remove(near)
+            _, other, far = near
+            apart = _apart(view, at, other)
+            around = max(reach, far, (apart + reach + far) / 2)
+            part = (around - reach) / apart if apart else 0.0
+            at: Point = tuple(a + part * (b - a) for a, b in zip(at, other, strict=True))  # type: ignore[assignment]
+            found.append((view, at, around))
+            continue
+        scale = next((one for one in SCALES if 2 * reach * one <= LARGEST_DETAIL), SCALES[-1])
+        if scale >= 2 * plan.scale:
+            letter = DETAILS[len(views) - len(plan.views)]
+            detail = replace(view, name=f"detail {letter}", aligned_with="", symmetry="", scale=scale)
+            views.append(replace(detail, detail=(at, reach), letter=letter))
+    return replace(plan, views=tuple(views))
+
+
+def _apart(view: ViewPlan, one: Point, other: Point) -> float:
+    """Distance of two points in a view."""
+    return math.dist(*(projection_of(view.projection).to_view(point) for point in (one, other)))

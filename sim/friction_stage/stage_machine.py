@@ -7,11 +7,18 @@ import numpy as np
 
 from designcalc.checks.check import DesignInputs
 from designcalc.errors.sensors import count_size
-from designcalc.friction_stage.physics.loads import gravity, load, moved_mass, moving_body, preload, with_ballast
+from designcalc.friction_stage.physics.loads import (
+    gravity,
+    load,
+    magnets,
+    moved_mass,
+    moving_body,
+    preload,
+    with_ballast,
+)
 from designcalc.friction_stage.physics.pads import mean_film, pad_positions
 from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
 from designcalc.friction_stage.physics.stage_plate import bending_modes
-from designcalc.friction_stage.physics.teeth import magnets
 from designcalc.friction_stage.physics.tip_dynamics import (
     PIEZOS,
     contact_stiffness,

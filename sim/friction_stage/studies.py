@@ -14,11 +14,11 @@ from sim.stage.drive_setting import TipDrive
 from sim.stage.studies import ON_REQUEST, STUDY_NAMES, RunAll
 from sim.stage.studies.coupling import coupling_study
 from sim.stage.studies.ellipse import ellipse_search
+from sim.stage.studies.fine_motion import step_study
 from sim.stage.studies.hunting import hunting_study
 from sim.stage.studies.planar import planar_study
 from sim.stage.studies.positioning import positioning_study
 from sim.stage.studies.speed import speed_study
-from sim.stage.studies.steps import step_study
 from sim.stage.studies.tip_motion import tip_motions
 from sim.stage.studies.travel_map import travel_map
 from stagecad.parameters.design import Design

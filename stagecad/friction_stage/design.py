@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-from stagecad.friction_stage.parameters import hardware, parts, physics
+from stagecad.friction_stage.parameters import parts, physics
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters import design
 
@@ -32,17 +32,17 @@ class Tables:
     payload: physics.Payload
     end_stop: physics.EndStop
     leads: physics.Leads
-    piezo: hardware.Piezo
-    buffer: hardware.Buffer
-    lead_clip: hardware.LeadClip
-    interferometer: hardware.Interferometer
-    mirror: hardware.Mirror
+    piezo: parts.Piezo
+    buffer: parts.Buffer
+    lead_clip: parts.LeadClip
+    interferometer: parts.Interferometer
+    mirror: parts.Mirror
     amplifier: physics.Amplifier
-    screws: hardware.Screws
-    set_screw: hardware.SetScrew
-    spring: hardware.Spring
-    shim: hardware.Shim
-    threads: hardware.Threads
+    screws: parts.Screws
+    set_screw: parts.SetScrew
+    spring: parts.Spring
+    shim: parts.Shim
+    threads: parts.Threads
     making: parts.Making
     drive: physics.Drive
     bearing: physics.Bearing

@@ -7,7 +7,7 @@ from functools import cache
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
-from sysid.experiment.columns.settings import RATED, ChannelSettings, ColumnSetting, Scale, column_unit, unit_endings
+from sysid.experiment.column_settings import RATED, ChannelSettings, ColumnSetting, Scale, column_unit, unit_endings
 from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
 from sysid.experiment.toml_table import check_size

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_uncertain
-from sysid.experiment.columns.settings import RATED
+from sysid.experiment.column_settings import RATED
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.channels import Source, choose_columns
-from sysid.experiment.columns.settings import (
+from sysid.experiment.column_settings import (
     ChannelSettings,
     Scale,
     rated_values,

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from designcalc.checks.own_checks import OWN
+from designcalc.checks.run import OWN
 from workbench.cli import run as stagecad
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

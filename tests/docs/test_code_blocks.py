@@ -21,7 +21,7 @@ import pytest
 from drawings.sheets.overrides import read_overrides
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine_declaration import read_machine
-from sysid.experiment.columns.settings import read_channel_settings
+from sysid.experiment.column_settings import read_channel_settings
 from sysid.experiment.readers.base import read_format
 from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
 from sysid.experiment.toml_table import TomlTable

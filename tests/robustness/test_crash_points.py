@@ -11,8 +11,7 @@ import pytest
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, write_values
-from stagecad.solids.artefacts.outputs import write_stored
-from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.artefacts.store import ArtefactStore, write_stored
 from sysid.experiment.experiment import find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
 from tests.robustness.crashing import DONE, KILLED, RAISED, run_until

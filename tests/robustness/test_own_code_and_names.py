@@ -33,14 +33,14 @@ def check(r):
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from designcalc.checks import own_checks
+    from designcalc.checks import run
 
     work = tmp_path / "work"
     work.mkdir()
     monkeypatch.chdir(work)
-    monkeypatch.setattr(own_checks, "OWN", own_checks.OWN)
+    monkeypatch.setattr(run, "OWN", run.OWN)
     yield work
-    own_checks.OWN.clear()
+    run.OWN.clear()
 
 
 @pytest.mark.parametrize("place", ["top", "inside"])

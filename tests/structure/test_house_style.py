@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14960,
-    "designcalc": 10594,
-    "sim": 12582,
+    "stagecad": 14933,
+    "designcalc": 10551,
+    "sim": 12570,
     "sysid": 20086,
-    "drawings": 12491,
-    "workbench": 15415,
+    "drawings": 12483,
+    "workbench": 15412,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

@@ -34,7 +34,7 @@ from workbench.figures.plot import (
 )
 
 if TYPE_CHECKING:
-    from sysid.experiment.columns.proposal import ExperimentProposal
+    from sysid.experiment.column_proposal import ExperimentProposal
     from sysid.experiment.record import Record
 
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from sim.stage.studies.coupling import FAULTS, CouplingStudy
 from sim.stage.studies.ellipse import EllipseSearch
+from sim.stage.studies.fine_motion import StepStudy
 from sim.stage.studies.hunting import HOLDS, HuntingStudy
 from sim.stage.studies.planar import PlanarStudy
 from sim.stage.studies.positioning import LOOPS, PositioningStudy
 from sim.stage.studies.speed import HALF, HEIGHTS, LAWS, SpeedStudy
-from sim.stage.studies.steps import StepStudy
 from sim.stage.studies.tip_motion import TipMotions
 from sim.stage.studies.travel_map import LIFTED, TravelMap
 from workbench.figures.plot import GREY, INK, Plot, new_plot, styled

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from designcalc.checks.own_checks import own_check_files, register
+from designcalc.checks.run import own_check_files, register
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parameter_text, parse_parameter_text, read_parameter_file
 from stagecad.parameters.load import changed_text, design_of, further_override, variations_of

@@ -24,8 +24,7 @@ from stagecad.declared.own_part import REQUIRED, run_file
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.machine import packaged_machine
-from stagecad.solids.artefacts.outputs import write_manifest, write_stored
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_manifest, write_stored
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import STAGE, Design, load_design
 from workbench.operations.parts import with_repair

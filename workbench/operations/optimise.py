@@ -15,8 +15,7 @@ import numpy as np
 from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
-from designcalc.optimisation.search import Evaluation, Evaluator, search
-from designcalc.optimisation.space import Free, free_parameters
+from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, search
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.rules import violations

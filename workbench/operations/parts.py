@@ -9,9 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from stagecad.parameters.errors import PartError
-from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored, write_text
 from stagecad.solids.artefacts.part import CRASHED, build_parts
-from stagecad.solids.artefacts.store import ArtefactStore, sha256
+from stagecad.solids.artefacts.store import (
+    ArtefactStore,
+    DamagedError,
+    sha256,
+    write_manifest,
+    write_stored,
+    write_text,
+)
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import assemble, body_masses, build_machine, find_machine, part_mass

@@ -21,9 +21,8 @@ from drawings.sheets.plans import sheets_of
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
-from stagecad.solids.artefacts.outputs import write_stored
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, kernel_errors
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object, write_stored
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import BuiltMachine, assemble, build_assembly
 from stagecad.solids.assembly.interference import build_interferences, clashes, stored_interferences

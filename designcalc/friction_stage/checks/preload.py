@@ -5,7 +5,7 @@ import math
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, DesignInputs
-from designcalc.friction_stage.physics.teeth import CIRCUITS, MAGNETS, MagnetCircuit, attraction, circuit, magnets
+from designcalc.friction_stage.physics.loads import CIRCUITS, MAGNETS, MagnetCircuit, attraction, circuit, magnets
 from designcalc.friction_stage.quantities import stated
 
 share_of_load = stated(

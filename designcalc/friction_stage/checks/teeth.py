@@ -5,7 +5,7 @@ import numpy as np
 from designcalc.checks.check import Check, CheckFunction, DesignInputs
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.checks.preload import attraction_as_preload, attraction_beyond_preload
-from designcalc.friction_stage.physics.teeth import MAGNETS, tooth_field
+from designcalc.friction_stage.physics.loads import MAGNETS, tooth_field
 from designcalc.friction_stage.quantities import stated
 from stagecad.parameters.design import Design
 

@@ -11,9 +11,8 @@ from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Interferometer
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies import RunAll
-from sim.stage.studies.fine_motion import LEAN_HIGHEST
+from sim.stage.studies.fine_motion import LEAN_HIGHEST, LOAD_SHARE, small_signal_gain
 from sim.stage.studies.positioning import COARSE_HEIGHT
-from sim.stage.studies.steps import LOAD_SHARE, small_signal_gain
 
 DURATION = 1.0
 STILL = 5e-9

@@ -25,12 +25,12 @@ from sim.stage.studies import RunAll
 from sim.stage.studies.fine_motion import (
     FEEDFORWARD,
     LEAN_HIGHEST,
+    LOAD_SHARE,
     FineController,
     HeldStage,
     held_stage,
     tracking_error,
 )
-from sim.stage.studies.steps import LOAD_SHARE
 
 TARGET = 0.5e-3
 COARSE_HEIGHT = 0.25

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache
 
-from stagecad.friction_stage.parameters import hardware, physics
+from stagecad.friction_stage.parameters import parts, physics
 from stagecad.parameters.project_tables import ROW, Kind
 from stagecad.parameters.schema import Declaration, declarations, mm, text
 from stagecad.parameters.threads import threads
@@ -158,10 +158,10 @@ def kinds() -> dict[str, Kind]:
     screws = tuple(f"screws.{name}" for name in ("way", "clamp_long", "clamp_short", "bar"))
     ceramic = ("hysteresis", "strain_limit", "creep", "damping_ratio")
     return {
-        "piezos": of(hardware.Piezo, ("piezo",), ceramic),
-        "screws": of(hardware.Screw, screws, ("torque", "nut_factor")),
-        "set_screws": of(hardware.SetScrew, ("set_screw",)),
-        "springs": of(hardware.Spring, ("spring",)),
+        "piezos": of(parts.Piezo, ("piezo",), ceramic),
+        "screws": of(parts.Screw, screws, ("torque", "nut_factor")),
+        "set_screws": of(parts.SetScrew, ("set_screw",)),
+        "springs": of(parts.Spring, ("spring",)),
         "threads": Kind(declarations(_Thread), optional=("designation", "major"), names=tuple(threads())),
         "materials": of(physics.Material, ()),
     }

@@ -1,17 +1,14 @@
 """Cache of artefacts that are slow to make (solids, meshes, exported files, pictures), kept between runs.
 
-The key of an artefact is the sha256 of its name, the source of the modules that make it, the versions of the CAD
-kernel, the keys of the artefacts it depends on, and the parameters that were read, with their values. Which parameters
-are read is known only after the artefact has been made once; so the store also keeps, for each name and source, the
-sets of access paths recorded so far. Making is deterministic: designs with equal values at all paths of such a set give
-the same artefact.
+The key of an artefact is the sha256 of its name, the source of the modules that make it and of all their imports in
+this project, the versions of the CAD kernel, the keys of the artefacts it depends on, and the parameters that were
+read, with their values. Which parameters are read is known only after the artefact has been made once; so the store
+also keeps, for each name and source, the sets of access paths recorded so far. Making is deterministic: designs with
+equal values at all paths of such a set give the same artefact.
 
 Several runs may use one store: an artefact is a folder that appears by renaming, and the first to finish is kept. A
 damaged one is repaired file by file, so that a run that has found it still finds its files. The least recently used
 artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
-
-Keys contain the source of the modules that make it and of all their imports within this project, found without
-importing anything.
 """
 
 import hashlib
@@ -25,6 +22,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -32,7 +30,7 @@ from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
 from stagecad.private import cache_root
@@ -372,3 +370,59 @@ def stored_object(
             return pickle.loads(data)
         store.drop(entry)
     raise OSError(f"the cache in {store.folder} does not keep what is written to it")
+
+
+class DamagedError(Exception):
+    """The files of an artefact differ from those that were stored, or are missing."""
+
+    def __init__(self, entry: Artefact) -> None:
+        super().__init__(entry.key)
+        self.entry = entry
+
+
+def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
+    """Copy files of artefacts into `out`, and return the names of those that were missing or different."""
+    written: list[str] = []
+    # Hashing releases the interpreter lock: the files are read in parallel.
+    with ThreadPoolExecutor() as pool:
+        present = dict(zip(files, pool.map(_digest, (out / name for name in files)), strict=True))
+    for name, entry in files.items():
+        target = out / name
+        if present[name] == entry.hashes[name]:
+            continue
+        try:
+            data = entry.data(name)
+        except FileNotFoundError:
+            raise DamagedError(entry) from None
+        if sha256(data) != entry.hashes[name]:
+            raise DamagedError(entry)
+        atomic_write_bytes(target, data)
+        written.append(name)
+    return written
+
+
+def write_text(path: Path, text: str) -> bool:
+    """Write text unless the file already contains it; returns whether it was written."""
+    if _digest(path) == sha256(text.encode("utf-8")):
+        return False
+    atomic_write_text(path, text)
+    return True
+
+
+def write_manifest(path: Path, files: Mapping[str, str]) -> None:
+    """Add files with their sha256 to the JSON file at `path`; files of other parts stay listed."""
+    listed: dict[str, str] = {}
+    try:
+        document = json.loads(path.read_text("utf-8"))
+        listed = {name: digest for name, digest in document["files"].items() if (path.parent / name).is_file()}
+    except (OSError, ValueError, KeyError, AttributeError):
+        pass
+    listed.update(files)
+    write_text(path, json.dumps({"schema": 1, "files": dict(sorted(listed.items()))}, indent=1) + "\n")
+
+
+def _digest(path: Path) -> str | None:
+    try:
+        return sha256(path.read_bytes())
+    except OSError:
+        return None

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.column_settings import column_unit
 from sysid.experiment.readers.base import DELIMITERS, Format
 from sysid.experiment.readers.numbers import GAPS, STAMPS, NumberForm, is_hexadecimal
 

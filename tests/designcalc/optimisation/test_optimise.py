@@ -8,8 +8,7 @@ import pytest
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.conflicts import irreducible
 from designcalc.optimisation.optimise import optimise, required_checks
-from designcalc.optimisation.search import Evaluator, repair
-from designcalc.optimisation.space import free_parameters, read_range, start_point, values_at
+from designcalc.optimisation.search import Evaluator, free_parameters, read_range, repair, start_point, values_at
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import read_parameter_file

@@ -8,7 +8,7 @@ from PIL import Image
 from designcalc.checks.run import run_checks
 from designcalc.optimisation import requirement_levels as module
 from designcalc.optimisation.requirement_levels import Levels, LevelStudy, Price, Together
-from designcalc.optimisation.space import read_range
+from designcalc.optimisation.search import read_range
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import load_design, variations_of
 from workbench.cli import run as stagecad

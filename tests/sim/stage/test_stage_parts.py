@@ -27,10 +27,9 @@ from sim.stage.state import piezo_response
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies import tip_motion
 from sim.stage.studies.coupling import with_ample_amplifier
-from sim.stage.studies.fine_motion import FineController, held_stage
+from sim.stage.studies.fine_motion import FineController, converter_count, held_stage
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
-from sim.stage.studies.steps import converter_count
 from sim.stage.studies.tip_motion import loads
 
 STEP = 1e-6

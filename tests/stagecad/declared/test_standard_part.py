@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stagecad.consent import give_consent
-from stagecad.declared.standard_part import standard_part
+from stagecad.declared.construction import standard_part
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_parts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.column_settings import column_unit
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
 from tests.reference.tables import cases

@@ -14,9 +14,8 @@ import workbench.cli.commands.parts as command
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.outputs import DamagedError, write_stored
 from stagecad.solids.artefacts.part import CRASHED, build_part
-from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.artefacts.store import ArtefactStore, DamagedError, write_stored
 from sysid.diagnose import diagnose
 from workbench import cli
 from workbench.cli import run

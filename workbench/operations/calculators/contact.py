@@ -9,7 +9,7 @@ from designcalc.bearing.bolted_rail import joint_stiffness, total_stiffness
 from designcalc.checks.check import DesignInputs
 from designcalc.contact import hertz
 from designcalc.drive.magnetic_teeth import teeth_field
-from designcalc.friction_stage.physics.teeth import CIRCUITS, circuit
+from designcalc.friction_stage.physics.loads import CIRCUITS, circuit
 from stagecad.parameters.units import as_json
 from workbench.operations.calculators.declaration import Known, Word, quantities
 

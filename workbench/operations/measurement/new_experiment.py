@@ -17,10 +17,10 @@ from sim.effects.catalogue import library as library
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label
-from sysid.experiment.columns.proposal import ExperimentProposal, read_numbers
-from sysid.experiment.columns.proposal import Proposal as Column
-from sysid.experiment.columns.proposal import propose as propose_columns
-from sysid.experiment.columns.settings import RATED, column_unit
+from sysid.experiment.column_proposal import ExperimentProposal, read_numbers
+from sysid.experiment.column_proposal import Proposal as Column
+from sysid.experiment.column_proposal import propose as propose_columns
+from sysid.experiment.column_settings import RATED, column_unit
 from sysid.experiment.questions import QUESTION
 from sysid.experiment.readers.base import Header, shown_path
 from sysid.experiment.readers.open import SUFFIXES as SUFFIXES

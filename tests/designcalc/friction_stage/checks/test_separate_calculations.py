@@ -13,11 +13,10 @@ from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz import peak_mises
 from designcalc.friction_stage.checks.contact import coating
-from designcalc.friction_stage.physics.loads import load
+from designcalc.friction_stage.physics.loads import attraction, load
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.position_loop import dynamic_budget, suspension
 from designcalc.friction_stage.physics.stage_plate import give_at_tip
-from designcalc.friction_stage.physics.teeth import attraction
 from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness
 from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.load import load_design

@@ -9,7 +9,7 @@ import pytest
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
-from designcalc.friction_stage.physics.tolerance_chains import Chain, Link, chains
+from designcalc.friction_stage.checks.chains import Chain, Link, chains
 from designcalc.friction_stage.subjects import assembly_values
 from stagecad.parameters.load import load_design
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.columns.proposal import propose, read_numbers
+from sysid.experiment.column_proposal import propose, read_numbers
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.csv import SingleBlanks
 from sysid.experiment.readers.open import open_record_file

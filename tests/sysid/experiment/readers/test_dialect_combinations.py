@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label
-from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.column_settings import column_unit
 from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.open import open_record_file
 

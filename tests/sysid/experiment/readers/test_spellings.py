@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.columns.proposal import propose, read_numbers
-from sysid.experiment.columns.settings import column_unit
+from sysid.experiment.column_proposal import propose, read_numbers
+from sysid.experiment.column_settings import column_unit
 from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.numbers import NumberForm
 from sysid.experiment.readers.open import open_record_file

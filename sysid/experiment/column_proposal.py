@@ -16,7 +16,7 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label, same_dimension
-from sysid.experiment.columns.settings import column_unit, unit_endings
+from sysid.experiment.column_settings import column_unit, unit_endings
 from sysid.experiment.readers.numbers import is_hexadecimal
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
