@@ -1,5 +1,4 @@
-"""Tables of the parts that are made from a drawing and of purchased ones. Lengths in millimetres, angles in degrees.
-"""
+"""Tables of the parts that are made from a drawing and of purchased ones. Lengths in millimetres, angles in degrees."""
 
 from dataclasses import dataclass
 from typing import Any
