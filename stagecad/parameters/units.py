@@ -91,6 +91,7 @@ SYMBOLS: dict[str, tuple[float, Dimension]] = {
     "krpm": (100.0 * math.pi / 3, tuple(a - t for a, t in zip(_ANGLE, _TIME))),
     "degC": (1.0, _TEMPERATURE),
     "%": (1e-2, DIMENSIONLESS),
+    "permille": (1e-3, DIMENSIONLESS),
     "ppm": (1e-6, DIMENSIONLESS),
     "ppb": (1e-9, DIMENSIONLESS),
     "count": (1.0, DIMENSIONLESS),
@@ -123,7 +124,7 @@ _WRITTEN_OUT = {
     "T": ("tesla",),
     "Hz": ("hertz", "cps"),
     "rad": ("rads", "radian", "radians"),
-    "rev": ("turn", "turns", "revolution", "revolutions", "rotation", "rotations"),
+    "rev": ("revs", "umdrehungen", "turn", "turns", "revolution", "revolutions", "rotation", "rotations"),
     "ft": ("foot", "feet"),
     "mil": ("mils", "thou"),
     "kip": ("kips", "klbf", "klb"),
@@ -133,7 +134,8 @@ _WRITTEN_OUT = {
     "degC": ("celsius", "centigrade"),
     "K": ("kelvin", "kelvins"),
     "%": ("percent", "pct"),
-    "count": ("counts", "cts", "cnt", "tick", "ticks", "inc", "incs", "increments", "pulse", "pulses", "steps", "lsb"),
+    "count": ("counts", "cts", "cnt", "tick", "ticks", "inc", "incs", "increments", "pulse", "pulses", "steps", "lsb")
+    + ("incr", "inkr", "inkremente", "digit", "digits", "impulse", "qc"),
 }
 """Other spellings of a unit; many resemble a wrong symbol more than the right one."""
 

@@ -7,7 +7,15 @@ from functools import cache
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
-from sysid.experiment.column_settings import RATED, ChannelSettings, ColumnSetting, Scale, column_unit, unit_endings
+from sysid.experiment.column_settings import (
+    PARTS,
+    RATED,
+    ChannelSettings,
+    ColumnSetting,
+    Scale,
+    column_unit,
+    unit_endings,
+)
 from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
 from sysid.experiment.toml_table import check_size
@@ -264,10 +272,10 @@ def _term(
             f'[channels] {channel} = {{column = {key}, unit = "{declared.unit}"}} in the experiment'
         )
     unit = column_unit(stated) or stated if stated else "count"
-    scale = setting.scale or (rated if unit == "%" else None)
-    if scale is None and unit == "%":
+    scale = setting.scale or (rated if unit in PARTS else None)
+    if scale is None and unit in PARTS:
         raise InputError(
-            f"{place} is in percent; state its rated value (100 %), such as [rig.known] {RATED}{channel} = "
+            f"{place} is in {PARTS[unit]}; state its rated value (100 %), such as [rig.known] {RATED}{channel} = "
             f'"1 {declared.unit}"'
         )
     if scale is None:

@@ -7,16 +7,17 @@ derivative of another column). What is uncertain has a question, which the writt
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label, same_dimension
-from sysid.experiment.column_settings import column_unit, unit_endings
+from sysid.experiment.column_settings import PARTS, column_unit, unit_endings
 from sysid.experiment.readers.numbers import is_hexadecimal
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
@@ -35,7 +36,7 @@ WORDS: dict[str, str] = {
     "drive_force": "drive motor current il actuator strom courant corrente corriente",
     "normal_load": "normal fn fz load preload pressure druck normalkraft charge carico carga",
     "temperature": "temperature temp temperatur température temperatura",
-    "force": "force f torque tau moment kraft drehmoment ft fx effort couple forza coppia fuerza par",
+    "force": "force f frc torque trq tau moment kraft drehmoment ft fx effort couple forza coppia fuerza par",
     "voltage": "voltage volt u spannung piezo tension tensione tensión",
 }
 """Words in the names of columns by what they are taken for, the more specific first: English, German, French, Italian,
@@ -43,22 +44,32 @@ Spanish. `force` and `voltage` are not yet channels: which ones they are depends
 
 SETPOINT = (
     "soll sollwert set setpoint sp cmd command commanded ref reference target demand demanded desired des req "
-    "requested goal nominal rpos apos vorgabe consigne cons commande référence riferimento comando comandata comandato "
-    "obiettivo consigna referencia objetivo gewenst"
+    "requested goal nominal planned trajectory rpos apos vorgabe consigne cons commande référence riferimento comando "
+    "comandata comandato obiettivo consigna referencia objetivo gewenst"
 )
 """Words of a value that is asked for, in the same languages."""
+DERIVED = (
+    "error err following deviation lag residual limit lim max min ff feedforward feedfwd gain offset bias fehler "
+    "abweichung differenz grenze grenzwert vorsteuerung erreur écart errore scarto desviación erro"
+)
+"""Words of a value of the controller that is neither measured nor the motion that is asked for."""
 MEASURED = (
     "ist istwert act actual present meas measured fb fbk fpos feedback enc encoder sensor retour "
     "réel reel mesure mesuré mesurée reale effettiva effettivo misura misurata real medida medido gemeten"
 )
 """Words of a value that is measured."""
-FLAGS = "enable enabled flag flags status state ok valid ready error alarm fault mode range bit trigger freigabe"
+FLAGS = (
+    "enable enabled flag flags status state ok valid ready error alarm fault mode range bit trigger sync index "
+    "direction sign freigabe"
+)
 """Words of a column that is a state, not a quantity."""
 DATES = "date datum data fecha"
 _FORCE_SENSOR = re.compile(
     r"load[\s_-]*cell|kraft(mess)?dose|wägezelle|capteur de force|cella di carico|célula de carga"
 )
-_COMPOUND = re.compile(r"^(?:soll|ist)(?=\w{3})|(?<=\w{3})(?:soll|ist)(?:wert)?$")
+_COMPOUND = re.compile(r"^(?:soll|ist)(?=\w{3})|(?<=\w{3})(?:soll|ist)(?:wert)?$|(?<=^\w)(?:cmd|ref|fb|fbk|act|set)$")
+LONG_WORD = 5
+"""Letters from which a word is looked for at the end of a compound, too, such as `Motorstrom`."""
 
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
@@ -119,15 +130,20 @@ class ExperimentProposal:
     missing: tuple[str, ...] = ()
 
 
+_MULTIPLE = re.compile(r'[x×*]?\s*(?P<number>\d+(?:\.\d+)?(?:[eE]-?\d+)?)\s*[*·]?\s*(?P<unit>[A-Za-zµμ°"].*)')
+"""A unit with a number before it, of which the column holds counts."""
+
+
 class Guess(NamedTuple):
     """What a column is taken for (a channel, `force`, `voltage`, or empty), a question to the user where it is not
     certain, its unit, and its rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not
-    say."""
+    say. A `count` of the column is so much, such as `0.1 mm`."""
 
     meaning: str
     why: str
     unit: str | None
     rank: int = 1
+    count: str = ""
 
 
 def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> ExperimentProposal:
@@ -139,16 +155,26 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     for index, values in columns.items():
         column = parse_label(index, header.labels[index])
         stated = header.units.get(column.label, column.unit)
-        unit = column_unit(stated) if stated else None
+        multiple = _MULTIPLE.fullmatch(stated or "")
+        unit = column_unit(multiple["unit"] if multiple else stated) if stated else None
         if unit is None and not header.numbered:
             unit = _unit_of_name(column.name)
-        serial = unit is None and is_serial_date(column.name, values)
-        unit = "day" if serial else unit
+        counted, why = ("", "") if unit else counted_unit(column.name, values, numbers.origins.get(index, 0.0))
+        unit = counted or unit
+        if unit is None and column.name.strip().casefold() == LABVIEW_TIME:
+            unit = "s"
         guess = _meaning(column.name, unit, header.numbered, known)
         if column.name.strip().casefold() not in known and (reason := _is_flag(column.name, values)):
             reasons[index] = reason
             continue
-        guesses[index] = guess._replace(why="by its numbers: days, as spreadsheets write dates") if serial else guess
+        force = guess.meaning in (*_FORCES, "normal_load") and unit is not None and same_dimension(unit, "kg")
+        guess = guess._replace(unit=f"{unit}f") if force and column_unit(f"{unit}f") else guess
+        kept = values[np.isfinite(values)]
+        unchanging = kept.size > 0 and np.ptp(kept) == 0.0
+        guess = guess._replace(rank=2) if unchanging and guess.rank == 1 and guess.meaning not in _STEADY else guess
+        if multiple and unit and unit not in PARTS:
+            guess = guess._replace(count=f"{multiple['number']} {unit}")
+        guesses[index] = guess._replace(why=why) if why else guess
     if any(guess.meaning == "time" for guess in guesses.values()):
         for index in [
             k for k, guess in guesses.items() if guess.meaning != "time" and np.all(np.diff(columns[k]) == 1)
@@ -166,7 +192,7 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         else rig.rotary
     )
     proposals = [
-        _proposal(index, opened, *found[index], guesses[index].unit, rig, rotary)
+        _proposal(index, opened, *found[index], guesses[index], rig, rotary)
         if index in found
         else Proposal(index + 1, header.labels[index].strip(), None, reason=reasons.get(index, ""))
         for index in range(len(header.labels))
@@ -180,17 +206,26 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     return ExperimentProposal(chosen, question, tuple(proposals), rotary, numbers.missing)
 
 
-SERIAL_DATES = (25569.0, 73050.0)
-"""Days since the end of 1899, as spreadsheets count them, of the years 1970 to 2099."""
+_STEADY = ("normal_load", "temperature", "voltage")
+"""Channels that may be the same in all rows."""
+
+DATES_IN_DAYS = {"as spreadsheets write dates": (25569.0, 73050.0), "as MATLAB writes dates": (719529.0, 767010.0)}
+"""Days of the years 1970 to 2099, counted from the end of 1899 and from year 0."""
+UNIX_TIMES = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+"""Units of a time counted from 1970, per second; of the years 2001 to 2099 there is one for each number."""
 
 
-def is_serial_date(name: str, values: np.ndarray) -> bool:
-    """Whether a column is a spreadsheet's date: named as a time, days of these years, steps below half a day."""
-    inside = values.size > 2 and SERIAL_DATES[0] <= values[0] <= values[-1] <= SERIAL_DATES[1]
-    if not inside or not _any(_words(name), f"{WORDS['time']} {DATES}"):
-        return False
-    steps = np.diff(values)
-    return bool(np.all(steps >= 0.0) and 0.0 < np.median(steps) < 0.5)
+def counted_unit(name: str, values: np.ndarray, origin: float) -> tuple[str, str]:
+    """The unit of a date that is counted in days or from 1970, by its numbers (n,), less `origin`, and what was found;
+    empty for another column."""
+    if values.size < 3 or not _any(_words(name), f"{WORDS['time']} {DATES}") or np.any(np.diff(values) < 0.0):
+        return "", ""
+    first, last, step = origin + values[0], origin + values[-1], float(np.median(np.diff(values)))
+    for how, (low, high) in DATES_IN_DAYS.items():
+        if low <= first <= last <= high and 0.0 < step < 0.5:
+            return "day", f"by its numbers: days, {how}"
+    unit = next((unit for unit, size in UNIX_TIMES.items() if 1e9 * size <= first <= last <= 4.1e9 * size), "")
+    return unit, f"by its numbers: counted from 1970 in {unit}" if unit else ""
 
 
 def _is_flag(name: str, values: np.ndarray) -> str:
@@ -219,8 +254,10 @@ def _words(name: str) -> list[str]:
 
 
 def _any(words: Sequence[str], spoken: str) -> bool:
-    """Whether one of the words is in a text of words."""
-    return any(word in spoken.split() for word in words)
+    """Whether one of the words, or the end of a compound, is in a text of words."""
+    known = spoken.split()
+    long = tuple(word for word in known if len(word) >= LONG_WORD)
+    return any(word in known or word.endswith(long) for word in words)
 
 
 def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]) -> Guess:
@@ -231,7 +268,7 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     if plain == LABVIEW_TIME and unit is None:
         return Guess("time", "by its name", unit)
     words = _words(_FORCE_SENSOR.sub("force", plain) if _FORCE_SENSOR.search(plain) else name)
-    rank = 2 if _any(words, SETPOINT) else 0 if _any(words, MEASURED) else 1
+    rank = 2 if _any(words, f"{SETPOINT} {DERIVED}") else 0 if _any(words, MEASURED) else 1
     by_unit = _by_dimension(unit)
     if not numbered:
         for meaning, spoken in WORDS.items():
@@ -257,7 +294,8 @@ def _unit_of_name(name: str) -> str | None:
     for _, unit in unit_endings(name):
         if _by_dimension(unit) or any(same_dimension(unit, si) for si in ("m/s", "rad/s")):
             return unit
-    return None
+    first = column_unit(re.split(r"[\s_]", name.strip())[0])
+    return first if first and len(first) > 1 and same_dimension(first, "s") else None
 
 
 def _by_dimension(unit: str | None) -> str | None:
@@ -347,7 +385,7 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
             continue
         taken = [number for number, (other, _) in found.items() if other == channel]
         if not taken:
-            question = "it is a value that is asked for; is it measured anywhere?" if guess.rank == 2 else guess.why
+            question = "it is no measured value; is it measured anywhere?" if guess.rank == 2 else guess.why
             found[index] = (channel, question)
             continue
         first = taken[0]
@@ -366,16 +404,22 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
 
 
 def _proposal(
-    index: int, opened: RecordFile, channel: str, why: str, unit: str | None, rig: RigKind, rotary: bool
+    index: int, opened: RecordFile, channel: str, why: str, guess: Guess, rig: RigKind, rotary: bool
 ) -> Proposal:
-    header = opened.header
+    header, unit = opened.header, guess.unit
     label = header.labels[index].strip()
     declared = rig.declared(channel)
     # A unit that the file has in brackets is read from there.
-    written = None if parse_label(index, label).unit is not None or label in header.units else "?"
+    stated = header.units.get(label, parse_label(index, label).unit)
+    written = None if stated is not None else "?"
     question = f"taken for '{channel}' {why}" if why.startswith("by") else why
     if written == "?" and unit is not None and _unit_of_name(label) == unit:
         question = "; ".join(part for part in (question, f"its unit '{unit}' by its name") if part)
+    if guess.count:
+        question = "; ".join(part for part in (question, f"one count is taken for {guess.count}") if part)
+        return Proposal(index + 1, label, channel, "count", guess.count, question)
+    if unit is not None and written is None and unit != column_unit(stated or ""):
+        question, written = "; ".join(part for part in (question, f"its unit is taken for '{unit}'") if part), unit
     if unit is None:
         question = "; ".join(part for part in (question, "what is its unit?") if part)
         return Proposal(index + 1, label, channel, "?", None, question)
@@ -383,23 +427,24 @@ def _proposal(
         return Proposal(index + 1, label, channel, written if written is None else unit, None, question)
     scale = next((s for (name, si), s in _SCALES.items() if name == channel and same_dimension(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
-    asked = f"what is its rated value (100 %) in {scale}?" if unit == "%" else f"what is its scale in {scale}?"
+    asked = f"what is its rated value (100 %) in {scale}?" if unit in PARTS else f"what is its scale in {scale}?"
     question = "; ".join(part for part in (question, asked) if part)
-    return Proposal(index + 1, label, channel, None, scale, question, percent=unit == "%")
+    return Proposal(index + 1, label, channel, None, scale, question, percent=unit in PARTS)
 
 
 @dataclass(frozen=True)
 class Numbers:
     """Columns of numbers (n,) by index, why a column holds none, the cells that are taken for marks of a gap, and notes
-    on rows that are left out."""
+    on rows that are left out; `origins` are the numbers that were subtracted from columns of long ones."""
 
     columns: Mapping[int, np.ndarray]
     reasons: Mapping[int, str]
     missing: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    origins: Mapping[int, float] = field(default_factory=dict)
 
 
-MOST_MARKS = 5
+MOST_MARKS = 20
 """Largest number of different words in a column of numbers that are taken for marks of a gap."""
 
 
@@ -408,11 +453,13 @@ def read_numbers(opened: RecordFile) -> Numbers:
     columns: dict[int, np.ndarray] = {}
     reasons = dict.fromkeys(opened.header.dates, "the date of the time of day in another column, with which it is read")
     missing: list[str] = []
+    origins: dict[int, float] = {}
     indices = [index for index, label in enumerate(opened.header.labels) if label.strip() and index not in reasons]
     with suppress(InputError):
         found = opened.columns(indices)
         notes = tuple(dict.fromkeys(note for column in found for note in column.notes))
-        return Numbers(dict(zip(indices, (c.values for c in found), strict=True)), reasons, notes=notes)
+        origins = {index: column.origin for index, column in zip(indices, found)}
+        return Numbers(dict(zip(indices, (c.values for c in found), strict=True)), reasons, (), notes, origins)
     for index in indices:
         if opened.header.labels[index] in opened.header.texts:
             cell = opened.header.texts[opened.header.labels[index]]
@@ -424,7 +471,8 @@ def read_numbers(opened: RecordFile) -> Numbers:
         trial, marks = opened, list(missing)
         while index not in columns and index not in reasons:
             try:
-                columns[index] = trial.columns([index])[0].values
+                column = trial.columns([index])[0]
+                columns[index], origins[index] = column.values, column.origin
                 missing = marks
             except InputError as error:
                 mark = re.search(r'\[format\] missing = \["(.*?)"\]', str(error))
@@ -434,4 +482,8 @@ def read_numbers(opened: RecordFile) -> Numbers:
                 marks.append(mark[1])
                 settings = replace(opened.settings, missing=(*opened.settings.missing, *marks))
                 trial = open_record_file(opened.path, opened.name, settings)
-    return Numbers(columns, reasons, tuple(missing))
+    sizes = Counter(values.size for values in columns.values())
+    usual = max(sizes, key=lambda size: (sizes[size], size), default=0)
+    for index in [index for index, values in columns.items() if values.size != usual]:
+        reasons[index] = f"has {columns.pop(index).size} values, others {usual}"
+    return Numbers(columns, reasons, tuple(missing), (), origins)

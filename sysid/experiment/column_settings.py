@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -13,47 +14,48 @@ from stagecad.parameters.units import SYMBOLS, Dimension, parse_any, to_si, unit
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_size, kind_of, shown
 
-_SPELLINGS = {
-    "Nm": "N*m",
-    "mNm": "mN*m",
-    "uNm": "uN*m",
-    "kNm": "kN*m",
-    "Ncm": "N*cm",
-    "Nmm": "N*mm",
-    "bits": "bit",
-    "Ohm": "ohm",
-    "lb": "lbf",
-    "lbs": "lbf",
-}
+_SPELLINGS = {"bits": "bit", "Ohm": "ohm", "lb": "lbf", "lbs": "lbf", "oz": "ozf", "pound": "lbf", "pounds": "lbf"}
 _WHOLE: dict[str, str] = dict.fromkeys(
-    ("1/min", "min^-1", "min-1", "r/min", "rev/min", "u/min", "umdr/min", "upm"), "rpm"
+    ("1/min", "min^-1", "min-1", "r/min", "rev/min", "u/min", "umdr/min", "umdr./min", "upm"), "rpm"
 )
 _WHOLE |= dict.fromkeys(("tr/min", "t/min", "giri/min"), "rpm")
-_WHOLE |= {"rps": "rev/s", "u/s": "rev/s", "r/s": "rev/s", "tr/s": "rev/s", "ips": "in/s"}
+_WHOLE |= {"rps": "rev/s", "u/s": "rev/s", "r/s": "rev/s", "tr/s": "rev/s", "ips": "in/s", "ipm": "in/min", '"': "in"}
+_WHOLE |= {"deg c": "degC", "deg. c": "degC", "° c": "degC", "dps": "deg/s", "kn": "kN", "dan": "daN", "nm": "N*m"}
+_WHOLE |= dict.fromkeys(("‰", "0.1%", "0.1 %", "0,1 %", "0,1%", "per mille", "promille", "1/1000"), "permille")
 _MASS_TIMES_LENGTH = re.compile(
     r"(?P<mass>kg|g|oz|lbs?)\*(?P<length>in|ft|mm|cm|m)|(?P<first>in|ft)\*(?P<last>oz|lbs?)"
 )
 """Torques of motors' data sheets, where the pound, ounce or kilogram is a force."""
+_GLUED = re.compile(r"((?:[mukcdM]|da)?N|kgf?|gf|ozf?|lbf?)(mm|cm|m|in|ft)|(in|ft)(ozf?|lbf?)")
+"""Torques whose two units are written without a sign between them, such as `Nm`."""
+_KIND = re.compile(r"(?<=[AV])(?:[\s_]*(?:rms|eff|peak|pk|dc)|_RMS)$")
+"""What an electric quantity is the value of: its scale says what that means."""
 
 
 @cache
 def column_unit(text: str) -> str | None:
     """The unit meant by the text of a header, in the symbols of `stagecad.parameters.units`; None if there is none."""
-    written = text.strip()
-    if not written:
-        return None
-    if written.casefold() in _WHOLE:
+    written = _KIND.sub("", text.strip())
+    # Written in capitals, a unit is looked for in small letters, too: but for N*m, which is no nanometre then.
+    if not written or written in _WHOLE.values():
+        return written or None
+    if written.casefold() in _WHOLE and written != "nm":
         return _WHOLE[written.casefold()]
     if written.startswith("%"):
         # Of full scale or of a rated value.
         return "%"
-    if _known(written) and not _MASS_TIMES_LENGTH.fullmatch(written):
+    if _known(written) and not _MASS_TIMES_LENGTH.fullmatch(re.sub("[·⋅]", "*", written)):
         return written
+    if (glued := _GLUED.fullmatch(written)) is not None:
+        written = "*".join(filter(None, glued.groups()))
+    written = unicodedata.normalize("NFKC", written).replace("−", "-").rstrip(".")
     plain = re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", re.sub(r"(?<=[A-Za-z0-9])\s*[.·× -]\s*(?=[A-Za-z])", "*", written))
     plain = re.sub(r"[A-Za-z%]+", lambda match: _symbol(match[0]), plain)
     if (torque := _MASS_TIMES_LENGTH.fullmatch(plain)) is not None:
         mass, length = torque["mass"] or torque["last"], torque["length"] or torque["first"]
         plain = f"{mass.rstrip('s')}f*{length}"
+    if not _known(plain) and written.isupper() and len(written) > 1:
+        return column_unit(written.lower())
     return plain if _known(plain) else None
 
 
@@ -86,6 +88,8 @@ FITTED = "fit"
 
 RATED = "rated_"
 """Before the name of a channel, in `[rig.known]`: what 100 % of its column are."""
+PARTS = {"%": "percent", "permille": "permille"}
+"""Units of a column that is a part of a rated value."""
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14933,
+    "stagecad": 14934,
     "designcalc": 10551,
     "sim": 12570,
-    "sysid": 20086,
+    "sysid": 20321,
     "drawings": 12483,
-    "workbench": 15412,
+    "workbench": 15414,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
@@ -25,7 +25,7 @@ RAISED = (
     "tolerance chains of a machine of one's own",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
-    "sysid: records as loggers write them, faults of sensors found before a fit; several missing effects in a ledger; "
+    "sysid: records as loggers, instruments and drives write them; faults of sensors found before a fit; the ledger; "
     "a true model whose friction changes within a row is found, and a dashpot beside a pulling spring",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; on "
     "the page records before a fit, several models over one record, the best design of a running search",

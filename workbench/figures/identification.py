@@ -315,20 +315,21 @@ def channels_figure(drawn: Mapping[str, tuple[np.ndarray, Mapping[str, np.ndarra
 def columns_figure(columns: Mapping[int, np.ndarray], proposal: ExperimentProposal) -> Plot:
     """One panel for each column (n,) of numbers of a file, titled with its number, its label and what it is taken
     for."""
-    by_channel = {proposal.columns[index].channel: index for index in columns}
+    taken_for = {column.number - 1: column for column in proposal.columns}
+    by_channel = {taken_for[index].channel: index for index in columns}
     time = columns[by_channel["time"]] if "time" in by_channel else None
     shown = [index for index in columns if index != by_channel.get("time")][:MOST_COLUMNS]
     count = max(len(shown), 1)
     figure, axes = new_plot(count, 1, 8.0, 1.1 + 1.35 * count, sharex=True)
     for k, index in enumerate(shown):
-        column, values = proposal.columns[index], columns[index]
+        column, values = taken_for[index], columns[index]
         x = np.arange(values.size) if time is None else time - time[0]
         axes[k, 0].plot(*decimate(x, values), color=INK[k % len(INK)], linewidth=0.8)
         taken = column.channel or "left out"
         axes[k, 0].set_title(
             f"{column.number}: {column.label or 'no name'}  →  {taken}{' (?)' if column.question else ''}"
         )
-    unit = proposal.columns[by_channel["time"]].label if "time" in by_channel else "row"
+    unit = taken_for[by_channel["time"]].label if "time" in by_channel else "row"
     axes[-1, 0].set_xlabel(unit if time is None else f"{unit}, from the first row")
     return figure
 

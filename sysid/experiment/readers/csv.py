@@ -28,7 +28,13 @@ MOST_LINES = MOST_ROWS + 10_000
 LONGEST_ROW = 16_000_000
 """Largest number of bytes of a row."""
 _BLOCK = 1 << 22
-_MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig"))
+_MARKS = (
+    (b"\xff\xfe\x00\x00", "utf-32"),
+    (b"\x00\x00\xfe\xff", "utf-32"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+    (b"\xef\xbb\xbf", "utf-8-sig"),
+)
 
 
 def is_gzip(path: Path) -> bool:
@@ -93,16 +99,18 @@ def read_head(path: Path, name: str) -> tuple[bytes, bool]:
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
     if data[:4] == b"PAR1":
         raise InputError(f"{name}: is a Parquet file; give it the suffix .parquet")
-    if b"\x00" in data[:4096] and not data.startswith((b"\xff\xfe", b"\xfe\xff")) and not _is_utf_16(data):
+    if b"\x00" in data[:4096] and not data.startswith(tuple(mark for mark, _ in _MARKS)) and not _utf_16(data):
         raise InputError(f"{name}: holds binary data, no CSV text")
     if more and b"\n" not in data and b"\r" not in data:
         raise InputError(f"{name}: its first row is longer than {HEAD // 1024} kB; is it a file with columns?")
     return data, more
 
 
-def _is_utf_16(head: bytes) -> bool:
-    """Whether a text without a byte order mark has the bytes of ASCII letters in UTF-16."""
-    return len(head) > 1 and not any(head[1:200:2]) and all(head[0:200:2])
+def _utf_16(head: bytes) -> str:
+    """The encoding of a text without a byte order mark that has the bytes of ASCII letters in UTF-16; else empty."""
+    first, second = head[0:200:2], head[1:200:2]
+    little, big = all(first) and not any(second), all(second) and not any(first)
+    return "utf-16-le" if second and little else "utf-16-be" if second and big else ""
 
 
 def encoding_of(head: bytes, settings: Format, name: str) -> str:
@@ -119,8 +127,8 @@ def encoding_of(head: bytes, settings: Format, name: str) -> str:
     for mark, encoding in _MARKS:
         if head.startswith(mark):
             return encoding
-    if _is_utf_16(head):
-        return "utf-16-le"
+    if encoding := _utf_16(head):
+        return encoding
     try:
         head.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -183,6 +191,8 @@ MOST_CELLS = 10_000
 LONG_DIGITS = 10
 """Digits before the decimal sign from which a number (a Unix time) is read exactly and counted from its first row."""
 
+_MARK = re.compile(r"\D*|[<>≤≥].*|[^\d.,]+\d{0,4}")
+"""What may stand for a number that is not there: words, `>5.0`, `E201`."""
 _STAMP = re.compile(r"\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|\d:\d\d")
 """The numbers are bounded, since a search begins at each digit of a cell, which may be a million digits long."""
 
@@ -349,7 +359,7 @@ def _data_rows(
     """Every row of numbers with its number in the file. Rows that repeat the header, and text or a cut row below the
     numbers, are left out with a note."""
     held: list[tuple[int, list[str]]] = []
-    repeated = wider = 0
+    repeated = wider = texts = 0
     labels = [label.strip() for label in dialect.labels]
     headers = [cells for cells in (labels, [*filter(None, labels)], [*dialect.units]) if dialect.header_row and cells]
     for row, cells in _rows(path, name, dialect):
@@ -362,6 +372,12 @@ def _data_rows(
             held.append((row, cells))
         else:
             for at, other in held:
+                kinds = {kind_of_cell(cell, dialect.form, settings) for cell in other}
+                words = {*filter(None, other)} if settings.sample_rate is None else {}
+                whole = not any(dialect.delimiter in cell for cell in other)
+                if whole and kinds <= {"text", "gap"} and (len(other) != dialect.width or len(words) > 1):
+                    texts += 1
+                    continue
                 if len(other) != dialect.width:
                     raise InputError(f"{name}: row {at}: {_wrong_width(other, dialect)}")
                 yield at, other
@@ -371,6 +387,8 @@ def _data_rows(
         notes.append(f"{repeated} row{'s' * (repeated > 1)} repeat{'s' * (repeated == 1)} the header; left out")
     if wider:
         notes.append(f"{wider} row{'s have' if wider > 1 else ' has'} cells beyond the last column; left out")
+    if texts:
+        notes.append(f"{texts} row{'s' * (texts > 1)} of text between the numbers; left out")
     if held and len(held[0][1]) > dialect.width and not _is_text(held[0][1], dialect, settings):
         raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
     if held:
@@ -442,6 +460,6 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
         hint = (
             f"; its unit is '{other}', the column's '{unit}'" if unit else f"; its unit '{other}' is in one cell only"
         )
-    elif value is not None or cell.startswith("#") or not re.search(r"\d", cell):
+    elif value is not None or _MARK.fullmatch(cell):
         hint = f'{hint}; if {shown(cell)} marks a gap: [format] missing = ["{cell}"]'
     raise InputError(f"{name}: row {row}, column '{dialect.labels[index].strip()}': {shown(cell)} {problem}{hint}")

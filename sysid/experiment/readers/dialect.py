@@ -8,12 +8,14 @@ says which one is meant.
 import csv
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.units import unit_dimension
 from sysid.experiment.column_settings import column_unit
 from sysid.experiment.readers.base import DELIMITERS, Format
 from sysid.experiment.readers.numbers import GAPS, STAMPS, NumberForm, is_hexadecimal
@@ -29,11 +31,18 @@ LEAST_ROWS = 3
 _QUANTITY = re.compile(r"(?P<number>.*?[\d.,])\s*(?P<unit>[A-Za-zµμ°Ω%][^\s,;]*)")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
+_UNIT_KEY = r"unit|einheit|unid|unità|unité"
+_TYPES = r"l?real\d*|float\d*|double|single|u?[sld]?int\d*|bool|byte|[dl]?word|w?string"
+"""Types of data of IEC 61131-3 and C."""
+
 _LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 """A line that is blank or a comment."""
 
-Kind = Literal["number", "quantity", "date", "day", "compact", "clock", "minutes", "stamp", "gap", "text"]
-_TIMES: tuple[Kind, ...] = ("date", "day", "compact", "clock", "minutes", "stamp")
+Kind = str
+"""`number`, `quantity`, `gap`, `text`, or a kind of time stamp."""
+_TIMES: tuple[Kind, ...] = (*STAMPS, "stamp")
+_DURATIONS = {"number", "minutes", "clock"}
+"""Kinds of the cells of elapsed time that grows from seconds over minutes to hours."""
 _VALUED: tuple[Kind, ...] = ("number", "quantity", *(kind for kind in _TIMES if kind != "day"))
 
 
@@ -96,13 +105,12 @@ def kind_of_cell(cell: str, form: NumberForm, settings: Format) -> Kind:
     if cell in GAPS or cell in settings.missing:
         return "gap"
     if form.value(cell) is not None:
-        return "number"
+        return "compact" if STAMPS["compact"].fullmatch(cell) else "number"
     if settings.time_format is not None and _has_format(cell, settings.time_format):
         return "stamp"
-    for kind, pattern in STAMPS.items():
-        if pattern.fullmatch(cell):
-            return kind  # type: ignore[return-value]
-    return "quantity" if unit_of_cell(cell, form) else "text"
+    if unit_of_cell(cell, form):
+        return "quantity"
+    return next((kind for kind, pattern in STAMPS.items() if pattern.fullmatch(cell)), "text")
 
 
 def unit_of_cell(cell: str, form: NumberForm) -> str:
@@ -150,12 +158,16 @@ def _best_way(sample: Sequence[str], settings: Format) -> _Way:
         for decimal in (settings.decimal,) if settings.decimal else (".", ","):
             if decimal == delimiter and not any('"' in text for text in sample):
                 continue
-            cells = [cell for row in rows if len(row) == width for cell in row]
-            form = _form(cells, decimal, delimiter, settings)
+            whole = [row for row in rows if len(row) == width]
+            cells = [cell for row in whole for cell in row]
+            form = _form(whole, cells, decimal, delimiter, settings)
             kinds = Counter(kind_of_cell(cell, form, settings) for cell in cells)
             filled = sum(cell != "" for row in rows for cell in row)
             good = sum(kinds[kind] for kind in _VALUED)
             ways.append(_Way(round(good / max(filled, 1), 3), width, delimiter, form))
+    # Blanks are tried last: names in columns that tabs separate may have blanks, too.
+    tabs = {way.width for way in ways if way.delimiter == "\t"}
+    ways = [way for way in ways if way.delimiter != " " or way.width not in tabs]
     best = max(ways, key=lambda way: way[:2], default=None)
     if best is None or best.share == 0.0:
         # No row of numbers: the most columns, so that the message can say what the header has.
@@ -164,15 +176,27 @@ def _best_way(sample: Sequence[str], settings: Format) -> _Way:
     return best
 
 
-def _form(cells: Sequence[str], decimal: str, delimiter: str, settings: Format) -> NumberForm:
-    """Form of the numbers: the other sign groups thousands where a number shows both, or two groups of digits."""
+def _form(
+    rows: Sequence[Sequence[str]], cells: Sequence[str], decimal: str, delimiter: str, settings: Format
+) -> NumberForm:
+    """Form of the numbers: the other sign groups thousands where a number shows both, or two groups of digits, or where
+    a column of whole numbers has it beside a column with the decimal sign."""
     blanks = delimiter != " "
     if settings.thousands is not None:
         return NumberForm(decimal, settings.thousands.strip(), blanks)
     other = "," if decimal == "." else "."
     first, last = re.escape(other), re.escape(decimal)
     shown = re.compile(rf"\D?\d{{1,3}}(?:(?:{first}\d{{2,3}})*{first}\d{{3}}{last}\d+|(?:{first}\d{{3}}){{2,}}).*")
-    return NumberForm(decimal, other if any(shown.fullmatch(cell) for cell in cells) else "", blanks)
+    if any(shown.fullmatch(cell) for cell in cells):
+        return NumberForm(decimal, other, blanks)
+    plain, grouped = re.compile(r"[+-]?\d{1,3}"), re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:{first}\d{{3}})+")
+    fractions = any(re.fullmatch(rf"[+-]?(?:0|\d+){last}(?!\d{{3}}$)\d+", cell) for cell in cells)
+    certain = fractions and any(
+        {bool(grouped.fullmatch(cell)) for cell in column if not plain.fullmatch(cell)} == {True}
+        and any(map(plain.fullmatch, column))
+        for column in ([cell for cell in column if re.fullmatch(r"[+-]?[\d.,]+", cell)] for column in zip(*rows))
+    )
+    return NumberForm(decimal, other if certain else "", blanks)
 
 
 def _width(rows: Sequence[Sequence[str]]) -> int:
@@ -197,17 +221,19 @@ def _layout(
         _refuse_grouped(data, form, name)
     header, units = _header(lines, rows, first, columns, way, settings)
     labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
-    start = settings.first_row or max(header[0], units[0]) + 1
-    if not header[0] and not settings.first_row:
-        # The first row of the columns' width that holds a number: gaps may stand beside it.
-        above = [row for row, cells in rows[:first] if len(cells) == width and any(map(form.value, cells))]
-        start = above[0] if above else rows[first][0] if first < len(rows) else 1
-        others = [
-            cells for _, cells in rows[:first] if len(cells) > 1 and all(form.value(cell) is not None for cell in cells)
-        ]
-        if len(others) >= LEAST_ROWS:
-            more = f"{len(others[0])}; to leave them out: [format] first_row = {start}"
-            raise InputError(f"{name}: row {start}: has {width} cells, the rows above have {more}")
+    # The first row of the columns' width that holds a number: gaps may stand beside it.
+    last = max(header[0], units[0])
+    between = [(row, cells) for row, cells in rows[:first] if row > last]
+    begun = [row for row, cells in between if len(cells) == width and any(form.value(c) is not None for c in cells)]
+    start = settings.first_row or (begun or [row for row, _ in rows[first:]] or [last + 1])[0]
+    others = [
+        (row, cells)
+        for row, cells in between
+        if row < start and len(cells) > 1 and all(form.value(cell) is not None for cell in cells)
+    ]
+    if len(others) >= LEAST_ROWS and not settings.first_row:
+        more = f"{len(others[0][1])}; to leave them out: [format] first_row = {start}"
+        raise InputError(f"{name}: row {start}: has {width} cells, the rows above have {more}")
     days = [k for k, kind in enumerate(columns) if kind == "day"]
     dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
     by_column = {k: "date" if k in dates else kind for k, kind in enumerate(columns) if kind in _TIMES}
@@ -216,6 +242,7 @@ def _layout(
     plain = next((k for k, text in enumerate(lines, start=1) if text.strip()), 1)
     remarks = _remarks(way, encoding, header[0], units[0], start, plain)
     remarks += [remark] if remark else []
+    remarks += [f"row {row} is cut off; left out" for row, _ in others if not settings.first_row]
     dated = [f"'{labels[dates[k]]}' and '{labels[k]}'" if k in dates else f"'{labels[k]}'" for k in by_column]
     remarks += [f"time stamps in {', '.join(dated)}"] if by_column else []
     spelled = _spelled(data, columns, form)
@@ -268,6 +295,8 @@ def _labels(
         left = [label for label in labels[width:] if label]
         return labels[:width], f"nothing under {', '.join(left)}" if left else ""
     beyond = columns[len(labels) :]
+    if len(beyond) == 1 and _numbers_rows(cells for _, cells in rows if len(cells) == width):
+        return ["", *labels], "row numbers in front of the rows"
     if any(kind not in ("gap", "text") for kind in beyond):
         row, cells = next(((row, cells) for row, cells in rows if len(cells) == width), (header[0], labels))
         marks = sum(re.fullmatch(r"-?\d+", cell) is not None for cell in cells)
@@ -279,6 +308,19 @@ def _labels(
     end = len(beyond) == 1 and beyond[0] == "gap"
     remark = "a delimiter at the end of each row" if end else f"rows have {len(beyond)} more cells than the header"
     return [*labels, *[""] * len(beyond)], remark
+
+
+def _numbers_rows(rows: Iterable[Sequence[str]]) -> bool:
+    """Whether the first cell counts the rows from 1 and the second increases: row names, as R and pandas write them."""
+    counts, seconds_ = [], []
+    for cells in rows:
+        counts.append(cells[0])
+        seconds_.append(cells[1])
+    try:
+        increasing = all(float(one) < float(other) for one, other in pairwise(seconds_))
+    except ValueError:
+        return False
+    return increasing and len(counts) > 1 and counts == [str(k + 1) for k in range(len(counts))]
 
 
 def _spelled(rows: Sequence[Sequence[str]], columns: Sequence[Kind], form: NumberForm) -> dict[int, str]:
@@ -305,7 +347,7 @@ def _kinds(rows: Sequence[Row], width: int, form: NumberForm, settings: Format) 
         kind: Any = max(counts, key=lambda kind: (counts[kind], kind != "text"), default="gap")
         if kind == "quantity" and len({unit_of_cell(cells[k], form) for cells in tail} - {""}) > 1:
             kind = "text"
-        kinds.append(kind)
+        kinds.append("minutes" if "minutes" in counts and counts.keys() <= {*_DURATIONS, "text"} else kind)
     return kinds
 
 
@@ -315,7 +357,7 @@ def _is_data(cells: Sequence[str], columns: Sequence[Kind], form: NumberForm, se
         return False
     kinds = [kind_of_cell(cell, form, settings) for cell in cells]
     valued = [(own, kind) for own, kind in zip(columns, kinds) if own not in ("text", "gap") and kind != "gap"]
-    return bool(valued) and all(own == kind for own, kind in valued)
+    return bool(valued) and all(own == kind or (own == "minutes" and kind in _DURATIONS) for own, kind in valued)
 
 
 def _header(
@@ -344,25 +386,77 @@ def _header(
         return header, units
     if first == len(rows):
         return (rows[0] if rows else none), units
+    wide = len(columns)
+    # A header names at least half of the columns of numbers; the line right above them may be longer than they are.
+    named = [
+        (row, cells)
+        for k, (row, cells) in enumerate(rows[:first])
+        if wide - 1 <= len(cells)
+        and (len(cells) <= wide or k == first - 1)
+        and any(kind_of_cell(cell, way.form, settings) == "text" and re.search(r"[^\W\d_]", cell) for cell in cells)
+    ]
     wordy = [
         (row, cells)
-        for row, cells in rows[:first]
+        for row, cells in named
         if row != units[0]
         and sum(kind_of_cell(c, way.form, settings) == "text" for c in cells) * 2 > sum(map(bool, cells))
     ]
-    of_width = [(row, cells) for row, cells in wordy if len(cells) in (len(columns), len(columns) - 1)]
-    if not of_width:
-        # A comment above the numbers may be the header; else the text right above them, whatever its width.
-        above = range(1, rows[first][0])
-        comments = [row for row in above if is_comment(lines[row - 1]) and len(cells_of(row)) == len(columns)]
-        if comments and len(columns) > 1:
-            return (comments[-1], cells_of(comments[-1])), units
-        direct = [line for line in wordy if first and line[0] == rows[first - 1][0] and len(line[1]) > 1]
-        return (direct[-1] if direct else none), units
-    header = of_width[-1]
-    if settings.units_row is None and len(of_width) > 1 and _is_units(header[1]):
-        units, header = (header[0], [_bare(cell) for cell in header[1]]), of_width[-2]
-    return header, units
+    below, keyed = none, _keyed_units(rows[:first], wide)
+    if settings.units_row is None and not keyed[0]:
+        below = next((line for line in reversed(wordy) if len(named) > 1 and _are_units(line[1], columns)), none)
+    if settings.units_row is None:
+        units = keyed if keyed[0] else (below[0], [_bare(cell) for cell in below[1]])
+    least = sum(kind not in ("gap", "text") for kind in columns)
+    telling = [
+        (row, cells)
+        for row, cells in wordy
+        if row not in (units[0], below[0]) and 2 * sum(map(bool, cells)) >= least and not _tells_nothing(cells)
+    ]
+    if above := [line for line in telling if line[0] < below[0]]:
+        return above[-1], units
+    if before := [line for line in named if line[0] < below[0]] if not telling else []:
+        return before[-1], units
+    if telling or wordy:
+        return (telling or wordy)[-1], units if telling else (settings.units_row or 0, units[1])
+    # A comment above the numbers may be the header; else the text right above them, whatever its width or delimiter.
+    above_rows = range(1, rows[first][0])
+    comments = [row for row in above_rows if is_comment(lines[row - 1]) and len(cells_of(row)) == wide]
+    if comments and wide > 1:
+        return (comments[-1], cells_of(comments[-1])), units
+    row, direct = rows[first - 1] if first else none
+    split_otherwise = [split(lines[row - 1], other) for other in DELIMITERS] if row else []
+    for cells in (*(cells for cells in split_otherwise if len(cells) == wide), direct):
+        texts = sum(kind_of_cell(cell, way.form, settings) == "text" for cell in cells)
+        if 2 * texts > len(cells) > 1:
+            return (row, cells), units
+    return none, units
+
+
+def _keyed_units(rows: Sequence[Row], wide: int) -> Row:
+    """The units in rows whose first cell says that they are units: of the columns behind it, or of time alone."""
+    number, units = 0, [""] * wide
+    for row, cells in rows:
+        stated = ["" if cell == cells[0] else _bare(cell) for cell in cells[1:wide]]
+        if re.search(_UNIT_KEY, cells[0], re.IGNORECASE) and _is_units(stated):
+            times = all(unit_dimension(column_unit(unit) or "") == unit_dimension("s") for unit in filter(None, stated))
+            units = [next(filter(None, stated)), *units[1:]] if times else [units[0], *stated]
+            number, units = row, [*units, *[""] * wide][:wide]
+    return number, units
+
+
+def _are_units(cells: Sequence[str], columns: Sequence[Kind]) -> bool:
+    """Whether a row holds the units of most of the columns of numbers."""
+    filled = [_bare(cell) for cell, kind in zip(cells, columns) if kind in ("number", "gap") and cell not in ("", "-")]
+    return 2 * sum(column_unit(cell) is not None for cell in filled) > len(filled)
+
+
+def _tells_nothing(cells: Sequence[str]) -> bool:
+    """Whether a row repeats one part, or holds types of data."""
+    periods = [p for p in range(1, len(cells) // 2 + 1) if len(cells) % p == 0]
+    types = [cell for cell in cells if cell not in ("", cells[0])]
+    return any(list(cells) == [*cells[:p]] * (len(cells) // p) for p in periods) or bool(
+        types and all(re.fullmatch(_TYPES, cell, re.IGNORECASE) for cell in types)
+    )
 
 
 def _is_units(cells: Sequence[str]) -> bool:

@@ -16,11 +16,11 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, to_numpy
 from sysid.experiment.toml_table import shown
 
-MINUS = "−–‒‐‑﹣－"
-"""Signs that are written for a minus: U+2212 and the dashes and full-width forms that keyboards give."""
+MINUS = "−–‒‐‑﹣－⁃⁻\u00ad"
+"""Signs that are written for a minus: U+2212, the dashes and full-width forms that keyboards give, the soft hyphen."""
 NO_BREAK = "\u00a0\u2009\u202f"
 """Blanks between groups of three digits, besides the plain one: no-break, thin, narrow no-break (CGPM 2003)."""
-APOSTROPHES = "'’"
+APOSTROPHES = "'’_"
 
 GAPS = (
     *("", "nan", "NaN", "NAN", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL", "None", "none", "NaT"),
@@ -35,6 +35,8 @@ _BARE_EXPONENT = re.compile(r"(.*\d*\.\d*)([+-]\d{3})")
 """Fortran leaves out the letter before an exponent of three digits."""
 SCPI_OVERLOAD = 9.9e37
 """Instruments write this number for an overload, and one above it for 'not a number' (SCPI-1999, 7.2.1)."""
+_POWER = re.compile(r"\s*(?:[x×*·]\s*10\s*\^?|(?<=\d)[eE])\s*(?=[+-]?\d+$)")
+"""An exponent that is written out, such as ×10^-3, or apart from its number."""
 _HEXADECIMAL = re.compile(r"0[xX][0-9a-fA-F]+|[0-9a-fA-F]{2,}[hH]")
 
 
@@ -93,6 +95,9 @@ class NumberForm:
         text = cell.strip().strip('"').strip()
         for sign in MINUS:
             text = text.replace(sign, "-")
+        text = _POWER.sub("e", text).replace("٫", self.decimal)
+        if text.startswith("(") and text.endswith(")") and "-" not in text:
+            text = f"-{text[1:-1].strip()}"
         if text.endswith("-"):
             text = f"-{text[:-1].rstrip()}"
         if re.match(r"[+-]\s", text):
@@ -140,20 +145,28 @@ DAY = 86400.0
 MONTHS = dict(zip(["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"], range(1, 13)))
 MONTHS |= {"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
 
-_DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4}|\d{1,2}[-. ]{1,2}\pL{3,9}\.?[-. ]\d{4}"
-_CLOCK = (
-    r"(?P<h>\d{1,2}):(?P<m>\d\d)(?::(?P<s>\d\d)(?:[.,:](?P<f>\d+))?)?"
-    r"\s?(?P<half>[AaPp]\.?\s?[Mm]\.?)?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
+_DATE = (
+    r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{4}-\d{3}|\d{1,2}[-./]\d{1,2}[-./](?:\d{4}|\d\d)"
+    r"|\d{1,2}[-. ]{1,2}\pL{3,9}\.?[-. ]\d{2,4}|\pL{3,9}\.? +\d{1,2},? +\d{4}"
 )
+_REST = r"\s?(?P<half>[AaPp]\.?\s?[Mm]\.?)?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
+_CLOCK = r"(?P<h>\d{1,2})[:.](?P<m>\d\d)(?:[:.](?P<s>\d\d)(?:[.,:](?P<f>\d+))?)?" + _REST
 _FORMS = {
-    "date": rf"(?P<date>{_DATE})[ T,]\s*{_CLOCK}",
+    "date": rf"\[?(?:\pL{{2,10}}\.?,? +)?(?P<date>{_DATE})(?:[ T,]\s*|-){_CLOCK}\]?",
     "day": rf"(?P<date>{_DATE})",
-    "clock": r"(?:(?P<days>\d+)(?: days?,? |\.))?" + _CLOCK.replace("?)?\\s", "?)\\s", 1),
-    "compact": r"(?P<date>\d{8})[T_ ](?P<h>\d\d)(?P<m>\d\d)(?P<s>\d\d)(?:[.,](?P<f>\d+))?",
+    "turned": rf"{_CLOCK}[ ,]\s*(?P<date>{_DATE})",
+    "ctime": rf"(?:\pL{{2,4}} )?(?P<date>\pL{{3}} +\d{{1,2}}) {_CLOCK} (?P<year>\d{{4}})",
+    "clock": r"(?P<sign>-)?(?:(?P<days>\d+)(?: days?,? |\.))?(?P<h>\d{1,2}):(?P<m>\d\d):(?P<s>\d\d)(?:[.,:](?P<f>\d+))?"
+    + _REST,
+    "dotted": r"(?P<h>\d{1,2})\.(?P<m>\d\d)\.(?P<s>\d\d)[.,](?P<f>\d+)",
+    "compact": r"(?P<date>(?:19|20)\d{6})[T_ ]?(?P<h>[0-2]\d)(?P<m>[0-5]\d)(?P<s>[0-5]\d)(?:[.,](?P<f>\d+))?",
     "minutes": r"(?P<m>\d{1,4}):(?P<s>\d\d)[.,](?P<f>\d+)",
+    "marked": r"(?:PT)?(?:(?P<h>\d+) ?[hH] ?)?(?:(?P<m>\d+) ?[mM](?:in)? ?)?(?P<s>\d+)(?:[.,](?P<f>\d+))? ?[sS](?:ec)?",
 }
 """Regular expressions of RE2 by kind of stamp; a time of day alone has seconds."""
 STAMPS = {kind: re.compile(form.replace(r"\pL", r"[^\W\d_]")) for kind, form in _FORMS.items()}
+# Below a minute there are seconds alone, from an hour on there are hours.
+_FORMS["minutes"] = r"(?:(?:(?P<h>\d+):)?(?P<m>\d{1,4}):)?(?P<s>\d{1,2})(?:[.,](?P<f>\d+))?"
 
 
 def seconds(column: Any, kind: str, time_format: str | None, file: str, label: str) -> Column:
@@ -210,40 +223,57 @@ def _counted(text: Any, kind: str) -> tuple[np.ndarray, float]:
         """Number (n,) of each word of a field that has few different ones."""
         if f"(?P<{name}>" not in _FORMS[kind]:
             return np.zeros(1)
-        words = pc.struct_field(parts, name).combine_chunks().dictionary_encode()
+        words = pc.struct_field(parts, name)
+        if name == "date" and "(?P<year>" in _FORMS[kind]:
+            words = pc.binary_join_element_wise(words, pc.struct_field(parts, "year"), " ")
+        words = words.combine_chunks().dictionary_encode()
         return np.array(meaning(words.dictionary.to_pylist()), dtype=float)[np.array(words.indices)]
 
     half = by_word("half", lambda words: [" ap".index(word[:1].lower() or " ") for word in words])
     hours = number("h", 24 if not half.any() else 12)
     hours = np.where(half > 0.0, hours % 12.0, hours) + 12.0 * (half == 2.0)
-    whole = (
-        DAY * (by_word("date", _days) + number("days"))
-        + 3600.0 * hours
-        - by_word("zone", lambda words: [*map(_offset, words)])
-    )
-    whole = whole + 60.0 * number("m", 59 if kind != "minutes" else 9999) + number("s", 60)
-    part = number("f")
+    sign = 1.0 - 2.0 * by_word("sign", lambda words: [word == "-" for word in words])
+    clock = 3600.0 * hours + 60.0 * number("m", 59 if kind != "minutes" else 9999) + number("s", 60)
+    days = by_word("date", _days) + number("days")
+    whole = DAY * days + sign * clock - by_word("zone", lambda words: [*map(_offset, words)])
+    part = sign * number("f")
     return whole - whole[0] + (part - part[0]), float(whole[0] + part[0])
 
 
 def _days(words: list[str]) -> list[int]:
-    """Days since 1970 of dates: with the year first, day.month.year, with a month's name, or with slashes, where the
-    numbers show which is the day, or all are one date."""
-    words = [f"{word[:4]}-{word[4:6]}-{word[6:]}" if word.isdigit() else word for word in words]
-    parts = [re.findall(r"\d+|[^\W\d_]+", word) for word in words]
-    days = []
-    for word, (one, two, three) in zip(words, parts):
-        month = MONTHS.get(two[:3].lower()) if two.isalpha() else int(two)
-        if month is None:
-            raise ValueError(f"the month {two}")
-        numbers = (int(three), month, int(one)) if len(one) < 4 else (int(one), month, int(three))
-        if "/" in word and len(one) < 4:
-            firsts, seconds_ = ({int(other[k]) for other in parts} for k in (0, 1))
-            if max(firsts) <= 12 and max(seconds_) <= 12 and len(words) > 1:
-                raise ValueError("which of the numbers is the day is not known")
-            numbers = numbers if max(firsts) > 12 else (int(three), int(one), int(two))
-        days.append((date(*numbers) - date(1970, 1, 1)).days)
-    return days
+    """Days since 1970 of dates, in the order of their numbers that makes them dates that do not fall: where several
+    do, the days between them must be the same."""
+    parts = [re.findall(r"\d+|[^\W\d_]+", re.sub(r"^(\d{4})(\d\d)(\d\d)$", r"\1-\2-\3", word)) for word in words]
+    first = parts[0]
+    if len(first) == 2:
+        return [(date(int(year), 1, 1) - date(1970, 1, 1)).days + int(day) - 1 for year, day in parts]
+    if len(first[0]) == 4:
+        orders = ["ymd"]
+    elif any(part.isalpha() for part in first):
+        orders = ["mdy" if first[0].isalpha() else "dmy"]
+    else:
+        orders = ["dmy", *([] if "." in words[0] else ["mdy"]), *(["ymd"] if len(first[2]) == 2 else [])]
+    found: dict[tuple[int, ...], list[int]] = {}
+    problem = ""
+    for order in orders:
+        try:
+            days = [(_date(dict(zip(order, part))) - date(1970, 1, 1)).days for part in parts]
+        except ValueError as error:
+            problem = str(error)
+        else:
+            if days == sorted(days):
+                found.setdefault(tuple(day - days[0] for day in days), days)
+    if len(found) != 1:
+        raise ValueError("which of the numbers is the day is not known" if found else problem or "dates fall")
+    return next(iter(found.values()))
+
+
+def _date(parts: dict[str, str]) -> date:
+    """A date of year, month and day; years of two digits are after 2000."""
+    month = MONTHS.get(parts["m"][:3].lower()) if parts["m"].isalpha() else int(parts["m"])
+    if month is None:
+        raise ValueError(f"the month {parts['m']}")
+    return date(int(parts["y"]) + 2000 * (len(parts["y"]) < 4), month, int(parts["d"]))
 
 
 def _offset(zone: str) -> float:

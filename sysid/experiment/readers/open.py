@@ -22,7 +22,7 @@ from sysid.experiment.readers.base import (
 from sysid.experiment.readers.isolated import IsolatedReader
 from sysid.experiment.readers.memory import MemoryTable
 
-TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".lvm")
+TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".lvm", ".prn")
 """Text files with columns, also with .gz behind."""
 
 READERS = {
@@ -37,6 +37,8 @@ READERS = {
     ".npy": "npz",
     ".tdms": "tdms",
     ".json": "json",
+    ".jsonl": "json",
+    ".ndjson": "json",
 }
 """Module by suffix: `csv`, or one of `formats`, which another process loads and runs."""
 
@@ -83,6 +85,7 @@ def unknown_format(name: str) -> str:
     """Error of a file whose suffix is not known, with the suffixes that are allowed."""
     suffix = Path(name).suffix.lower()
     instead = "; save the sheet as CSV" if suffix in (".xlsx", ".xls", ".ods", ".xlsm") else ""
+    instead = instead or ("; export it as CSV or MAT" if suffix in (".mf4", ".mdf") else "")
     return (
         f"'{suffix}' is not a record format{instead}; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
         ".parquet, .mat, .h5, .npz, .tdms, .json"

@@ -82,13 +82,13 @@ class Proposal(Result):
                 "label": one.label,
                 "channel": one.channel,
                 "unit": "" if one.unit in (None, "?") else one.unit,
-                "scale": f"? {one.scale}" if one.scale and not one.percent else None,
+                "scale": f"{'? ' * (one.unit != 'count')}{one.scale}" if one.scale and not one.percent else None,
                 "question": one.question,
-                "first": numbers[k][:SHOWN_ROWS] if k in numbers else None,
+                "first": numbers[one.number - 1][:SHOWN_ROWS] if one.number - 1 in numbers else None,
                 "unit_in_file": one.unit is None,
                 "stated": _stated_unit(header, one.number - 1),
             }
-            for k, one in enumerate(self.computed.columns)
+            for one in self.computed.columns
         ]
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -321,7 +321,8 @@ def _channel_line(column: Column, numbered: bool) -> str:
     name = str(column.number) if numbered else '"' + column.label.replace("\\", "\\\\").replace('"', '\\"') + '"'
     entries = [f"column = {name}"]
     entries += [f'unit = "{column.unit}"'] if column.unit else []
-    entries += [f'scale = "? {column.scale}"'] if column.scale and not column.percent else []
+    scale = f"{'? ' * (column.unit != 'count')}{column.scale}"
+    entries += [f'scale = "{scale}"'] if column.scale and not column.percent else []
     entries += ["increments = true"] if column.increments else []
     value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
     # A load or temperature of unknown unit is left out until the question is answered; no fit needs it.

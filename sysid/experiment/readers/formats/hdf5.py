@@ -39,7 +39,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         for place, data in _data_sets(file, name):
             paths = [key for key, _ in vector_places(data.dtype, data.shape, place)]
             found += paths
-            unit = data.attrs.get("unit", data.attrs.get("units"))
+            unit = next((data.attrs[key] for key in data.attrs if key.lower() in ("unit", "units")), None)
             if isinstance(unit, bytes):
                 unit = unit.decode("utf-8", errors="replace")
             units |= dict.fromkeys(paths, str(unit)) if unit is not None else {}

@@ -1,4 +1,4 @@
-"""JSON files: arrays of numbers by their path, or a list of rows with named values."""
+"""JSON files: arrays of numbers by their path, or rows with named values, in a list or one a line."""
 
 import json
 from collections.abc import Iterator
@@ -14,7 +14,12 @@ from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
 @lru_cache(maxsize=1)
 def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     try:
-        return dict(_arrays(json.loads(path.read_text(encoding="utf-8-sig")), "")), {}
+        text = path.read_text(encoding="utf-8-sig")
+        try:
+            document = json.loads(text)
+        except ValueError:
+            document = [json.loads(line) for line in text.splitlines() if line.strip()]
+        return dict(_arrays(document, "")), {}
     except (ValueError, RecursionError):
         raise damaged(name, "json") from None
 

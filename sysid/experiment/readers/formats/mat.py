@@ -31,17 +31,29 @@ def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]
     stated, units = variables.pop("units", None), {}
     if hasattr(stated, "_fieldnames"):
         units = {key: str(getattr(stated, key)) for key in stated._fieldnames}
-    return dict(_vectors(variables)), units
+    return dict(_vectors(variables, units)), units
 
 
-def _vectors(variables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:
+def _vectors(variables: Mapping[str, Any], units: dict[str, str], prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:
+    """The vectors by path. A structure of dSPACE or Simulink holds the data, name and unit of one channel."""
     for key, value in variables.items():
         path = f"{prefix}{key}"
         if hasattr(value, "_fieldnames"):
-            yield from _vectors({name: getattr(value, name) for name in value._fieldnames}, f"{path}.")
+            fields = {name: getattr(value, name) for name in value._fieldnames}
+            lower = {name.lower(): item for name, item in fields.items()}
+            data = lower.get("data", lower.get("values"))
+            stated = [
+                str(lower.get(one, lower.get(other, ""))) for one, other in (("name", "label"), ("unit", "units"))
+            ]
+            if isinstance(data, np.ndarray) and data.dtype != object and any(stated):
+                path = f"{prefix}{stated[0]}" if stated[0] else path
+                units |= {path: stated[1]} if stated[1] else {}
+                fields = {name: item for name, item in fields.items() if item is not data}
+                yield from vectors(data, path)
+            yield from _vectors(fields, units, f"{path}.")
         elif isinstance(value, np.ndarray) and value.dtype == object:
             inner = {str(k): item for k, item in enumerate(value.ravel(), start=1) if hasattr(item, "_fieldnames")}
-            yield from _vectors(inner, f"{path}.")
+            yield from _vectors(inner, units, f"{path}.")
         elif isinstance(value, np.ndarray):
             yield from vectors(value, path)
 

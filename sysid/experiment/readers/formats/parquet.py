@@ -14,7 +14,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
     import pyarrow
 
     schema = _open(path, name).schema_arrow
-    stamps = [field.name for field in schema if pyarrow.types.is_timestamp(field.type)]
+    stamps = [field.name for field in schema if pyarrow.types.is_temporal(field.type)]
     remarks = ("time stamps in " + ", ".join(f"'{label}'" for label in stamps),) if stamps else ()
     return Header(tuple(schema.names), dict.fromkeys(stamps, "s"), remarks)
 
@@ -36,10 +36,11 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     found = []
     for index, label in zip(indices, wanted, strict=True):
         column = table.column(label if unique else index)
-        if pyarrow.types.is_timestamp(column.type):
+        if pyarrow.types.is_temporal(column.type):
             found.append(_seconds(column, name, label))
             continue
-        if not (pyarrow.types.is_integer(column.type) or pyarrow.types.is_floating(column.type)):
+        kinds = pyarrow.types.is_integer, pyarrow.types.is_floating, pyarrow.types.is_decimal
+        if not any(kind(column.type) for kind in kinds):
             raise InputError(f"{name}: column '{label}': holds {column.type}, numbers are required")
         values = to_numpy(column.cast(pyarrow.float64(), safe=False))
         check_finite(values, name, label)
@@ -54,7 +55,13 @@ def _seconds(column: Any, name: str, label: str) -> Column:
 
     if column.null_count:
         raise InputError(f"{name}: column '{label}': has empty rows; every row needs its time")
-    counts = column.cast(pyarrow.timestamp("ns", column.type.tz)).cast(pyarrow.int64())
+    kind = column.type
+    if pyarrow.types.is_date(kind):
+        kind, column = pyarrow.timestamp("ns"), column.cast(pyarrow.timestamp("ms"))
+    exact: Any = pyarrow.timestamp("ns", getattr(kind, "tz", None))
+    exact = pyarrow.duration("ns") if pyarrow.types.is_duration(kind) else exact
+    exact = pyarrow.time64("ns") if pyarrow.types.is_time(kind) else exact
+    counts = column.cast(exact).cast(pyarrow.int64())
     first = counts[0].as_py()
     counted = compute.subtract(counts, first).cast(pyarrow.float64())  # type: ignore[attr-defined]
     return Column(to_numpy(counted) / 1e9, first / 1e9, f"'{label}' is counted from its first row")

@@ -22,10 +22,10 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         units: dict[str, str] = {}
         for key, channel in channels.items():
             unit = next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), "")
-            units |= {key: unit} if unit else {}
+            units |= {key: "s"} if channel.dtype.kind == "M" else {key: unit} if unit else {}
         steps = {channel.properties.get("wf_increment") for channel in channels.values()}
         paths, remarks = list(channels), ()
-        timed = any(path.rsplit(".", 1)[-1].lower() == "time" for path in paths)
+        timed = any(path.rsplit(".", 1)[-1].lower() == "time" or units.get(path) == "s" for path in paths)
         step = steps.pop() if len(steps) == 1 else None
         if not timed and isinstance(step, float) and step > 0.0:
             paths, units["time"] = [*paths, "time"], "s"
@@ -42,7 +42,9 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
         for index in indices:
             key = header.layout[index]
             if key in channels:
-                arrays.append(np.asarray(channels[key][:], dtype=float))
+                values = channels[key][:]
+                values = (values - values[0]) / np.timedelta64(1, "s") if values.dtype.kind == "M" else values
+                arrays.append(np.asarray(values, dtype=float))
             else:
                 arrays.append(np.asarray(next(iter(channels.values())).time_track(), dtype=float))
     return columns_of(arrays, name, header, indices)
@@ -65,5 +67,5 @@ def _channels(file: Any) -> dict[str, Any]:
         f"{group.name}.{channel.name}": channel
         for group in file.groups()
         for channel in group.channels()
-        if len(channel) > 1 and channel.dtype.kind in "iufb"
+        if len(channel) > 1 and channel.dtype.kind in "iufbM"
     }

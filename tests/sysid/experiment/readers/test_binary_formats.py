@@ -1,12 +1,15 @@
 """MAT 5 and 7.3, HDF5, NPZ, NPY, JSON, TDMS and Parquet give the record that the arrays were."""
 
 import json
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from stagecad.parameters.errors import InputError
+from sysid.experiment.column_proposal import read_numbers
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import load_records
@@ -125,3 +128,45 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, name, what):
     (tmp_path / name).write_bytes(b"\x89HDF\r\n\x1a\nPK\x03\x04" + bytes(200))
     with pytest.raises(InputError, match=f"{name}: is not an? {what} file"):
         open_record_file(tmp_path / name, name)
+
+
+def test_structures_of_dspace_and_simulink(tmp_path):
+    def captured(*channels):
+        fields = [("Name", object), ("Unit", object), ("Data", object)]
+        array = np.empty(len(channels), dtype=fields)
+        for k, channel in enumerate(channels):
+            array[k] = channel
+        return array
+
+    time = np.arange(50) * 0.01
+    position, force = np.sin(time), np.cos(time)
+    rows = captured(("Model/position", "mm", position), ("Model/force", "N", force))
+    savemat(tmp_path / "d.mat", {"rec": {"X": captured(("time", "s", time)), "Y": rows, "Gains": np.ones(3)}})
+    opened = open_record_file(tmp_path / "d.mat", "d.mat")
+    numbers = read_numbers(opened)
+    assert opened.header.labels[:3] == ("time", "Model/position", "Model/force")
+    assert dict(opened.header.units) == {"time": "s", "Model/position": "mm", "Model/force": "N"}
+    assert set(numbers.columns) == {0, 1, 2} and "has 3 values, others 50" in numbers.reasons[3]
+    assert np.array_equal(numbers.columns[1], position)
+
+
+def test_rows_of_json_one_a_line(tmp_path):
+    rows = [{"time [s]": 0.1 * k, "position [mm]": float(k * k)} for k in range(5)]
+    (tmp_path / "a.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+    columns = open_record_file(tmp_path / "a.jsonl", "a.jsonl").columns([0, 1])
+    assert columns[1].values.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0]
+
+
+def test_parquet_with_durations_times_of_day_and_decimals(tmp_path):
+    import pandas as pd
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    seconds = pd.to_timedelta(np.arange(5) * 0.01, unit="s")
+    clock = (pd.Timestamp("2024-03-01 12:00") + seconds).time
+    exact = pa.array([Decimal(f"0.{k}5") for k in range(5)])
+    parquet.write_table(pa.table({"t": pa.array(seconds), "clock": clock, "x [mm]": exact}), tmp_path / "a.parquet")
+    opened = open_record_file(tmp_path / "a.parquet", "a.parquet")
+    duration, of_day, position = (column.values for column in opened.columns([0, 1, 2]))
+    np.testing.assert_allclose([duration, of_day], [np.arange(5) * 0.01] * 2, atol=1e-12)
+    np.testing.assert_allclose(position, np.arange(5) / 10.0 + 0.05, atol=1e-15)

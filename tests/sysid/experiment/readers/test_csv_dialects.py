@@ -11,10 +11,12 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.column_proposal import propose, read_numbers
+from sysid.experiment.column_settings import column_unit
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.csv import SingleBlanks
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import Record, load_records
+from workbench.operations.measurement import new_experiment
 
 ROWS = 40
 TIME = 0.01 * np.arange(ROWS)
@@ -197,13 +199,62 @@ def test_time_stamps_are_exact_to_a_nanosecond_and_counted_from_the_first_row(tm
 
 def test_headers_and_first_row_as_the_experiment_says(tmp_path):
     content = "names\ntime [s],position [mm],friction_force [N]\nfloat,float,float\n" + _rows()
-    with pytest.raises(InputError):
-        _load(tmp_path, "fit.csv", content.encode())
+    _check(_load(tmp_path, "fit.csv", content.encode()))
     records = _load(tmp_path, "fit.csv", content.encode(), "[format]\nheader = 2\nfirst_row = 4")
     _check(records)
     assert "read as: header in row 2, numbers from row 4" in records[0].notes
     other = "time,position,friction_force\nzone 1,zone 2,zone 3\ns,mm,N\n" + _rows()
     _check(_load(tmp_path, "fit.csv", other.encode(), "[format]\nheader = 1\nunits_row = 3"))
+
+
+LVM = (
+    "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\t\t\n"
+    "Date\t2024/07/30\t2024/07/30\t\n"
+    "Y_Unit_Label\tmm\tN\t\nX_Dimension\tTime\tTime\t\nDelta_X\t0.01\t0.01\t\n***End_of_Header***\t\t\t\n"
+    "X_Value\tposition\tfriction_force\tComment\n"
+)
+HEADS = {
+    "LVM of LabVIEW": ("\t", LVM),
+    "TOA5 of Campbell": (",", '"TOA5","CR1000","1"\n"TS","x","F"\n"s","mm","N"\n"","Smp","Smp"\n'),
+    "Keysight": (",", "x-axis,1,2\nsecond,Millimeter,Newton\n"),
+    "Tektronix": (",", "Model,MSO64\nHorizontal Units,s,\nVertical Units,mm,N\nLabel,x,F\nTIME,CH1,CH2\n"),
+    "catman": (";", "Zeit;Weg;Kraft\ns;mm;N\nKanal 0;Kanal 1;Kanal 2\n"),
+    "types below the names": (";", "t;x;F\nLREAL;LREAL;LREAL\ns;mm;N\n"),
+    "types below the units": (";", "t;x;F\ns;mm;N\nreal64;real64;int16\n"),
+    "other delimiter in the header": ("\t", "time [s],position [mm],friction_force [N]\n"),
+    "line below the header": (",", "time [s],position [mm],friction_force [N]\n--------\n"),
+    "table of Markdown": ("|", "time [s]|position [mm]|friction_force [N]\n---|---|---\n"),
+    "first row cut off": (",", "time [s],position [mm],friction_force [N]\n17.2,0.5\n"),
+}
+
+
+@pytest.mark.parametrize("name", HEADS)
+def test_what_stands_above_the_numbers(tmp_path: Path, name: str) -> None:
+    between, head = HEADS[name]
+    path = tmp_path / "fit.csv"
+    path.write_text(head + _rows(between))
+    opened = open_record_file(path, path.name)
+    units = ["s", "mm", "N"] if opened.header.units else None
+    columns = [column.values for column in opened.columns([0, 1, 2])]
+    for found, expected in zip(columns, (TIME, 1e3 * POSITION, FORCE)):
+        np.testing.assert_allclose(found, expected, atol=1e-9)
+    if units:
+        stated = [opened.header.units.get(label) for label in opened.header.labels]
+        assert [column_unit(unit or "") for unit in stated[1:]] == units[1:]
+        assert name == "LVM of LabVIEW" or column_unit(stated[0] or "") == "s"
+    else:
+        assert opened.header.labels[0] == "time [s]"
+
+
+def test_row_names_in_front_of_the_columns(tmp_path: Path) -> None:
+    rows = [f'"{k + 1}" {line}' for k, line in enumerate(_rows(" ").splitlines())]
+    (tmp_path / "r.txt").write_text("\n".join(['"time" "position" "friction_force"', *rows]))
+    assert open_record_file(tmp_path / "r.txt", "r.txt").header.labels == ("", "time", "position", "friction_force")
+    (tmp_path / "pandas.csv").write_text("\n".join(["," + _table().splitlines()[0], *(
+        f"{k},{line}" for k, line in enumerate(_rows().splitlines()))]))  # fmt: skip
+    proposal = new_experiment.propose([tmp_path / "pandas.csv"])
+    proposal.write(tmp_path / "pandas")
+    assert [column["first"][0] for column in proposal.columns] == [TIME[0], 1e3 * POSITION[0], FORCE[0]]
 
 
 def test_other_marks_of_a_gap_need_the_setting(tmp_path):

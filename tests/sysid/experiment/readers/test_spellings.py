@@ -10,9 +10,12 @@ import pytest
 from stagecad.parameters.errors import InputError
 from sysid.experiment.column_proposal import propose, read_numbers
 from sysid.experiment.column_settings import column_unit
+from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.numbers import NumberForm
 from sysid.experiment.readers.open import open_record_file
+from sysid.experiment.record import load_whole_records
+from workbench.operations.measurement import new_experiment
 
 ROWS = 40
 TIME = np.arange(ROWS) * 0.01
@@ -35,6 +38,11 @@ SPELLINGS = {
     "plus": lambda x: f"{x:+.4f}",
     "unit behind": lambda x: f"{x:.4f} mm",
     "unit without a blank": lambda x: f"{x:.4f}mm",
+    "power of ten": lambda x: f"{x:.6e}".replace("e", "×10^"),
+    "power of ten in ASCII": lambda x: f"{x:.6e}".replace("e", "*10^"),
+    "negative in brackets": lambda x: f"({-x:.4f})" if x < 0.0 else f"{x:.4f}",
+    "superscript minus": lambda x: f"{x:.4f}".replace("-", "⁻"),
+    "Arabic decimal sign": lambda x: f"{x:.4f}".replace(".", "٫"),
 }
 """What `test_dialect_combinations.py` does not combine: signs, exponents, decimal commas, clocks are there."""
 
@@ -67,6 +75,25 @@ def test_grouped_thousands_with_either_decimal_sign(tmp_path: Path, mark: str) -
     np.testing.assert_allclose(force, FORCE, atol=1e-4)
 
 
+def test_groups_without_decimals_beside_decimal_commas(tmp_path: Path) -> None:
+    """1.234 is 1234 where the other column has decimal commas; else it has two readings."""
+    whole = [f"{round(1000.0 * x):,}".replace(",", ".") for x in POSITION]
+    forces = [f"{f:.4f}".replace(".", ",") for f in FORCE]
+    rows = [f"{k};{x};{f}" for k, (x, f) in enumerate(zip(whole, forces))]
+    position = _columns(_write(tmp_path, rows, "time [s];position [um];friction_force [N]"))[1]
+    np.testing.assert_allclose(position, np.round(1000.0 * POSITION), atol=1e-9)
+
+
+ENCODINGS = ("utf-16-be", "utf-16-le", "utf-32", "utf-16")
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_encodings_with_and_without_a_mark(tmp_path: Path, encoding: str) -> None:
+    file = _write(tmp_path, _plain())
+    file.write_bytes(file.read_text().encode(encoding))
+    np.testing.assert_allclose(_columns(file)[1], POSITION, atol=1e-4)
+
+
 def test_a_mark_that_may_be_either_is_asked_for(tmp_path: Path) -> None:
     rows = [f"{k},0;{1 + k % 3}.{100 + k};{k},5" for k in range(ROWS)]
     file = _write(tmp_path, rows)
@@ -85,6 +112,16 @@ def test_what_is_no_number() -> None:
 
 MIDNIGHT = datetime(2024, 7, 30, 23, 59, 59, 800_000)
 DATED = {
+    "year of two digits": "%d.%m.%y %H:%M:%S.%f",
+    "year of two digits, US": "%m/%d/%y %H:%M:%S.%f",
+    "DB2": "%Y-%m-%d-%H.%M.%S.%f",
+    "month first": "%b %d, %Y %I:%M:%S.%f %p",
+    "asctime": "%a %b %d %H:%M:%S.%f %Y",
+    "weekday, in brackets": "[%a %d-%m-%Y %H:%M:%S.%f]",
+    "day of the year": "%Y-%jT%H:%M:%S.%f",
+    "Oracle": "%d-%b-%y %I.%M.%S.%f %p",
+    "time before the date": "%H:%M:%S.%f %d.%m.%Y",
+    "digits alone": "%Y%m%d%H%M%S.%f",
     "US": "%m/%d/%Y %I:%M:%S.%f %p",
     "slashes, day first": "%d/%m/%Y %H:%M:%S.%f",
     "month by name": "%d-%b-%Y %H:%M:%S.%f",
@@ -112,6 +149,22 @@ def test_dates_and_dates_beside_times(tmp_path: Path, name: str) -> None:
     assert channels == [None] * split + ["time", "position", "friction_force"]
 
 
+DURATIONS = {
+    "marked": lambda t: f"{int(t // 60)}m{t % 60:06.3f}s",
+    "French": lambda t: f"0h{int(t // 60):02d}m{t % 60:06.3f}s",
+    "ISO 8601": lambda t: f"PT{int(t // 60)}M{t % 60:.3f}S",
+    "minutes from the first on": lambda t: f"{int(t // 60)}:{t % 60:06.3f}" if t >= 60.0 else f"{t:.3f}",
+    "below zero": lambda t: f"{'-' * (t < 59.9)}00:00:{abs(t - 59.9):06.3f}",
+    "points": lambda t: f"00.{int(t // 60):02d}.{t % 60:06.3f}",
+}
+
+
+@pytest.mark.parametrize("name", DURATIONS)
+def test_durations(tmp_path: Path, name: str) -> None:
+    rows = [f"{DURATIONS[name](t)};{x:.4f};{f:.4f}" for t, x, f in zip((TIME + 59.8).tolist(), POSITION, FORCE)]
+    np.testing.assert_allclose(np.diff(_columns(_write(tmp_path, rows, "time;position [mm];force [N]"))[0]), 0.01)
+
+
 def test_a_date_of_which_the_day_is_not_known_is_asked_for(tmp_path: Path) -> None:
     one_day = ["07/08/2024 10:00:00", "07/08/2024 10:00:01", "07/08/2024 10:00:02"]
     assert _columns(_write(tmp_path, [f"{stamp};{k};{k}" for k, stamp in enumerate(one_day)]))[0].tolist() == [0, 1, 2]
@@ -129,6 +182,9 @@ ODD_ROWS = {
     "footer": ([*_plain(), "End of test;;", "operator: A. B."], "rows 42 to 43 at the end hold no numbers"),
     "header again": ([*_plain()[:20], "time [s];position [mm];friction_force [N]", *_plain()[20:]], "1 row repeats"),
     "comment": ([*_plain()[:20], "# paused", *_plain()[20:]], ""),
+    "line between": ([*_plain()[:20], "*** paused", *_plain()[20:]], "1 row of text between the numbers"),
+    "comment of INI files": ([*_plain()[:20], "; paused", *_plain()[20:]], "1 row of text between the numbers"),
+    "event": ([*_plain()[:20], "Event;trigger;", *_plain()[20:]], "1 row of text between the numbers"),
     "flags": ([f"{row};ok" for row in _plain()], ""),
 }
 
@@ -162,24 +218,64 @@ def test_numbers_beyond_the_header_are_refused(tmp_path: Path) -> None:
 
 
 def test_marks_of_gaps_are_proposed_and_other_reasons_said(tmp_path: Path) -> None:
-    rows = [row.rpartition(";")[0] + f";{mark}" if mark else row
-            for row, mark in zip(_plain(), ["", "#N/A", "", "-1.#IND", "", "OVER", "---"] + [""] * ROWS)]  # fmt: skip
+    marks = ["", "#N/A", "", "-1.#IND", "", "OVER", "---", ">5.0", "E201", "OL"] + [""] * ROWS
+    rows = [row.rpartition(";")[0] + f";{mark}" if mark else row for row, mark in zip(_plain(), marks)]
     rows = [f"{row};{hexadecimal:04X}h" for hexadecimal, row in enumerate(rows)]
     opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];friction_force [N];count"), "fit.csv")
     numbers = read_numbers(opened)
-    assert numbers.missing == ("OVER", "---")
-    assert np.isnan(numbers.columns[2][[1, 3, 5, 6]]).all() and np.isfinite(numbers.columns[2][7:]).all()
+    assert numbers.missing == ("OVER", "---", ">5.0", "E201", "OL")
+    assert np.isnan(numbers.columns[2][[1, 3, 5, 6, 7, 8, 9]]).all() and np.isfinite(numbers.columns[2][10:]).all()
     proposal = propose(opened, numbers)
     assert [column.channel for column in proposal.columns] == ["time", "position", "friction_force", None]
     assert "text" in proposal.columns[3].reason or "hexadecimal" in proposal.columns[3].reason
 
 
-UNITS = {"oz*in": "ozf*in", "oz-in": "ozf*in", "kgf*cm": "kgf*cm", "kg.cm": "kgf*cm", "turn": "rev", "rev/s": "rev/s"}
+UNITS = {
+    "oz*in": "ozf*in", "oz-in": "ozf*in", "kgf*cm": "kgf*cm", "kg.cm": "kgf*cm", "turn": "rev", "rev/s": "rev/s",
+    "ozin": "ozf*in", "inlb": "in*lbf", "kgcm": "kgf*cm", "kg·m": "kgf*m", "cNm": "cN*m", "Nmm": "N*mm", "NM": "N*m",
+    "nm": "nm", "MM": "mm", "MN": "MN", "RPM": "rpm", "KN": "kN", "PSI": "psi", "SEC": "s", "min⁻¹": "min^-1",
+    "A rms": "A", "Arms": "A", "deg C": "degC", "‰": "permille", "0.1 %": "permille", "incr.": "count", "revs": "rev",
+    '"': "in", "lbs": "lbf", "n": None, "M": None,
+}  # fmt: skip
 
 
 def test_units_of_data_sheets() -> None:
     assert {text: column_unit(text) for text in UNITS} == UNITS
     assert column_unit("kgf") == "kgf" and column_unit("rpm") == "rpm"
+
+
+def test_multiples_masses_and_parts_of_a_rated_value(tmp_path: Path) -> None:
+    labels = "time [10 ms];position [0.1 mm];load cell [kg]"
+    rows = [f"{k};{10.0 * x:.4f};{f:.4f}" for k, (x, f) in enumerate(zip(POSITION, FORCE), start=100)]
+    new_experiment.propose([_write(tmp_path, rows, labels)]).write(tmp_path / "made")
+    record = load_whole_records(load_experiment(tmp_path / "made"))[0]
+    np.testing.assert_allclose(record.time - record.time[0], TIME, atol=1e-9)
+    np.testing.assert_allclose(record.channels["position"], 1e-3 * POSITION, atol=1e-7)
+    np.testing.assert_allclose(record.channels["friction_force"], 9.80665 * FORCE, atol=1e-3)
+    new_experiment.propose([_write(tmp_path, rows, "t [s];angle [deg];torque [‰]")]).write(tmp_path / "parts")
+    text = (tmp_path / "parts/experiment.toml").read_text()
+    (tmp_path / "parts/experiment.toml").write_text(text.replace('"? N*m"', '"5 N*m"'))
+    record = load_whole_records(load_experiment(tmp_path / "parts"))[0]
+    np.testing.assert_allclose(record.channels["friction_force"], 5e-3 * FORCE, atol=1e-6)
+
+
+COUNTED = {
+    "time": {"s": 1.722e9, "ms": 1.722e12, "us": 1.722e15, "ns": 1.722e18, "day": 739_100.0},
+    "Date": {"day": 45_000.25},
+}
+
+
+@pytest.mark.parametrize(("name", "unit"), [(name, unit) for name in COUNTED for unit in COUNTED[name]])
+def test_a_time_from_a_known_origin_has_the_unit_that_its_size_shows(tmp_path: Path, name: str, unit: str) -> None:
+    step = {"s": 0.01, "ms": 10.0, "us": 1e4, "ns": 1e7, "day": 0.01 / 86400.0}[unit]
+    first = COUNTED[name][unit]
+    stamps = [
+        f"{first + k * step:.12f}" if unit in ("s", "day") else f"{int(first) + k * int(step)}" for k in range(ROWS)
+    ]
+    rows = [f"{stamp};{x:.4f};{f:.4f}" for stamp, x, f in zip(stamps, POSITION, FORCE)]
+    file = _write(tmp_path, rows, f"{name};position [mm];force [N]")
+    taken = new_experiment.propose([file]).computed.columns[0]
+    assert (taken.channel, taken.unit) == ("time", unit) and "by its numbers" in taken.question
 
 
 LABELS = {
@@ -189,6 +285,10 @@ LABELS = {
     "consigne position [mm];position mesurée [mm]": "position mesurée",
     "posRef [mm];posEnc [mm]": "posEnc",
     "riferimento posizione [mm];posizione reale [mm]": "posizione reale",
+    "PCMD [mm];PFB [mm]": "PFB",
+    "Position error [mm];Position [mm]": "Position",
+    "Regelabweichung [mm];Weg [mm]": "Weg",
+    "planned position [mm];position [mm]": "position",
 }
 
 
@@ -201,7 +301,7 @@ def test_the_measured_value_is_taken_not_the_setpoint(tmp_path: Path, labels: st
     opened = open_record_file(file, "fit.csv")
     proposal = propose(opened, read_numbers(opened))
     taken = {column.channel: column for column in proposal.columns if column.channel}
-    assert taken["position"].label.startswith(LABELS[labels])
+    assert taken["position"].label == f"{LABELS[labels]} [mm]"
     assert not re.search(r"or is column", taken["position"].question)
     assert taken["friction_force"].label == "Load Cell (lbf)"
 
