@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14934,
     "designcalc": 10551,
     "sim": 12570,
-    "sysid": 20321,
+    "sysid": 20327,
     "drawings": 12483,
     "workbench": 15414,
 }

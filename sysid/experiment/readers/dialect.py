@@ -221,18 +221,11 @@ def _layout(
         _refuse_grouped(data, form, name)
     header, units = _header(lines, rows, first, columns, way, settings)
     labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
-    # The first row of the columns' width that holds a number: gaps may stand beside it.
     last = max(header[0], units[0])
-    between = [(row, cells) for row, cells in rows[:first] if row > last]
-    begun = [row for row, cells in between if len(cells) == width and any(form.value(c) is not None for c in cells)]
-    start = settings.first_row or (begun or [row for row, _ in rows[first:]] or [last + 1])[0]
-    others = [
-        (row, cells)
-        for row, cells in between
-        if row < start and len(cells) > 1 and all(form.value(cell) is not None for cell in cells)
-    ]
-    if len(others) >= LEAST_ROWS and not settings.first_row:
-        more = f"{len(others[0][1])}; to leave them out: [format] first_row = {start}"
+    start, cut = _first_row(rows[first:], [line for line in rows[:first] if line[0] > last], columns, form, settings)
+    start = start or last + 1
+    if len(cut) >= LEAST_ROWS:
+        more = f"{len(cut[0][1])}; to leave them out: [format] first_row = {start}"
         raise InputError(f"{name}: row {start}: has {width} cells, the rows above have {more}")
     days = [k for k, kind in enumerate(columns) if kind == "day"]
     dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
@@ -242,7 +235,7 @@ def _layout(
     plain = next((k for k, text in enumerate(lines, start=1) if text.strip()), 1)
     remarks = _remarks(way, encoding, header[0], units[0], start, plain)
     remarks += [remark] if remark else []
-    remarks += [f"row {row} is cut off; left out" for row, _ in others if not settings.first_row]
+    remarks += [f"row {row} is cut off; left out" for row, _ in cut]
     dated = [f"'{labels[dates[k]]}' and '{labels[k]}'" if k in dates else f"'{labels[k]}'" for k in by_column]
     remarks += [f"time stamps in {', '.join(dated)}"] if by_column else []
     spelled = _spelled(data, columns, form)
@@ -271,6 +264,19 @@ def _layout(
         },
         remarks=tuple(remarks),
     )
+
+
+def _first_row(
+    rows: Sequence[Row], above: Sequence[Row], columns: Sequence[Kind], form: NumberForm, settings: Format
+) -> tuple[int, list[Row]]:
+    """Number of the first row: of those `above` the rows that are numbers, the first of the columns' width that holds a
+    number, since gaps may stand beside it. With it, rows of numbers above it of another width."""
+    if settings.first_row:
+        return settings.first_row, []
+    held = [(row, cells, [form.value(cell) is not None for cell in cells]) for row, cells in above]
+    begun = [row for row, cells, numbers in held if len(cells) == len(columns) and any(numbers)]
+    start = (begun or [row for row, _ in rows] or [0])[0]
+    return start, [(row, cells) for row, cells, numbers in held if row < start and len(cells) > 1 and all(numbers)]
 
 
 def _labels(
