@@ -134,11 +134,8 @@ def _mapped(
     progress: Callable[[Any], None],
     limit: TimeLimit | None = None,
 ) -> list[Any]:
-    """Results in the order of the items, of which at most `count` are computed at a time.
-
-    An item whose process ended, or that exceeded its time, is begun a second time. A result that cannot be sent is
-    computed in this process.
-    """
+    """Results in the order of the items, of which at most `count` are computed at a time. An item whose process ended,
+    or that exceeded its time, is begun a second time. A result that cannot be sent is computed in this process."""
     from pebble import ProcessExpired
 
     order = TopologicalSorter(dict.fromkeys(range(len(items)), ()))

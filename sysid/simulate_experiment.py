@@ -238,11 +238,9 @@ def _is_auxiliary(problem: Problem, key: str) -> bool:
 
 
 def _noise(problem: Problem, model: Model) -> tuple[dict[str, Noise], tuple[str, ...]]:
-    """Noise to be added by channel, and the channels with an estimated noise to which none is added.
-
-    An input is exact unless its noise is stated; in the experiment's own records its log has that noise already, and
-    it serves as the true input.
-    """
+    """Noise to be added by channel, and the channels with an estimated noise to which none is added. An input is exact
+    unless its noise is stated; in the experiment's own records its log has that noise already, and it serves as the
+    true input."""
     rig, stated = problem.experiment.rig.declaration, problem.experiment.noise
     # That of the rows as logged: long records are prepared as means over many rows.
     noise, _ = noise_by_channel(problem.experiment, problem.records)

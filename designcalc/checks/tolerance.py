@@ -156,10 +156,8 @@ def _loosened(
     design: Design, masses: Any, base: Sequence[Check], influences: Sequence[Influence]
 ) -> tuple[Influence, ...]:
     """Dimensions besides the three that matter most, of the tightest class first, whose next class fails no check.
-
     Every check that reads the dimension is run with the next class, the chains among them, and the rules; fits and
-    assembly may still need a tolerance that none of them reads.
-    """
+    assembly may still need a tolerance that none of them reads."""
     rules = {one.message for one in violations(design)}
     found: list[Influence] = []
     for one in sorted(influences[3:], key=lambda i: (i.plus_minus, i.share)):

@@ -140,10 +140,8 @@ def irreducible(
 
 
 def _infeasible_part(evaluator: Evaluator, names: Collection[str], budget: int) -> list[str] | None:
-    """A small part of the requirements that has no design; None when a design satisfies all.
-
-    It begins with those that the best compromise fails, and grows by those that the designs found for it fail.
-    """
+    """A small part of the requirements that has no design; None when a design satisfies all. It begins with those that
+    the best compromise fails, and grows by those that the designs found for it fail."""
     known = [one for one in evaluator.archive if one.complete] or [evaluator.at(evaluator.start)]
     compromise = min(known, key=lambda one: one.shortfall(names))
     part = [name for name in names if name in compromise.unmet]

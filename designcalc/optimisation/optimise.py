@@ -252,10 +252,8 @@ def _repaired(evaluator: Evaluator, design: Evaluation, names: Collection[str]) 
 
 
 def _nearest(evaluator: Evaluator, names: Sequence[str], best: Best, budget: int, seed: int) -> None:
-    """Search with the requirements that fail now, and add those that the designs found fail, until none is new.
-
-    Most requirements never matter, and a design is evaluated the faster the fewer checks are run.
-    """
+    """Search with the requirements that fail now, and add those that the designs found fail, until none is new. Most
+    requirements never matter, and a design is evaluated the faster the fewer checks are run."""
     for known in evaluator.archive:
         best.offer(known)
     part = [name for name in names if name in evaluator.at(evaluator.start).unmet]

@@ -198,10 +198,8 @@ class LevelStudy:
     def _reached(
         self, free: Sequence[Level], fixed: Mapping[str, float], names: Collection[str]
     ) -> dict[str, float] | None:
-        """The hardest levels together of designs that pass the checks; None where no design was found.
-
-        The level that is weakened most is kept where it is, then the least common weakening of the others is searched.
-        """
+        """The hardest levels together of designs that pass the checks; None where no design was found. The level that
+        is weakened most is kept where it is, then the least common weakening of the others is searched."""
         rest, found = list(free), dict(fixed)
         best, levels = Best(names), dict[str, float]()
         for number in range(ROUNDS):

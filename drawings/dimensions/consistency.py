@@ -121,8 +121,7 @@ def contradictions(
 
 def _miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *, alike: bool) -> Iterator[str]:
     """Diameters given for more features than the solid has; with `alike`, also fillets and chamfers, diameters for
-    holes of which some go through and some do not, and callouts of holes that are not about one axis.
-    """
+    holes of which some go through and some do not, and callouts of holes that are not about one axis."""
     callouts: dict[str, Dimension] = {}
     for d in dimensions:
         if alike and d.feature and d.kind in ("diameter", "tap_drill") and d.direction is not None:

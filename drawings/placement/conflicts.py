@@ -159,8 +159,7 @@ class Occupancy:
     def leader_conflicts(self, annotation: Annotation, view: View, footprint: Footprint) -> Iterator[tuple[str, int]]:
         """Conflicts of the leader of an annotation, each with its number: leaders, dimension lines and cutting lines
         that it crosses or on which it ends, leaders with the same end, edges and lines along which it runs. For a
-        linear dimension also leaders that its dimension line crosses or meets.
-        """
+        linear dimension also leaders that its dimension line crosses or meets."""
         tip = leader_tip(annotation, view)
         yield CROSSES_LINE, sum(map(self.dimension_index.count_crossing, footprint.leaders))
         yield (

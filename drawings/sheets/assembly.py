@@ -206,9 +206,7 @@ def _column(boxes: Sequence[Box2]) -> tuple[float, float]:
 
 def _placed(views: Sequence[View], rows: int, notes: int, paper: Paper) -> list[View]:
     """Views on the paper: top view above the sections on the left, exploded view in the middle, from below under it.
-
-    The view from below is at half the scale above the parts list if it does not fit under the exploded view.
-    """
+    The view from below is at half the scale above the parts list if it does not fit under the exploded view."""
     x0, y0, x1, y1 = sheet_area(paper).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
     upper, lower, side = boxes[:3]

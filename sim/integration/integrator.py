@@ -253,10 +253,8 @@ def _mechanics(model: Model, drive: Drive, mass: float) -> tuple[Drive, _Mechani
 
 
 def _groups(model: Model, tables: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, list[kernels.Kernel]]:
-    """Rows of `Laws.groups`, scales of their elements, and their kernels; the friction state model comes first.
-
-    Tables of elements are appended to `tables`, which own the memory.
-    """
+    """Rows of `Laws.groups`, scales of their elements, and their kernels; the friction state model comes first. Tables
+    of elements are appended to `tables`, which own the memory."""
     first_row = [(0, 0, 0, 0)] if model.state_effect is None else []
     having = [i for i, e in enumerate(model.effects) if e.friction_state is not None or e.parallel_element is not None]
     rows, scales, kept = first_row, [], []
@@ -318,10 +316,8 @@ class _Attempt(NamedTuple):
 
 def _linearise_part(memory, arguments):
     """Write laws, rates and Jacobian at the start `t` of a step to `work`; returns the direction of the motion, which
-    at a reversal is that of the acceleration.
-
-    moves: whether the direction of the branch is that of the motion already.
-    """
+    at a reversal is that of the acceleration. moves: whether the direction of the branch is that of the motion
+    already."""
     t, branch, moves = arguments
     problem, _, _, work, _ = memory[0]
     y, delayed, acting, turned = work.y, (0.0, 0.0), (0.0, 0.0), False

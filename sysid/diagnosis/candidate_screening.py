@@ -149,10 +149,8 @@ def map_items(
 
 
 def _preload(problem: Problem, effects: Sequence[Effect]) -> None:
-    """Import libraries and compile loops of effects on signals before the fork, so that no worker does it again.
-
-    The user's own effects are left out, since they may not accept an arbitrary signal.
-    """
+    """Import libraries and compile loops of effects on signals before the fork, so that no worker does it again. The
+    user's own effects are left out, since they may not accept an arbitrary signal."""
     signal = np.linspace(0.0, 1.0, 8)
     for effect in effects:
         if effect.signal is not None and effect not in problem.custom:

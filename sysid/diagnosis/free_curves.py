@@ -118,11 +118,9 @@ def _recurs(curve: _Curve, records: Sequence[PreparedRecord], rotary: bool) -> b
 
 
 def _visits(signals: Sequence[np.ndarray], by_rank: bool) -> float:
-    """Mean number of visits to each of `PARTS` parts of the range of a coordinate, weighted by the samples there.
-
-    A visit ends when the coordinate is more than half a part beyond the ends of the part, so that noise at an end does
-    not count.
-    """
+    """Mean number of visits to each of `PARTS` parts of the range of a coordinate, weighted by the samples there. A
+    visit ends when the coordinate is more than half a part beyond the ends of the part, so that noise at an end does
+    not count."""
     every = np.concatenate(signals)
     if by_rank:
         ranks = np.linspace(0.0, 1.0, 257)

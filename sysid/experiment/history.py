@@ -337,10 +337,8 @@ def _pending(folder: Path) -> dict[str, Any] | None:
 
 
 def _was_reverted(experiment: Placed, rungs: Sequence[Revision]) -> bool:
-    """Whether an interrupted run left the last rung without its model in `experiment.toml`.
-
-    A third model was written by hand since: then the rung is kept, since it cannot be known whether it was completed.
-    """
+    """Whether an interrupted run left the last rung without its model in `experiment.toml`. A third model was written
+    by hand since: then the rung is kept, since it cannot be known whether it was completed."""
     pending = _pending(experiment.folder)
     if pending is None or len(rungs) < 2 or rungs[-1].number != pending["rung"]:
         return False

@@ -47,11 +47,8 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _decades(axis: Any) -> None:
-    """Lines and labels at the decades of a logarithmic axis alone.
-
-    They are read more easily than ticks between them, of which there would be dozens. A power of ten is written in
-    plain characters: a formula takes longer to lay out.
-    """
+    """Lines and labels at the decades of a logarithmic axis alone. They are read more easily than ticks between them,
+    of which there would be dozens. A power of ten is written in plain characters: a formula takes longer to lay out."""
     from matplotlib.ticker import FuncFormatter, NullLocator
 
     axis.set_minor_locator(NullLocator())

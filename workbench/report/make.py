@@ -360,10 +360,8 @@ def make(
 
 
 def _fill(making: Making, reporting: Reporting) -> None:
-    """Make what the store lacks, side by side.
-
-    The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
-    """
+    """Make what the store lacks, side by side. The CAD kernel cannot be interrupted within a step: a note on a terminal
+    states so before the kernel begins."""
     tasks = making.absent
     if any(task.kind in LONG for task in tasks):
         note = "Ctrl-C ends it after the CAD kernel's step, which may take some seconds"

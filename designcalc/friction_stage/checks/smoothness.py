@@ -93,11 +93,9 @@ def ridden(r: DesignInputs) -> Check:
 
 
 def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> tuple[float, float]:
-    """Rms heights of the stage over its travel by roughness and by waves, m.
-
-    Pads in one line follow the same track one after another. The phase of the waves of the two ways is unknown: the
-    worse of in phase and in antiphase is taken.
-    """
+    """Rms heights of the stage over its travel by roughness and by waves, m. Pads in one line follow the same track one
+    after another. The phase of the waves of the two ways is unknown: the worse of in phase and in antiphase is
+    taken."""
     travel, spacing = r("stage.travel"), r("pads.spacing_along")
     tracks, track_of = np.unique(places[:, 1], return_inverse=True)
     profiles, step = synthetic_profiles(replace(surface, waviness=0.0), travel + spacing, side, len(tracks))

@@ -231,10 +231,8 @@ _MISSING = ("acceleration", "reversal_distance")
 
 @functools.lru_cache(maxsize=1024)
 def _dependence(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozenset[str]:
-    """Quantities of the axis with which the value of a law changes, found by evaluating it at 24 random points.
-
-    A user's law need not declare them, and a law may name a quantity only to take its shape (`0 * axis.velocity`).
-    """
+    """Quantities of the axis with which the value of a law changes, found by evaluating it at 24 random points. A
+    user's law need not declare them, and a law may name a quantity only to take its shape (`0 * axis.velocity`)."""
     random = np.random.default_rng(7)
     n = 24
     x, v, a = (random.uniform(-1.0, 1.0, n) * 10.0 ** random.uniform(-6.0, 1.0, n) for _ in range(3))

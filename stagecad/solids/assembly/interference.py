@@ -119,11 +119,9 @@ MARGIN = 0.37
 
 
 def _piece_near(solid: Any, boxes: Sequence[Any]) -> Any:
-    """The piece of a solid within the bounding box of several boxes, or the solid where that would save little.
-
-    It has the same common volumes with what the boxes contain, and fewer faces: each face that is not cut is
-    classified as inside or outside the other solid.
-    """
+    """The piece of a solid within the bounding box of several boxes, or the solid where that would save little. It has
+    the same common volumes with what the boxes contain, and fewer faces: each face that is not cut is classified as
+    inside or outside the other solid."""
     from OCP.Bnd import Bnd_Box
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox

@@ -214,10 +214,8 @@ FINE_SIGMA = 5.0
 
 
 def _blurred(values: np.ndarray, sigma: float) -> np.ndarray:
-    """Gaussian blur of an array (h, w) of a standard deviation in samples.
-
-    Where that is many samples, means over squares of samples are blurred, and interpolated.
-    """
+    """Gaussian blur of an array (h, w) of a standard deviation in samples. Where that is many samples, means over
+    squares of samples are blurred, and interpolated."""
     side = int(sigma / FINE_SIGMA)
     if side < 2:
         return ndimage.gaussian_filter(values, sigma, truncate=2.5)

@@ -347,10 +347,8 @@ class DimensionVerifier:
         return None
 
     def _level(self, point: Point, along: Point) -> float:
-        """Coordinate of the end of a bore about the point, or of a plane normal to `along` at the point.
-
-        Otherwise of the middle between the outermost such planes, if the point lies there.
-        """
+        """Coordinate of the end of a bore about the point, or of a plane normal to `along` at the point. Otherwise of
+        the middle between the outermost such planes, if the point lies there."""
         at = dot(point, along)
         mouths = (self.slanting_mouth(surface, point) for surface in self._of("CYLINDER", along))
         levels = [dot(mouth, along) for mouth in mouths if mouth] + [

@@ -282,11 +282,9 @@ def _first_row(
 def _labels(
     header: Row, rows: Sequence[Row], columns: Sequence[Kind], blanks: bool, name: str
 ) -> tuple[list[str], str]:
-    """A label for each column, and a remark where the header has another number of cells than the rows.
-
-    Cells beyond the header that hold no numbers are left out. With numbers beyond it, which of its names belongs to
-    which column is not known.
-    """
+    """A label for each column, and a remark where the header has another number of cells than the rows. Cells beyond
+    the header that hold no numbers are left out. With numbers beyond it, which of its names belongs to which column is
+    not known."""
     width, labels = len(columns), header[1]
     if not header[0]:
         return [f"column {k + 1}" for k in range(width)], ""

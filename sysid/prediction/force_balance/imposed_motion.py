@@ -209,13 +209,11 @@ def _filtered_axis(axis: Axis, width: float, std: float, spectrum: NoiseSpectrum
 
 
 def _sign_at_rows(position: np.ndarray, stretch: float, time: np.ndarray) -> np.ndarray:
-    """Sign (n,) of the velocity at the times (n,) of a position (n,) without notable noise; zero at rest.
-
-    It is that of the parabola through the row and its neighbours, the velocity under a constant acceleration. The
-    difference to the row before is a mean over the step: after a turning point between the two rows its sign is late
-    half of the time. A row that differs from the one before by `stretch` at most is at rest, also if the next one
-    moves; so is a turning point at a row, where the slope is rounding.
-    """
+    """Sign (n,) of the velocity at the times (n,) of a position (n,) without notable noise; zero at rest. It is that of
+    the parabola through the row and its neighbours, the velocity under a constant acceleration. The difference to the
+    row before is a mean over the step: after a turning point between the two rows its sign is late half of the time. A
+    row that differs from the one before by `stretch` at most is at rest, also if the next one moves; so is a turning
+    point at a row, where the slope is rounding."""
     moved = np.abs(np.diff(position, prepend=position[0])) > stretch
     slope = np.gradient(position, time)
     certain = np.abs(slope) * np.gradient(time) > stretch
