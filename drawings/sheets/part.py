@@ -27,7 +27,7 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq
-    from OCP.TopoDS import TopoDS_Shape
+    from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
 
     from stagecad.solids.export.tessellation import Mesh
 
