@@ -138,7 +138,7 @@ def definition(
             )
         )
     superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)
-    wrong = () if notes.packaged else contradictions(verifier, dimensions, requirements, roughness)
+    wrong = contradictions(verifier, dimensions, requirements, roughness)
     return Definition(tuple(faces), superfluous, tuple(wrong))
 
 

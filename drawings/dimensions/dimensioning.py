@@ -35,15 +35,22 @@ from drawings.dimensions.text import (
     DIAMETER,
     callout,
     dimension_text,
-    frame_text,
-    frames_of_features,
+    lines_of_features,
     number,
+    roughness_text,
     tolerance_text,
     wrapped_lines,
 )
 from drawings.views.segment_index import enlarged, lines_of
 from drawings.views.view import Point2, Segment, View, degrees_of, dot
-from stagecad.parameters.dimension import DatumFeature, Dimension, FaceRequirement, GeometricTolerance, SurfaceTexture
+from stagecad.parameters.dimension import (
+    DatumFeature,
+    Dimension,
+    FaceRequirement,
+    GeometricTolerance,
+    SurfaceTexture,
+    feature_of,
+)
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 
@@ -126,7 +133,7 @@ def sheet_dimensions(
     """Specifications of all declarations, each in the view that shows it best."""
     builder = _Builder(design, gauge, views)
     builder.stated = stated
-    builder.frames = frames_of_features(requirements)
+    builder.lines = lines_of_features(requirements)
     done: set[str] = set()
     for dimension in dimensions:
         if dimension.name not in done:
@@ -134,7 +141,7 @@ def sheet_dimensions(
             done.update(d.name for d in group)
             builder.add(group)
     for requirement in requirements:
-        if not (isinstance(requirement, GeometricTolerance) and requirement.feature):
+        if not feature_of(requirement):
             builder.require(requirement)
     return SheetDimensions(
         tuple(builder.specs), tuple(builder.notes), tuple(builder.missing), builder.table(), tuple(builder.elsewhere)
@@ -151,7 +158,7 @@ class _Builder:
         self.missing: list[str] = []
         self.elsewhere: list[str] = []
         self.stated = False
-        self.frames: dict[str, list[GeometricTolerance]] = {}
+        self.lines: dict[str, list[str]] = {}
         self._table_view: View | None = None
         self._groups: list[HoleGroup] = []
         self._tabulated: list[str] = []
@@ -252,12 +259,8 @@ class _Builder:
         return HoleTable(self._table_view.name, tuple(self._groups), tuple(self._tabulated))
 
     def _callout_lines(self, group: list[Dimension]) -> tuple[str, ...]:
-        """Lines of the callout of a feature, with the control frames of its tolerances."""
-        frames = self.frames.get(group[0].feature, []) if group[0].feature else []
-        return (
-            *callout(group, [self._plus_minus(d) for d in group]),
-            *(frame_text(f.characteristic, tolerance_text(f), f.datums) for f in frames),
-        )
+        """Lines of the callout of a feature, with its control frames and roughness."""
+        return (*callout(group, [self._plus_minus(d) for d in group]), *self.lines.get(group[0].feature, ()))
 
     def _single(self, view: View, dimension: Dimension) -> DimensionSpec:
         match dimension.kind:
@@ -435,7 +438,7 @@ class _Builder:
                     at=at,
                 )
             case SurfaceTexture():
-                lines = (f"{{surface}}Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
+                lines = (roughness_text(requirement),)
                 places = places_of_texture(view, requirement, line, self.gauge)
                 return CalloutSpec(
                     view.name, places[0], 0.0, lines, (f"texture {requirement.name}",), places[1:], outward

@@ -2,9 +2,17 @@
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
-from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance
+from stagecad.parameters.dimension import (
+    DatumFeature,
+    Dimension,
+    FaceRequirement,
+    GeometricTolerance,
+    SurfaceTexture,
+    feature_of,
+)
 
 DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
 """Number of decimals of each tolerance class: a 12 has a wider tolerance than a 12.0."""
@@ -171,10 +179,26 @@ def tolerance_text(tolerance: GeometricTolerance) -> str:
     return f"{DIAMETER if cylindrical else ''}{tolerance.value:g}{' CZ' if tolerance.combined else ''}"
 
 
-def frames_of_features(requirements: Sequence[FaceRequirement]) -> dict[str, list[GeometricTolerance]]:
-    """Tolerances by the name of the holes whose callout has their control frames."""
-    found: dict[str, list[GeometricTolerance]] = {}
-    for requirement in requirements:
-        if isinstance(requirement, GeometricTolerance) and requirement.feature:
-            found.setdefault(requirement.feature, []).append(requirement)
+def lines_of_features(requirements: Sequence[FaceRequirement]) -> dict[str, list[str]]:
+    """Control frames and roughness by the name of the holes in whose callout they are."""
+    found: dict[str, list[str]] = {}
+    for one in requirements:
+        if isinstance(one, GeometricTolerance) and feature_of(one):
+            found.setdefault(one.feature, []).append(frame_text(one.characteristic, tolerance_text(one), one.datums))
+        elif isinstance(one, SurfaceTexture) and feature_of(one):
+            found.setdefault(one.feature, []).append(roughness_text(one))
     return found
+
+
+def roughness_text(texture: SurfaceTexture) -> str:
+    """`Ra 0.8 reamed` with the symbol of ISO 21920."""
+    return f"{{surface}}Ra {number(texture.roughness, None, 0.0)} {texture.process}".strip()
+
+
+def general_tolerance(design: Any, requirements: Iterable[FaceRequirement]) -> GeometricTolerance:
+    """The profile of all faces without a tolerance of their own, in the first three datums of a part (ISO 22081)."""
+    letters = sorted(r.letter for r in requirements if isinstance(r, DatumFeature))[:3]
+    width, key = 2 * design.drawing.tolerance_x_x, "drawing.tolerance_x_x"
+    return GeometricTolerance(
+        "general tolerance", "profile", width, key, (), (0.0, 0.0, 1.0), "any", datums=tuple(letters)
+    )

@@ -17,7 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from drawings.dimensions.text import AXIAL, dimension_text, number
+from drawings.dimensions.text import AXIAL, dimension_text, general_tolerance, number
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -56,6 +56,7 @@ class PartPmi:
     dimensions: tuple[TolerancedDimension, ...]
     datums: tuple[DatumFeature, ...]
     tolerances: tuple[GeometricTolerance, ...]
+    general: GeometricTolerance  # of all faces without one of their own (ISO 22081)
     texts: dict[str, str]  # of the product, by name
 
 
@@ -91,6 +92,7 @@ def pmi_of_declarations(
         tuple(tolerated),
         tuple(r for r in requirements if isinstance(r, DatumFeature)),
         tuple(r for r in requirements if isinstance(r, GeometricTolerance)),
+        general_tolerance(design, requirements),
         texts,
     )
 
@@ -297,12 +299,21 @@ class _Annotated:
             with suppress(LookupError):
                 self._add_dimension(dimension, face_association(verifier, dimension.declaration))
         datums = {datum.letter: faces_at(verifier, datum.points, datum.normal) for datum in pmi.datums}
+        own: list[cq.Face] = []
         for tolerance in pmi.tolerances:
-            self._add_tolerance(tolerance, faces_at(verifier, tolerance.points, tolerance.normal), datums)
-        referred = {letter for tolerance in pmi.tolerances for letter in tolerance.datums}
+            faces = faces_at(verifier, tolerance.points, tolerance.normal)
+            self._add_tolerance(tolerance, faces, datums)
+            own += faces
+        rest = (s.face for s in verifier.surfaces if not any(s.face is face for face in own))
+        self._add_tolerance(pmi.general, tuple(rest), datums)
+        referred = {letter for tolerance in (*pmi.tolerances, pmi.general) for letter in tolerance.datums}
         for letter, faces in datums.items():
             if letter not in referred:
                 self._add_datum(letter, faces, 0)
+        for datum in pmi.datums:
+            for index, (point, face) in enumerate(zip(datum.points, datums[datum.letter], strict=True), start=1):
+                if datum.targets:
+                    self._add_datum(datum.letter, (face,), 0, (index, point, datum.normal))
 
     def _labels(self, shapes: Iterable[cq.Shape]) -> Any:
         from OCP.TDF import TDF_LabelSequence
@@ -379,8 +390,16 @@ class _Annotated:
         for position, letter in enumerate(tolerance.datums, start=1):
             self._tool.SetDatumToGeomTol(self._add_datum(letter, datums[letter], position), label)
 
-    def _add_datum(self, letter: str, faces: tuple[cq.Face, ...], position: int) -> Any:
-        from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DatumObject
+    def _add_datum(
+        self,
+        letter: str,
+        faces: tuple[cq.Face, ...],
+        position: int,
+        target: tuple[int, Point, Point] | None = None,
+    ) -> Any:
+        """Add a datum, or with number, place and normal a target of one."""
+        from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+        from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DatumObject, XCAFDimTolObjects_DatumTargetType
         from OCP.XCAFDoc import XCAFDoc_Datum
 
         label = self._tool.AddDatum()
@@ -388,6 +407,12 @@ class _Annotated:
         content = XCAFDimTolObjects_DatumObject()
         content.SetName(_ascii(letter))
         content.SetPosition(position)
+        if target:
+            index, point, normal = target
+            content.IsDatumTarget(True)
+            content.SetDatumTargetType(XCAFDimTolObjects_DatumTargetType.XCAFDimTolObjects_DatumTargetType_Point)
+            content.SetDatumTargetNumber(index)
+            content.SetDatumTargetAxis(gp_Ax2(gp_Pnt(*point), gp_Dir(*normal)))
         XCAFDoc_Datum.Set_s(label).SetObject(content)
         return label
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
+from drawings.dimensions.text import general_tolerance
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper, TitleBlock, revision_box, title_box
@@ -22,7 +23,7 @@ from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
-from stagecad.parameters.dimension import DatumFeature, Dimension, FaceRequirement, GeometricTolerance, Point
+from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
@@ -271,11 +272,7 @@ def _sheet(
     requirements = [
         r
         for r in part.requirements
-        if (
-            r.feature in features
-            if isinstance(r, GeometricTolerance) and r.feature
-            else sheet_of_requirement(plans, r) is plan
-        )
+        if (feature_of(r) in features if feature_of(r) else sheet_of_requirement(plans, r) is plan)
     ]
     shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=part.chosen)
     if shown.missing:
@@ -388,6 +385,7 @@ def _note_lines(part: PartDescription, numbered: Sequence[str]) -> tuple[str, ..
 def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
     drawing = design.drawing
     words = part.title
+    general = general_tolerance(design, part.requirements)
     edges = "no sharp edges; chamfers as drawn" if part.brittle else drawing.edges
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,
@@ -403,18 +401,12 @@ def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, cou
         kind="Proposal, to be checked" if part.proposed else "Part drawing",
         finish=f"Ra {1e6 * drawing.roughness:g}",
         tolerances=tolerances_of(design),
-        geometry=_general_tolerance(part, design) if part.chosen else "",
+        geometry=f"ISO 22081 profile {general.value:g} {' '.join(general.datums)}".strip(),
         edges=edges,
         treatment=part.treatment,
         **issue_of(design),
         revisions=revisions_of(design, part.reads),
     )
-
-
-def _general_tolerance(part: PartDescription, design: Any) -> str:
-    """General geometrical tolerance of a sheet (ISO 22081), for all faces without a control frame."""
-    letters = sorted(r.letter for r in part.requirements if isinstance(r, DatumFeature))[:3]
-    return f"ISO 22081 profile {2 * design.drawing.tolerance_x_x:g} {' '.join(letters)}".strip()
 
 
 def issue_of(design: Any) -> dict[str, str]:

@@ -93,6 +93,8 @@ def standard_part(name: str, text: str) -> StandardPart:
     match = _WRITTEN.fullmatch(text.strip())
     standard, size, length = match.groups() if match else (None, "", None)
     standard, table = standard or BEARING, _table()
+    # A washer is named by the thread, too.
+    size = size.removeprefix("M") if standard == WASHER else size
     sizes = [known for of, known in table if of == standard]
     if not sizes:
         raise InputError(f"no standard part '{text}'{nearest(standard, list(WORDS))}; write it like ISO 4762 M6x20")

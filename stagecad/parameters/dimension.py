@@ -183,6 +183,7 @@ class SurfaceTexture:
     normal: Point
     view: View
     process: str = ""  # how it is finished (`lapped`); empty where the maker may choose
+    feature: str = ""  # name of the holes whose callout has it; empty for a mark on the face
 
     def __post_init__(self) -> None:
         if self.view not in VIEWS or not 0.0 < self.roughness < math.inf:
@@ -190,3 +191,8 @@ class SurfaceTexture:
 
 
 FaceRequirement = DatumFeature | GeometricTolerance | SurfaceTexture
+
+
+def feature_of(requirement: FaceRequirement) -> str:
+    """Name of the holes in whose callout a requirement is; empty for one on a face."""
+    return "" if isinstance(requirement, DatumFeature) else requirement.feature

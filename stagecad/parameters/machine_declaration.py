@@ -125,6 +125,8 @@ def parameter_entries(
         whole = isinstance(value, int) and not isinstance(value, bool)
         if not (isinstance(key, str) and key.isidentifier() and key.islower() and (whole or isinstance(value, str))):
             raise InputError(f"{place}: write a name and a length, like 'width': '40.0 mm'")
+        if isinstance(value, str) and value.strip().isdigit():
+            raise InputError(f"{place}: '{value}' has no unit; write '{value.strip()} mm', or a count without quotes")
         entry = written_entry(place, written) if isinstance(written, dict) else FileEntry(written, place)
         if isinstance(value, str):
             entry = replace(entry, value=_named(value, table, found))

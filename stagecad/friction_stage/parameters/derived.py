@@ -247,3 +247,8 @@ BOTTOMING_TAP = 1.5
 def full_clamp_thread(design: Design) -> float:
     """Length of full thread in the lug of a clamp, whose hole is as deep as its thread, mm."""
     return design.base.clamp_thread_depth - BOTTOMING_TAP * design.threads.unc_3_8_pitch
+
+
+def full_set_screw_thread(design: Design) -> float:
+    """Distance from the actuator's axis from which on the thread of the set screw is full, mm."""
+    return design.base.set_screw_thread_end + BOTTOMING_TAP * design.threads.unc_1_pitch

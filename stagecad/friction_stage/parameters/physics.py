@@ -286,6 +286,7 @@ class Drawing:
     roughness: float = number("Ra of faces without a mark of their own", "m")
     hole_position: float = mm("diameter of the position tolerance of screw holes", default="0.2 mm")
     function_position: float = mm("diameter of the position tolerance of bores and pins", default="0.05 mm")
+    fit_roughness: float = number("Ra of bores and shanks with a class of ISO 286", "m", default="0.8 um")
     wedge_angularity: float = mm("width of the angularity tolerance of the height wedges", default="0.005 mm")
     company: str = text("in the title block", default="-")
     revision: str = text("letter or number in the title block", default="A")

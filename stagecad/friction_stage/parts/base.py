@@ -28,7 +28,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stagecad.friction_stage.parameters.derived import Derived, Place, corners, full_clamp_thread
+from stagecad.friction_stage.parameters.derived import Derived, Place, corners, full_clamp_thread, full_set_screw_thread
 from stagecad.friction_stage.parts.base_clamp import Clamp, clamp_cutters, clamp_datums, clamps
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
@@ -139,9 +139,8 @@ def _height_bores(d: DimensionDeclarations, design: Design) -> None:
     feature = "set screw thread"
     named = {"note": "1-8 UNC", "major": design.thread("unc_1").major, "feature": feature}
     d.add("tap_drill", feature, "threads.unc_1_tap_drill", thread, X, **named)
-    d.remark(
-        "set screw thread ends", ("base.set_screw_thread_start",), thread[1], "over the length shown", feature=feature
-    )
+    text = f"over the length shown, full from {full_set_screw_thread(design):.1f} by a bottoming tap"
+    d.remark("set screw thread ends", ("base.set_screw_thread_start",), thread[1], text, feature=feature)
     d.linear("set screw thread start", "set_screw_thread_start", axis, (start, 0, deep), X)
     d.linear("set screw thread end", "set_screw_thread_end", axis, (end, 0, deep), X)
     d.diameter("set screw access", "set_screw_access", ((start + out) / 2, 0, deep), X, on=Z)
@@ -459,6 +458,9 @@ def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     f.datum("D", (guide,), X, "section", round=True)
     straight = ("straightness", "bore of height pin 1", "drawing.tolerance_x_xx", (guide,), X, "section")
     f.tolerance(*straight, round=True)
+    deep = (-base.pocket_depth - base.pin_1_axis_depth) / 2 + base.pin_1_bore / 4
+    upright = ((base.pin_2_bore / 2, 0.0, deep),)
+    f.texture("bore of height pin 2", "drawing.fit_roughness", upright, X, "section", "reamed")
     f.texture("bore of height pin 1", "bearing.way_roughness", (wall,), Z, "section", "reamed")
     f.tolerance(
         "coaxiality",
@@ -493,3 +495,5 @@ def _hole_positions(f: FaceRequirements, design: Design) -> None:
         key = "drawing.function_position" if name.startswith("setting") else "drawing.hole_position"
         points = tuple((x, y, -depth / 2) for x, y in places)
         f.tolerance("position", name, key, points, Z, "top", datums=("A", "B", "C"), round=True, feature=name)
+    wall = tuple((x - base.setting_pin_hole / 2, y, -base.setting_pin_depth / 2) for x, y in pins)
+    f.texture("setting-pin hole", "drawing.fit_roughness", wall, X, "top", feature="setting-pin hole")

@@ -127,5 +127,7 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     f.datum("A", (back,), Z, "right", round=True)
     f.tolerance("angularity", "wedge face to shank", "drawing.wedge_angularity", *face, datums=("A",))
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
+    side = (-design.height_pin_1.diameter / 2, 0.0, back[2])
+    f.texture("shank", "drawing.fit_roughness", (side,), (-1.0, 0.0, 0.0), "front")
     f.texture("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
     return tuple(f)

@@ -106,5 +106,7 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     f.datum("A", (middle,), Z, "front", round=True)
     f.tolerance("angularity", "lower end to shank", "drawing.wedge_angularity", *face, datums=("A",))
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
+    side = (-design.height_pin_2.diameter / 2, 0.0, middle[2])
+    f.texture("shank", "drawing.fit_roughness", (side,), (-1.0, 0.0, 0.0), "front")
     f.texture("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
     return tuple(f)

@@ -15,8 +15,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
-from stagecad.parameters.dimension import Datum, Dimension
-from stagecad.solids.modelling.dimensioning import DimensionDeclarations, X, Y, Z, named
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
@@ -91,3 +91,14 @@ def dimensions(design: Design) -> tuple[Dimension, ...]:
     plan.linear("optics spacing", "interferometer.screw_spacing", first, last)
     plan.linear("optics from stop bar", "optics", (0, half - 1, level), first, X)
     return tuple(d)
+
+
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
+    """The seat of the interferometer square to the face on the stop bar, so that its beam is along the travel."""
+    f, bracket = FaceRequirements(design), design.sensor_bracket
+    end, half = bracket.length, bracket.width / 2
+    arm = ((end - 1, half - 1, -bracket.drop),)
+    f.datum("A", ((0.0, half - 1, 0.0),), (-1.0, 0.0, 0.0), "top")
+    f.datum("B", ((end - 1, half, -bracket.drop - bracket.thickness / 2),), Y, "top")
+    f.tolerance("perpendicularity", "arm", "drawing.function_position", arm, Z, "front", datums=("A",))
+    return tuple(f)

@@ -16,8 +16,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import Derived
-from stagecad.parameters.dimension import Datum, Dimension
-from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, X, Y, Z, named
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
@@ -102,3 +102,13 @@ def dimensions(design: Design) -> tuple[Dimension, ...]:
     right.linear("sensor spacing", "sensor_spacing", (out, -spread, level), mouth)
     right.linear("sensor holes to top", "sensor_depth", mouth, (out / 2, side, bar.height), Z)
     return tuple(d)
+
+
+def requirements(design: Design) -> tuple[FaceRequirement, ...]:
+    """Datums of the general geometrical tolerance: the seat, the back and an end."""
+    f, bar = FaceRequirements(design), design.stop_bar
+    out, end = bar.overhang, bar.length / 2
+    f.datum("A", ((out - 1, end - 2, 0.0),), DOWN, "front")
+    f.datum("B", ((out, end - 2, bar.height / 2),), X, "top")
+    f.datum("C", ((out - 1, end, bar.height / 2),), Y, "top")
+    return tuple(f)

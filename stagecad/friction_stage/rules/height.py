@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.parameters.derived import full_set_screw_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.rules import ROUNDING, given, length, rule
 
@@ -108,11 +109,12 @@ def height_screw(d: Design) -> Iterator[str]:
     if base.set_screw_access <= screw.diameter:
         yield f"{given(d, 'base.set_screw_access')} does not let {given(d, 'set_screw.diameter')} through"
     low, high = one.length / 2 - one.stroke / 2, one.length / 2 + one.stroke / 2 + screw.length
-    if base.set_screw_thread_end > low + ROUNDING or base.set_screw_thread_start < high - ROUNDING:
+    full = full_set_screw_thread(d)
+    if full > low + ROUNDING or base.set_screw_thread_start < high - ROUNDING:
         yield (
             f"the set screw leaves its thread: over {given(d, 'height_pin_1.stroke')} it runs from {length(low)} to "
-            f"{length(high)} off the actuator's axis, but the thread goes from "
-            f"{given(d, 'base.set_screw_thread_end')} to {given(d, 'base.set_screw_thread_start')}"
+            f"{length(high)} off the actuator's axis, but the thread is full from {length(full)}, 1.5 pitches after "
+            f"{given(d, 'base.set_screw_thread_end')}, to {given(d, 'base.set_screw_thread_start')}"
         )
     if spring.outer_diameter >= base.pin_1_bore:
         yield f"{given(d, 'spring.outer_diameter')} does not go into {given(d, 'base.pin_1_bore')}"

@@ -204,11 +204,11 @@ class FaceRequirements:
         self._all.append(GeometricTolerance(name, characteristic, value, key, points, normal, view, **more))
 
     def texture(
-        self, name: str, key: str, points: tuple[Point, ...], normal: Point, view: View, process: str = ""
+        self, name: str, key: str, points: tuple[Point, ...], normal: Point, view: View, process: str = "", **more: str
     ) -> None:
-        """Mean roughness Ra of the value of `key`."""
+        """Mean roughness Ra of the value of `key`; with `feature` in the callout of its holes."""
         value = round(self._design.si(key) * 1e6, 9)
-        self._all.append(SurfaceTexture(name, value, key, points, normal, view, process))
+        self._all.append(SurfaceTexture(name, value, key, points, normal, view, process, **more))
 
 
 def named(*datums: Datum) -> dict[str, Datum]:

@@ -7,8 +7,9 @@ import cadquery as cq
 import pytest
 
 from drawings.dimensions.consistency import contradictions, mistakes, unsuited
+from drawings.dimensions.text import lines_of_features
 from stagecad.friction_stage.construction import part_definition
-from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance
+from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.part import notes_of, treatment_of
@@ -73,6 +74,15 @@ def test_what_cannot_be_drawn_is_named(dimensions, requirements, text: str, veri
 def test_contradictions_are_named(dimensions: list[Dimension], text: str, verifier: DimensionVerifier) -> None:
     found = [*mistakes(dimensions, (), verifier), *contradictions(verifier, dimensions, (), 0.8)]
     assert found == ([text] if text else [])
+
+
+def test_the_roughness_of_a_bore_is_in_its_callout_and_counts_for_its_fit(verifier: DimensionVerifier) -> None:
+    fit = replace(OPEN, tolerance="H7", deviations=(0.0, 0.012), feature="open")
+    smooth = SurfaceTexture("open", 0.8, "part.ra", ((22.5, -10, 10),), X, "top", feature="open")
+    assert len([*contradictions(verifier, [fit], (), 3.2)]) == 1 and not [
+        *contradictions(verifier, [fit], [smooth], 3.2)
+    ]
+    assert lines_of_features([smooth, BASE]) == {"open": ["{surface}Ra 0.8"]}
 
 
 def test_threads_and_coatings_follow_the_material() -> None:

@@ -112,8 +112,9 @@ def of_part(name: str) -> tuple[DimensionVerifier, tuple[Dimension, ...]]:
 @pytest.mark.parametrize("name", MADE)
 def test_the_parts_of_the_thesis_are_defined_completely(name: str) -> None:
     verifier, dimensions = of_part(name)
-    notes = notes_on_shape(part_definition(name), thesis())
-    assert definition(verifier, dimensions, (), notes).problems == ()
+    module = part_definition(name)
+    requirements = getattr(module, "requirements", lambda design: ())(thesis())
+    assert definition(verifier, dimensions, requirements, notes_on_shape(module, thesis())).problems == ()
 
 
 @pytest.mark.parametrize(

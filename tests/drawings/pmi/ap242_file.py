@@ -66,6 +66,8 @@ class Ap242File:
     dimensions: tuple[ReadDimension, ...]
     tolerances: tuple[ReadTolerance, ...]
     datums: dict[str, tuple[cq.Shape, ...]]
+    targets: dict[str, tuple[float, float, float]]
+    """places of datum targets by letter and number"""
     texts: dict[str, str]
 
 
@@ -84,6 +86,7 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
     (root,) = _each(free)
     material = _labels(XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).GetMaterialLabels)
     (of,) = [attribute for label in material for attribute in _attributes(label, XCAFDoc_Material)]
+    datums = _labels(tool.GetDatumLabels)
     return Ap242File(
         _attributes(root, TDataStd_Name)[0].Get().ToExtString(),
         cq.Shape.cast(XCAFDoc_ShapeTool.GetShape_s(root)),
@@ -91,7 +94,13 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
         of.GetDensity(),
         tuple(_dimension(label) for label in _labels(tool.GetDimensionLabels)),
         tuple(_tolerance(label) for label in _labels(tool.GetGeomToleranceLabels)),
-        {_letter(label): _shapes(label)[0] for label in _labels(tool.GetDatumLabels)},
+        {_letter(label): _shapes(label)[0] for label in datums if not _datum(label).IsDatumTarget()},
+        {
+            f"{_letter(label)}{_datum(label).GetDatumTargetNumber()}": (at.X(), at.Y(), at.Z())
+            for label in datums
+            if _datum(label).IsDatumTarget()
+            for at in [_datum(label).GetDatumTargetAxis().Location()]
+        },
         _texts(root, names),
     )
 
@@ -140,9 +149,13 @@ def _tolerance(label: Any) -> ReadTolerance:
     return ReadTolerance(kind, content.GetValue(), letters, combined, cylinder, _shapes(label)[0])
 
 
-def _letter(label: Any) -> str:
+def _datum(label: Any) -> Any:
     (attribute,) = _attributes(label, XCAFDoc_Datum)
-    return attribute.GetObject().GetName().ToCString()
+    return attribute.GetObject()
+
+
+def _letter(label: Any) -> str:
+    return _datum(label).GetName().ToCString()
 
 
 def _texts(root: Any, names: Iterable[str]) -> dict[str, str]:

@@ -62,8 +62,12 @@ def named(part: str) -> Counter[str]:
 def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
     module = part_definition(part)
     required = getattr(module, "requirements", lambda _: ())(thesis())
-    textures = [f"texture {r.name}" for r in required if isinstance(r, SurfaceTexture)]
-    assert named(part) == Counter([*(d.name for d in module.dimensions(thesis())), *textures])
+    textures = [r for r in required if isinstance(r, SurfaceTexture)]
+    marks = [f"texture {r.name}" for r in textures if not r.feature]
+    assert named(part) == Counter([*(d.name for d in module.dimensions(thesis())), *marks])
+    callouts = [line for sheet in sheets(part) for a in sheet.annotations if isinstance(a, Callout) for line in a.lines]
+    texts = [*callouts, *(item.text for sheet in sheets(part) for item in sheet.tables if isinstance(item, Text))]
+    assert all(any(f"Ra {r.roughness:g}" in text for text in texts) for r in textures if r.feature)
 
 
 @pytest.mark.parametrize("part", MADE)
