@@ -28,7 +28,7 @@ from stagecad.parameters.input_file import read_input
 from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, systematic_errors
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
-from sysid.estimation.misfit import ResidualWeights, weighted_residual
+from sysid.estimation.misfit import ResidualWeights, blocks, weighted_residual
 from sysid.estimation.reference_fit import along_observer
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.questions import Prior, Unknown
@@ -124,7 +124,7 @@ def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
     """Values of one draw, in the order of the unknowns; None if its fit did not converge."""
     ready = _prepared(refit)
     random = np.random.default_rng(seed)
-    numbers = _blocks(ready.records, refit.weights, float(random.uniform()))
+    numbers = blocks(ready.records, refit.weights, BLOCKS_PER_RECORD, float(random.uniform()))
     signs = random.choice((-1.0, 1.0), int(numbers.max()) + 1)[numbers]
     shift = signs * _leverage_corrected(ready.residual, ready.basis, numbers) - ready.residual
     for change in ready.changes:
@@ -137,16 +137,6 @@ def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
         lambda point: _residual(refit, ready.model, ready.records, point) + shift, unknowns, iterations=ITERATIONS
     )
     return tuple(result.values[u.key] for u in unknowns) if result.converged else None
-
-
-def _blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, offset: float) -> np.ndarray:
-    """Number (n,) of each sample's block of time, the same for all channels of a record; `offset` in blocks."""
-    parts, start = [], 0
-    for record, samples in zip(records, weights.samples, strict=True):
-        for pick in samples.values():
-            parts.append(start + (pick * BLOCKS_PER_RECORD / record.size + offset).astype(int))
-        start += BLOCKS_PER_RECORD + 1
-    return np.concatenate(parts)
 
 
 def _leverage_corrected(residual: np.ndarray, basis: np.ndarray, numbers: np.ndarray) -> np.ndarray:

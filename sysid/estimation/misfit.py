@@ -274,11 +274,14 @@ def weighted_residual(
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, per_record: int = 24) -> np.ndarray:
-    """Number (n,) of the block of time of each scored sample, the same for all channels of a record."""
+def blocks(
+    records: Sequence[PreparedRecord], weights: ResidualWeights, per_record: int = 24, offset: float = 0.0
+) -> np.ndarray:
+    """Number (n,) of the block of time of each scored sample, the same for all channels of a record; `offset`, at least
+    0 and below 1, of the edges of the blocks, in blocks."""
     parts, start = [], 0
     for record, samples in zip(records, weights.samples, strict=True):
         for pick in samples.values():
-            parts.append(start + (pick * per_record) // record.size)
-        start += per_record
+            parts.append(start + (pick * per_record / record.size + offset).astype(int))
+        start += per_record + (offset > 0.0)
     return np.concatenate(parts) if parts else np.empty(0, dtype=int)
