@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14974,
-    "designcalc": 10551,
-    "sim": 12570,
-    "sysid": 20327,
+    "designcalc": 10541,
+    "sim": 12564,
+    "sysid": 20308,
     "drawings": 12523,
-    "workbench": 15414,
+    "workbench": 15409,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
