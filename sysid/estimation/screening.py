@@ -377,6 +377,9 @@ class ScreeningFit(ScoredCandidate):
 SHORT = 4
 """Steps of a screening fit."""
 
+SHORT_OF_PROMISE = 4.0
+"""Cost of a short fit over that promised by the score test, twice its error, from which the fit is continued."""
+
 FAR = 5.0
 """Root mean Huber loss on a driven stage above which the score test does not give reliable starting points."""
 STARTS_FROM_AFAR = 3
@@ -404,6 +407,10 @@ def screen_scored(
     steps = STEPS_FROM_AFAR if far else SHORT
     fits = [fit_model(start, records, base.weights, steps, near=base, final_jacobian=False) for start in starts]
     nearest = min(fits, key=lambda fitted: fitted.fit.cost)
+    promised = 1.0 - max((score.predicted_reduction for score in scores), default=0.0)
+    if not nearest.fit.converged and nearest.fit.cost > SHORT_OF_PROMISE * promised * base.fit.cost:
+        # A few steps do not follow a narrow valley of correlated values to its lowest point.
+        nearest = fit_model(nearest.model, records, base.weights, near=nearest, final_jacobian=False)
     if not scores:
         # No gradient at the start: the change of the residual by the fit replaces the directions.
         own = {key: value for key, value in nearest.model.values.items() if key.startswith(f"{effect.name}.")}

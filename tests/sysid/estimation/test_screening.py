@@ -8,15 +8,18 @@ from scipy.interpolate import CubicSpline
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
-from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
 from sysid.estimation.misfit import misfit
 from sysid.estimation.screening import (
+    ScoredCandidate,
     candidate_directions,
     orthonormal,
     pitches,
     profiled_residual,
+    refit_candidate,
     score_test,
     screen_and_refit,
+    screen_scored,
 )
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
@@ -116,6 +119,22 @@ def test_effect_without_amplitude_is_scored_at_finite_size(tmp_path: Path) -> No
     found = screen_and_refit(base, find("sensor_lag"), problem.fit_records, problem.scales, profiled_residual(base))
     assert found is not None
     assert found.fitted.model.values["sensor_lag.time_constant"] == pytest.approx(tau, abs=0.5 * STEP)
+
+
+def test_short_fit_follows_a_narrow_valley_to_its_lowest_point(tmp_path: Path) -> None:
+    """Of a friction force of two levels a quadratic and a cubic part of the scale are nearly a change of its level."""
+    ideal = 6.5 * SIGN + 5.0 * VELOCITY
+    ratio = ideal / np.max(np.abs(ideal))
+    force = ideal - 0.4 * ratio**2
+    problem = slide(tmp_path, force, '"coulomb", "viscous"')
+    base = fitted(problem)
+    basis, target = profiled_residual(base)
+    effect, records = find("sensor_nonlinearity"), problem.fit_records
+    scores = score_test(effect, candidate_directions(base, effect, records, problem.scales), basis, target)
+    short = screen_scored(ScoredCandidate(effect, scores), base, records, problem.scales, basis)
+    assert short is not None
+    whole = refit_candidate(base, short, records, problem.scales)
+    assert short.error <= 2.0 * root_mean_huber(whole.fitted.fit.residual)
 
 
 def test_score_of_a_direction_of_the_base_model_is_zero(tmp_path) -> None:
