@@ -20,15 +20,17 @@ CUT_SMOOTHING = 6.0
 
 class NoiseSpectrum(NamedTuple):
     """Spectrum of noise of unit variance: a `white` part of the variance, and a first-order autoregression with this
-    `correlation` of neighbouring samples."""
+    `correlation` of neighbouring samples; or of the mean of each sample and the one before, where `averaged`."""
 
     correlation: float = 0.0
     white: float = 1.0
+    averaged: bool = False
 
     def power(self, angle: np.ndarray) -> np.ndarray:
         """Power density (k,), 1 for white noise; `angle` per sample, rad."""
         c = self.correlation
-        return self.white + (1.0 - self.white) * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(angle) + c**2)
+        power = self.white + (1.0 - self.white) * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(angle) + c**2)
+        return power * np.cos(0.5 * angle) ** 2 if self.averaged else power
 
     def drawn(self, size: int, random: np.random.Generator) -> np.ndarray:
         """Noise (size,) of unit variance with this spectrum."""

@@ -18,6 +18,7 @@ from stagecad.parameters.errors import InputError
 from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import AT_THE_NOISE, lower_of, lowest_bristle_fit
+from sysid.estimation.input_hold import with_sampled_input
 from sysid.estimation.misfit import ResidualWeights, misfit, residual_weights, weighted_residual
 from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.estimation.variant_selection import select_variants
@@ -89,10 +90,27 @@ CLEARLY_LOWER = 0.9
 
 
 def reported_fit(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
-    """Problem and fit whose values are reported: of a driven mass along the motion of a state observer where that is
-    better, with the mass corrected for the noise of the acceleration."""
+    """Problem and fit whose values are reported: of a driven mass with a sampled drive force where the records show
+    it, along the motion of a state observer where that is better, and with the mass corrected for the noise of the
+    acceleration."""
+    problem, base = _fit_with_sampled_input(problem, base)
     problem, base = fit_with_observer(problem, base)
     return problem, _without_attenuation(problem, base)
+
+
+def _fit_with_sampled_input(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
+    """Problem and fit with a drive force that is linear between rows, where the residual shows it and the error does
+    not rise above the noise."""
+    sampled = with_sampled_input(problem, base.fitted)
+    if sampled is None:
+        return problem, base
+    fitted = fit_model(base.fitted.model, sampled.fit_records)
+    before, after = (
+        _over_all_noise(one.model, records)
+        for one, records in ((base.fitted, problem.fit_records), (fitted, sampled.fit_records))
+    )
+    better = after <= max(before, AT_THE_NOISE)
+    return (sampled, reference_fit(sampled, fitted, laws=base.laws)) if better else (problem, base)
 
 
 def _without_attenuation(problem: Problem, base: ReferenceFit) -> ReferenceFit:

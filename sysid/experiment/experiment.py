@@ -257,6 +257,7 @@ class Rig:
     known: Mapping[str, Known]
     rotary: bool
     input_hold: Literal["zero", "linear"] = "zero"
+    states_hold: bool = False
 
     @property
     def declaration(self) -> RigKind:
@@ -363,7 +364,7 @@ def read_experiment(
     return Experiment(
         folder=file.parent,
         path=file,
-        rig=Rig(kind.name, known, rotary, hold),
+        rig=Rig(kind.name, known, rotary, hold, states_hold="input_hold" in rig_table.data),
         effects=effects,
         custom=custom,
         parameters=parameters,

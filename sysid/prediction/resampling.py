@@ -73,9 +73,9 @@ def _between(grid: np.ndarray, time: np.ndarray, values: np.ndarray, smooth: boo
     """Values (k,) at the times `grid` (k,) of a channel known at `time` (n,): along lines, or smooth cubics."""
     if not smooth or time.size < 4:
         return np.interp(grid, time, values)
-    from scipy.interpolate import Akima1DInterpolator
+    from scipy.interpolate import CubicSpline
 
-    return Akima1DInterpolator(time, values)(np.clip(grid, time[0], time[-1]))
+    return CubicSpline(time, values)(np.clip(grid, time[0], time[-1]))
 
 
 def mean_of_held(record: Record, name: str, grid: np.ndarray, step: float) -> np.ndarray:

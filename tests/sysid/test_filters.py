@@ -23,9 +23,10 @@ def test_derivatives_of_a_parabola_are_exact(width: float) -> None:
     assert np.allclose(smooth(x)[inner], (x - 5.0 * variance)[inner], atol=1e-10)
 
 
+@pytest.mark.parametrize("averaged", [False, True])
 @pytest.mark.parametrize("correlation", [0.0, 0.8, 0.98])
 @pytest.mark.parametrize("order", [0, 1, 2])
-def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float) -> None:
+def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float, averaged: bool) -> None:
     rng = np.random.default_rng(3)
     n, step = 200_000, 1e-3
     white = rng.normal(size=n)
@@ -33,9 +34,11 @@ def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float) -
     noise[0] = white[0]
     for i in range(1, n):
         noise[i] = correlation * noise[i - 1] + np.sqrt(1.0 - correlation**2) * white[i]
+    if averaged:
+        noise[1:] = 0.5 * (noise[1:] + noise[:-1])
     smooth = GaussianFilter(4e-3, step, n)
     measured = float(np.std(smooth(noise, order)[1000:-1000]))
-    assert measured == pytest.approx(smooth.noise_gain(order, NoiseSpectrum(correlation, 0.0)), rel=0.03)
+    assert measured == pytest.approx(smooth.noise_gain(order, NoiseSpectrum(correlation, 0.0, averaged)), rel=0.03)
 
 
 def test_noise_gain_of_parts_adds_in_variance() -> None:

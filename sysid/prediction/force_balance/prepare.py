@@ -226,7 +226,7 @@ def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise],
         # The force is held over the step before a row and over that after it: its mean acts at the row.
         force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
         gap = gap | np.concatenate([[False], gap[:-1]])
-        std /= np.sqrt(2.0)
+        spectrum = spectrum._replace(averaged=True)
     return Signal(force, gap, std, spectrum)
 
 

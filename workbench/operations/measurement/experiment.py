@@ -102,7 +102,8 @@ class Rig:
         kind: a name (`velocity-drive`, `spring-pull`, `force-drive`, `actuator-tip`, `friction-drive`, or one of the
             declared kinds such as `motor-current`), or a `RigKind` of the user's own.
         known: quantities as text with a unit, perhaps with a deviation; what is not here is fitted.
-        input_hold: course of the logged input between rows: held (`zero`) or `linear`.
+        input_hold: course of the logged input between rows: held (`zero`) or `linear`; None: held, unless the records
+            show the other.
 
     >>> Rig("force-drive", {"mass": "1.79 +- 0.01 kg"})
     Rig('force-drive', mass='1.79 +- 0.01 kg')
@@ -110,17 +111,18 @@ class Rig:
 
     kind: str | RigKind
     known: Mapping[str, str] = field(default_factory=dict)
-    input_hold: Literal["zero", "linear"] = "zero"
+    input_hold: Literal["zero", "linear"] | None = None
 
     def __repr__(self) -> str:
         known = "".join(f", {name}={value!r}" for name, value in self.known.items())
-        hold = f", input_hold={self.input_hold!r}" if self.input_hold != "zero" else ""
+        hold = f", input_hold={self.input_hold!r}" if self.input_hold is not None else ""
         return f"Rig({self.kind!r}{known}{hold})"
 
     def table(self) -> dict[str, Any]:
         """The table `[rig]` of an `experiment.toml`."""
         kind = self.kind if isinstance(self.kind, str) else self.kind.table()
-        return {"kind": kind, "input_hold": self.input_hold, "known": dict(self.known)}
+        hold = {} if self.input_hold is None else {"input_hold": self.input_hold}
+        return {"kind": kind, **hold, "known": dict(self.known)}
 
 
 @dataclass(frozen=True)
