@@ -21,7 +21,7 @@ from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rig_kinds.declaration import balance_of, declared_rig, find_rig
-from sysid.experiment.rigs import CHANNELS, RIGS, RigKind
+from sysid.experiment.rigs import RIGS, RigKind
 from sysid.experiment.toml_table import TomlTable, check_size, kind_of, quantity, read_toml, shown
 
 ROUNDING = 1e-6
@@ -348,11 +348,15 @@ def read_experiment(
     rotary = _axis(told + axes + known_axes(known_table, kind), name)
     known = read_known(known_table, kind, rotary, design)
     measured = {channel for record in records for channel in record.sources} | kind.balance.keys()
+    stated = kind
     if kind.base:
         balance, known = balance_of(kind, known, rotary, name)
         records, kind = tuple(replace(record, balance=balance) for record in records), RIGS[kind.base]
-    noise = _read_noise(top.table("noise"), kind, rotary)
-    records = tuple(_with_noise(record, table, kind, rotary) for record, table in zip(records, top.tables("record")))
+    noise = _read_noise(top.table("noise"), kind, stated, rotary)
+    records = tuple(
+        replace(record, noise=_read_noise(table.table("noise"), kind, stated, rotary))
+        for record, table in zip(records, top.tables("record"))
+    )
     model = top.table("model")
     model.allow(("effects", "custom", "parameters"))
     if "effects" not in model.data:
@@ -419,16 +423,7 @@ def _axis(axes: list[tuple[str, bool]], name: str) -> bool:
     return bool(axes) and axes[0][1]
 
 
-def _read_noise(table: TomlTable, kind: RigKind, rotary: bool) -> dict[str, float]:
-    noise = {}
-    channels = tuple(channel for channel in kind.channels if channel != "time")
-    table.allow(channels)
-    for key in table.data:
-        declared = CHANNELS[key]
-        unit = declared.si_unit(rotary)
-        noise[key] = quantity(table, key, unit, positive=True)
-    return noise
-
-
-def _with_noise(record: RecordSpec, table: TomlTable, kind: RigKind, rotary: bool) -> RecordSpec:
-    return replace(record, noise=_read_noise(table.table("noise"), kind, rotary))
+def _read_noise(table: TomlTable, kind: RigKind, stated: RigKind, rotary: bool) -> dict[str, float]:
+    """Standard deviation by channel, SI, of the base kind, or of the stated kind itself."""
+    table.allow(channel for channel in (*kind.channels, *stated.own) if channel != "time")
+    return {key: quantity(table, key, stated.declared(key).si_unit(rotary), positive=True) for key in table.data}

@@ -191,8 +191,11 @@ def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, 
     for number, rows in enumerate(parts or [slice(0, time.size)], start=1):
         own = replace(spec, name=spec.name if number == 1 else f"{spec.name}#run{number}")
         part = {channel: array[rows] for channel, array in values.items()}
+        own = replace(own, noise={**(noise or {}), **spec.noise})
+        if spec.balance is not None:
+            own = replace(own, noise=spec.balance.noise(time[rows], part, own.noise))
         begin, part = _cleaned(own, rig, opened, time[rows], part, origin, run_notes := list(notes))
-        records.append(_record(own, rig, rotary, noise or {}, opened, begin, part, run_notes))
+        records.append(_record(own, rig, rotary, opened, begin, part, run_notes))
     return records
 
 
@@ -231,7 +234,6 @@ def _record(
     spec: RecordSpec,
     rig: RigKind,
     rotary: bool,
-    noise: Mapping[str, float],
     opened: RecordFile,
     time: np.ndarray,
     values: dict[str, np.ndarray],
@@ -261,7 +263,7 @@ def _record(
         step=step,
         uniform=uniform,
         continues=spec.continues,
-        noise={**noise, **spec.noise},
+        noise=spec.noise,
         faults=tuple(faults),
     )
 

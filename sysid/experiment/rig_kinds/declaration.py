@@ -251,6 +251,20 @@ class Balance:
             found[channel] = np.broadcast_to(np.asarray(value.si, dtype=float), time.shape).copy()
         return found
 
+    def noise(
+        self, time: np.ndarray, recorded: Mapping[str, np.ndarray], noise: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Standard deviation by channel of the base, SI: the stated one, or the change of a formula by one draw of the
+        `noise` of the kind's own channels."""
+        random, own = np.random.default_rng(0), [name for name in self.kind.own if name in noise and name in recorded]
+        kept = {name: value for name, value in noise.items() if name not in self.kind.own}
+        if not own:
+            return kept
+        drawn = {name: recorded[name] + random.normal(0.0, noise[name], time.size) for name in own}
+        first, second = self.channels(time, recorded), self.channels(time, {**recorded, **drawn})
+        changes = {name: float(np.sqrt(np.nanmean((second[name] - first[name]) ** 2))) for name in self.kind.balance}
+        return {**{name: change for name, change in changes.items() if change > 0.0}, **kept}
+
     def _check(self, channel: str, formula: Formula, dimension: Dimension) -> None:
         base = RIGS[self.kind.base]
         units = (base.declared(channel).si_unit(self.rotary), "N*m" if channel == "normal_load" else "")

@@ -60,6 +60,14 @@ def test_a_motor_with_current_and_gearbox(tmp_path):
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
 
 
+def test_noise_of_a_recorded_channel_is_that_of_the_computed_one(tmp_path):
+    channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
+    noise = '[noise]\nmotor_current = "3 mA"\nposition = "1e-6 rad"\n'
+    record = _load(tmp_path, "motor-current", MOTOR, channels, noise)[1]
+    assert record.noise["drive_force"] == pytest.approx(20.0 * 0.05 * 3e-3, rel=0.1)
+    assert record.noise["position"] == 1e-6 and "motor_current" not in record.noise
+
+
 def test_a_motor_with_voltage_gives_the_friction_without_its_back_emf(tmp_path):
     """u = R i + k_e n v: with the back EMF in it, the viscous coefficient would be n^2 k_t k_e/R = 0.5 more."""
     voltage = 2.0 * CURRENT + 0.05 * 20.0 * V
