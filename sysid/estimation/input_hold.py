@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.score_test import profiled_residual, project_out
+from sysid.estimation.screening import profiled_residual, project_out
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem, build_problem
 

@@ -21,7 +21,7 @@ from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rig_kinds.declaration import balance_of, declared_rig, find_rig
-from sysid.experiment.rigs import RIGS, RigKind
+from sysid.experiment.rigs import CHANNELS, RIGS, RigKind
 from sysid.experiment.toml_table import TomlTable, check_size, kind_of, quantity, read_toml, shown
 
 ROUNDING = 1e-6
