@@ -8,18 +8,14 @@ convolution. (Normal dimensions with their limits at three standard deviations w
 Source: ISO/TR 16015; Bjorke, Computer-Aided Tolerancing, 2nd ed., chapters 3 and 5.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.units import as_json
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,16 @@
 """One design check: a value compared with a limit, with the formula, numbers and inputs behind both."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import wraps
-from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, SupportsFloat, TypeVar
+from typing import Any, Concatenate, Literal, ParamSpec, SupportsFloat, TypeVar
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.mass_properties import Masses, PartMasses
 from stagecad.parameters.units import as_json, format_quantity, unit_dimension
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 _SI = {"mm": "m", "deg": "rad"}
 """SI of the units that geometry is kept in; every other unit of a design is SI already."""

@@ -6,25 +6,21 @@ an interval the fourth-degree polynomials through the numbers of five solids giv
 the body's size, or the interval is halved, down to a solid at every value.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, PartError, require
 from stagecad.parameters.mass_properties import BodyMasses, Masses, MassProperties, PartMasses
 from stagecad.parameters.units import as_json, from_si, parse_quantity, to_si
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
 

@@ -1,22 +1,18 @@
 """Effect of the dimensions' tolerances on the margins."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
 from designcalc.checks.run import changed_masses, run_checks, subject_names, subjects_of
+from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules import violations
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
 

@@ -1,16 +1,10 @@
 """Checks of a machine of the user's own: those of the folder `checks`, which every machine may have, and its chains."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from designcalc.checks.chain import Chain, link_of
 from designcalc.checks.run import Subjects
+from stagecad.parameters.design import Design
 from stagecad.parameters.formula import is_formula, parse_formula
 from stagecad.parameters.machine_declaration import declared_number
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 STEP = 1e-6
 """Change of a dimension for its coefficient in a chain, m (rad)."""

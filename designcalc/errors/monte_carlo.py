@@ -1,18 +1,14 @@
 """Monte Carlo samples of a design's uncertain parameters, and the distribution of a result over them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.units import to_si
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 SIGNIFICANCE = 0.01
 """Probability that the largest of the rank correlations with independent parameters exceeds the limit."""

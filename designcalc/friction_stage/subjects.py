@@ -1,10 +1,7 @@
 """Checks of the friction stage by subject, with the requirements of the thesis that they trace back to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,10 +33,8 @@ from designcalc.friction_stage.physics.loads import attraction
 from designcalc.friction_stage.physics.pads import heaviest_pad
 from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 
 def assembly_values(r: DesignInputs) -> dict[str, float | None]:

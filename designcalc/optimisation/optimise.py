@@ -1,17 +1,16 @@
 """`optimise`: the nearest design without violated rules and failed checks, or the conflicts and what to relax."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from designcalc.checks.check import Check
 from designcalc.optimisation.conflicts import (
     Conflict,
     Relaxation,
@@ -32,9 +31,6 @@ from designcalc.optimisation.search import (
 )
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import as_json
-
-if TYPE_CHECKING:
-    from designcalc.checks.check import Check
 
 CONFLICT_BUDGET = 150
 """Evaluations of each search of a design for a part of the requirements."""

@@ -1,28 +1,24 @@
 """Search for the design nearest to the present one that satisfies rules and checks, over the free parameters."""
 
-from __future__ import annotations
-
 import math
 import time
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks.check import Check
 from designcalc.checks.run import changed_masses, run_checks, subjects_of
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules import remedies, violations
 from stagecad.parameters.units import DIMENSIONLESS, format_quantity, from_si, parse_quantity, to_si, unit_dimension
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import Masses
-    from stagecad.parameters.variations import Variations
+from stagecad.parameters.variations import Variations
 
 Array = NDArray[np.float64]
 

@@ -3,12 +3,10 @@
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +28,7 @@ from drawings.views.section import cut_faces, cut_shape, different_hatches, hatc
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, subtract
-
-if TYPE_CHECKING:
-    from stagecad.solids.modelling.part import Instance
+from stagecad.solids.modelling.part import Instance
 
 EYE_BELOW = Projection(
     FROM_BELOW, (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0), (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6))

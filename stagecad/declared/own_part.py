@@ -5,8 +5,6 @@ itself, as in a parameter file: ``PARAMETERS = {"length": "60 mm", "hole": "6.6 
 the decimals. It may read those of the machine too. The file is Python code: it runs after `--trust`.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Iterable
@@ -15,18 +13,16 @@ from difflib import get_close_matches
 from functools import lru_cache, partial
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.consent import give_consent, require_consent
+from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_named
+from stagecad.parameters.machine import DeclaredPart
 from stagecad.parameters.names import is_identifier
 from stagecad.parameters.own_code import own_code
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.machine import DeclaredPart
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
 TEXT = r"[^\0-\t\v-\x1f\x7f]*"

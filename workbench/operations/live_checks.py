@@ -5,21 +5,17 @@ evaluation. Most take less than a millisecond, a few (resonances of the plate, f
 second: each answer is given within a time limit, and names the checks that are still out of date.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_limit, shown_margin
 from designcalc.checks.run import changed_masses, run_checks, subjects_of
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import Masses
+from stagecad.parameters.design import Design
+from stagecad.parameters.mass_properties import Masses
 
 QUICK = 0.004
 """Checks below this time are evaluated together, s."""

@@ -1,22 +1,17 @@
 """The parameters of a design and their differences: as JSON documents, in SI, and as tables."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.load import diff, load_design
+from stagecad.parameters.file import Entry
+from stagecad.parameters.load import Difference, diff, load_design
+from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import as_json, to_si
 from workbench.operations.result import Line, Table, plain_table
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.file import Entry
-    from stagecad.parameters.load import Difference
-    from stagecad.parameters.schema import Declaration
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?:\+-\s*\S+\s*)?(.*)$")
 

@@ -1,7 +1,5 @@
 """`new`: templates of what a user makes, and the hardware table of a machine."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import io
@@ -13,21 +11,17 @@ from collections.abc import Iterator
 from importlib.metadata import distribution
 from importlib.resources import as_file, files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sim.effects.catalogue import library, valid_name
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.names import identifier
-from stagecad.parameters.project_tables import HARDWARE, NAME, ROW, SOURCE
+from stagecad.parameters.project_tables import HARDWARE, NAME, ROW, SOURCE, Kind
 from stagecad.parameters.units import from_si, to_si
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.project_tables import Kind
-
 
 FOLDER = Path(__file__).parents[1] / "templates"
 

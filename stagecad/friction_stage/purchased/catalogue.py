@@ -1,13 +1,7 @@
 """Numbers and descriptions of purchased parts: those of the catalogue are void where a size is not the catalogue's."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 
 def part_number(design: Design, table: str) -> str:

@@ -1,17 +1,12 @@
 """Rules for the stack of heights under the tip: pins, holder, piezos, tip."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import full_set_screw_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 STACK = (
     "bearing_way.height",

@@ -3,21 +3,16 @@
 Every hole is a cylinder, upright or along the travel; the wall between two holes has a least thickness.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.parameters.derived import corners, full_clamp_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 
 @dataclass(frozen=True)

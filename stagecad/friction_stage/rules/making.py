@@ -1,15 +1,10 @@
 """Rules of manufacture and assembly: reach of cutters and drills, access of hex keys."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 _ON_BOTH_SIDES = (
     ("stage.edge_chamfer", ("stage.thickness",)),

@@ -1,15 +1,10 @@
 """Rules for the sliding parts: pads on the ways, drive surface over the tip, holes of the stage, ways, way screws."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 DRILL_POINT = 1 / math.tan(math.radians(59.0))
 """Height of a twist drill's point over its radius (118 degrees)."""

@@ -1,14 +1,9 @@
 """Rules for end stops, sensor and lead clips: they pass clear of the stage, and fit on the base."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 MM = 1e-3
 CLEAR = 0.5

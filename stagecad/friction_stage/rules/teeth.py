@@ -1,15 +1,10 @@
 """Rules for magnets and teeth: pockets, gap, and overlap over the whole travel."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 
 @rule

@@ -1,14 +1,9 @@
 """Rules between numbers that are no geometry: ranges the right way round, drive within the piezo's voltage."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.rules import given, rule
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 _ORDERED = (
     ("shim.thinnest", "shim.thickest"),

@@ -1,19 +1,14 @@
 """Values of an experiment taken from the design: for `"design"` in its file, and the keys of fitted values."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot
-from typing import TYPE_CHECKING
 
+from designcalc.checks.check import DesignInputs
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue, DesignValues
 from workbench.operations.design import Design
 from workbench.operations.result import remark
-
-if TYPE_CHECKING:
-    from designcalc.checks.check import DesignInputs
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left

@@ -1,20 +1,20 @@
 """Simulations of many designs: over the values of one parameter, and of machines sampled from the uncertain parameters
 (deviations and tolerances)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from designcalc.checks.sweep import Range, read_range
 from designcalc.errors.monte_carlo import Distribution, UncertainParameter, strongest_correlation, uncertain_parameters
 from sim.integration.simulate import SimulationError
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import to_si
 from stagecad.processes import parallel_map
 from workbench.operations.design import Design
@@ -31,10 +31,6 @@ from workbench.operations.simulation.simulate import (
     simulate_selection,
 )
 from workbench.operations.simulation.tables import feature_text, write_table
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import Masses
 
 Point = dict[str, Any] | str
 """Features at one value, or why the design or motion is refused."""
