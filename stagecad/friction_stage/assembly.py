@@ -6,26 +6,22 @@ follows from its wedge: pin 1 is moved along its bore, pin 2 is lowered in its o
 carries holder, piezos and tip.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.mass_properties import BodyMasses, combined
 from stagecad.solids.artefacts.part import BuiltPart, build_parts, part_mass
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Accessory
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.modelling.frame import UNMOVED, Vector, add, dot, mate, scaled, subtract
 from stagecad.solids.modelling.mass import MM, placed
 from stagecad.solids.modelling.part import Instance
-
-if TYPE_CHECKING:
-    from stagecad.friction_stage.design import Design
-    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 EXPLODED = {
     "bearing_way": 60.0,

@@ -22,15 +22,14 @@ and angles may be formulas of parameters. The `PARAMETERS` of a part's file are 
 `base.length`.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
@@ -39,9 +38,6 @@ from stagecad.parameters.machine import DECLARED, DeclaredPart, Machine, Machine
 from stagecad.parameters.names import identifier
 from stagecad.parameters.schema import Declaration, FileEntry
 from stagecad.parameters.units import from_si, parse_any, parse_quantity, to_si, unit_dimension
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
 
 _PART_FIELDS = ("file", "part", "parameters", "description")
 _MATE_FIELDS = ("part", "datum", "on", "offset", "turn")

@@ -5,20 +5,16 @@ design that cannot be built violates a rule; one that can be built but misses a 
 fails a design check. A remedy is a change of one parameter that satisfies a violated rule.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
-
-if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.machine import Machine
+from stagecad.parameters.machine import Machine
 
 ROUNDING = 1e-6
 """Tolerance of comparisons for rounding errors, mm."""

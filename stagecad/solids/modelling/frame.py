@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from stagecad.parameters.dimension import Datum
-
+from stagecad.parameters.dimension import Datum
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
