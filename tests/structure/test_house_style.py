@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14974,
-    "designcalc": 10541,
+    "stagecad": 14914,
+    "designcalc": 10500,
     "sim": 12564,
     "sysid": 20418,
-    "drawings": 12523,
-    "workbench": 15411,
+    "drawings": 12519,
+    "workbench": 15387,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

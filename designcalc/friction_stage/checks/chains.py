@@ -1,7 +1,5 @@
 """Tolerance chains against what the machine can take up: worst case of each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
