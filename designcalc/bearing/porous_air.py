@@ -63,7 +63,7 @@ def feed_for(load: float, diameter: float, supply: float) -> float:
         InputError: a load outside the range of any feed: not between 0 and supply times area.
     """
     most = float(load_of_feed(1e3, diameter, supply))
-    require(0 < load < most, f"air bearing: load: {load:g} N must lie between 0 and {most:.4g} N, supply times area")
+    require(0 < load < most, f"air bearing: load: {load:g} N must be above 0 and below {most:.4g} N, supply times area")
 
     def excess(logarithm: float) -> float:
         return float(load_of_feed(math.exp(logarithm), diameter, supply)) / load - 1

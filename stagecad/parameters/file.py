@@ -255,7 +255,8 @@ def bounds_text(declaration: Declaration, value: float) -> str:
             return "must be finite"
         return f"must be {'at least' if declaration.closed else 'more than'} {low:g}{unit}, and finite"
     why = f": {declaration.why}" if declaration.why else ""
-    return f"must lie between {low:g} and {high:g}{unit}{why}"
+    within = "lie between {:g} and {:g}" if declaration.closed else "be more than {:g} and at most {:g}"
+    return f"must {within.format(low, high)}{unit}{why}"
 
 
 def _count(entry: FileEntry, declaration: Declaration) -> int:

@@ -135,7 +135,8 @@ def with_range(key: str, declaration: Declaration) -> Declaration:
     low, high, why = found
     # Zero stays where the declaration permits it: no coating, no chamfer.
     low = declaration.low if declaration.closed and declaration.low == 0.0 else max(low, declaration.low)
-    return replace(declaration, low=low, high=min(high, declaration.high), why=why)
+    closed = declaration.closed or low > declaration.low
+    return replace(declaration, low=low, high=min(high, declaration.high), closed=closed, why=why)
 
 
 @dataclass

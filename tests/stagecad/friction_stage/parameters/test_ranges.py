@@ -7,6 +7,7 @@ import pytest
 
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.file import bounds_text, in_bounds
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
 from tests.reference.tables import cases
@@ -41,3 +42,15 @@ def test_every_number_has_a_range(design: Design) -> None:
     for key, declared in keys.items():
         if declared.kind == "number" and declared.unit not in EMPTY_UNITS:
             assert math.isfinite(declared.high), key
+
+
+def test_a_bound_is_permitted_where_the_message_says_so(design: Design) -> None:
+    """'between 1 and 100 mm' holds 1 mm; 'more than 0' does not hold zero."""
+    between = 0
+    for key, declared in packaged_machine().schema(tuple(sorted(design.materials))).items():
+        if declared.kind == "number" and math.isfinite(declared.low) and math.isfinite(declared.high):
+            text = bounds_text(declared, 2.0 * declared.high)
+            between += "between" in text
+            assert ("between" in text) == in_bounds(declared.low, declared), key
+            assert in_bounds(declared.high, declared), key
+    assert between > 100
