@@ -285,6 +285,38 @@ def test_an_axis_keeps_its_unit_when_the_letters_change_their_size(browser: Brow
     page.set_viewport_size({"width": 1280, "height": 800})
 
 
+UPRIGHT = """window.upright = []; const fillText = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
+        const { b, d, e, f } = this.getTransform();
+        if (Math.abs(b) > 0.9 * Math.abs(this.getTransform().c) && Math.abs(d) < 1e-6) {
+            const middle = this.getTransform().transformPoint(new DOMPoint(x, y)).y;
+            const half = 0.5 * this.measureText(text).width * Math.abs(b);
+            const cut = Math.min(middle - half, this.canvas.height - middle - half);
+            window.upright.push({ text: String(text), cut });
+        }
+        return fillText.call(this, text, x, y, ...rest); };"""
+"""Labels that are drawn upright, with the distance of their ends from the edge of the canvas, px."""
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (960, 800), (960, 540), (1280, 420)])
+def test_labels_of_plots_are_whole(browser: Browser, size: tuple[int, int]) -> None:
+    page = browser.page
+    page.add_init_script(UPRIGHT)
+    browser.open("simulation")
+    page.reload()
+    page.get_by_label("experiment", exact=True).select_option("presliding")
+    page.locator("#simulation .plot canvas").first.wait_for()
+    until(page, lambda: page.evaluate("window.upright.length") > 0)
+    page.evaluate("window.upright = []")
+    page.set_viewport_size({"width": size[0] - 7, "height": size[1]})
+    page.wait_for_timeout(300)
+    page.evaluate("dispatchEvent(new Event('themechange'))")
+    page.wait_for_timeout(1000)
+    drawn = page.evaluate("window.upright")
+    assert drawn or size[1] < 500
+    assert not [label for label in drawn if label["cut"] < -1.0]
+
+
 def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(browser: Browser) -> None:
     page = browser.page
     browser.open("simulation")

@@ -78,12 +78,12 @@ export class LinePlot {
     this.plot?.destroy();
     this.letters = rem();
     const { width, height } = this.size();
-    this.labelled = this.roomForLabel;
+    this.labelled = this.fittingLabel;
     this.plot = new uPlot({
       width, height, legend: { show: false }, pxAlign: 0,
       padding: [rem() * 0.6, rem() * 0.9, 0, 0],
       scales: { x: { time: false }, y: { range: (_, low, high) => (yRange ? yRange(low, high) : padded(low, high)) } },
-      axes: [axis(x, rem() * 1.9, xFactor), axis(this.labelled ? y : '', rem() * (this.labelled ? 4.2 : 5.7), yFactor, true)],
+      axes: [axis(x, rem() * 1.9, xFactor), axis(this.labelled, rem() * (this.labelled ? 4.2 : 5.7), yFactor, true)],
       series: [{}, ...series.map((s) => ({
         label: s.label, stroke: () => (s.ink.startsWith('#') ? s.ink : colour(s.ink)), width: (s.width ?? 1.3) * thickness(), dash: s.dash, points: { show: false }, spanGaps: false, show: s.show ?? true,
         paths: (u, i, first, last) => (this.dense[i - 1] ? NO_PATH() : LINE(u, i, first, last)),
@@ -152,8 +152,13 @@ export class LinePlot {
     u.ctx.restore();
   }
 
-  /** Whether the label fits beside a plot of this height. */
-  get roomForLabel() { return this.place.clientHeight > 8 * rem(); }
+  /** The label beside a plot of this height; where it is too long, its unit; none where that is. */
+  get fittingLabel() {
+    const pen = document.createElement('canvas').getContext('2d');
+    pen.font = font();
+    const { y } = this.options;
+    return [y, y.match(/\([^()]*\)$/)?.[0] ?? ''].find((text) => pen.measureText(text).width < this.size().height - 2.5 * rem()) ?? '';
+  }
 
   size() { return { width: Math.max(this.place.clientWidth, 80), height: Math.max(this.place.clientHeight, 60) }; }
 
@@ -161,7 +166,7 @@ export class LinePlot {
     const { width, height } = this.size();
     if (width === this.plot.width && height === this.plot.height) return;
     // Another size of letters, or room for the label: axes and labels are made anew.
-    if (this.letters !== rem() || this.labelled !== this.roomForLabel) { this.build(); this.options.onresize?.(); return; }
+    if (this.letters !== rem() || this.labelled !== this.fittingLabel) { this.build(); this.options.onresize?.(); return; }
     this.plot.setSize({ width, height });
     this.options.onresize?.();
   }

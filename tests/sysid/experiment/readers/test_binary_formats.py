@@ -170,3 +170,11 @@ def test_parquet_with_durations_times_of_day_and_decimals(tmp_path):
     duration, of_day, position = (column.values for column in opened.columns([0, 1, 2]))
     np.testing.assert_allclose([duration, of_day], [np.arange(5) * 0.01] * 2, atol=1e-12)
     np.testing.assert_allclose(position, np.arange(5) / 10.0 + 0.05, atol=1e-15)
+
+
+def test_a_long_file_is_not_hashed_for_its_labels(tmp_path, monkeypatch):
+    monkeypatch.setattr("hashlib.file_digest", lambda *_: pytest.fail("the whole file is read"))
+    path = tmp_path / "a.jsonl"
+    for label in ("first", "other"):
+        path.write_text("".join(json.dumps({"t [s]": k, label: k}) + "\n" for k in range(3)))
+        assert open_record_file(path, "a.jsonl").header.labels == ("t [s]", label)
