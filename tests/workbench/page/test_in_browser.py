@@ -307,10 +307,9 @@ def test_labels_of_plots_are_whole(browser: Browser, size: tuple[int, int]) -> N
     page.get_by_label("experiment", exact=True).select_option("presliding")
     page.locator("#simulation .plot canvas").first.wait_for()
     until(page, lambda: page.evaluate("window.upright.length") > 0)
-    page.evaluate("window.upright = []")
     page.set_viewport_size({"width": size[0] - 7, "height": size[1]})
-    page.wait_for_timeout(300)
-    page.evaluate("dispatchEvent(new Event('themechange'))")
+    page.wait_for_timeout(1000)
+    page.evaluate("window.upright = []; dispatchEvent(new Event('themechange'))")
     page.wait_for_timeout(1000)
     drawn = page.evaluate("window.upright")
     assert drawn or size[1] < 500

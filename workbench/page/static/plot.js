@@ -38,6 +38,13 @@ function describe(canvas, text) {
   canvas.setAttribute('aria-label', `plot of ${text}`);
 }
 
+/** A label where there is room for it; where it is too long, its unit; nothing where that is. */
+function fitting(label, room) {
+  const pen = document.createElement('canvas').getContext('2d');
+  pen.font = font();
+  return [label, label.match(/\([^()]*\)$/)?.[0] ?? ''].find((text) => pen.measureText(text).width < room) ?? '';
+}
+
 const LINE = uPlot.paths.linear();
 const NO_PATH = () => ({ stroke: new Path2D(), fill: null, clip: null, band: null, gaps: null, flags: 1 });
 
@@ -152,13 +159,7 @@ export class LinePlot {
     u.ctx.restore();
   }
 
-  /** The label beside a plot of this height; where it is too long, its unit; none where that is. */
-  get fittingLabel() {
-    const pen = document.createElement('canvas').getContext('2d');
-    pen.font = font();
-    const { y } = this.options;
-    return [y, y.match(/\([^()]*\)$/)?.[0] ?? ''].find((text) => pen.measureText(text).width < this.size().height - 2.5 * rem()) ?? '';
-  }
+  get fittingLabel() { return fitting(this.options.y, this.size().height - 2.5 * rem()); }
 
   size() { return { width: Math.max(this.place.clientWidth, 80), height: Math.max(this.place.clientHeight, 60) }; }
 
@@ -184,7 +185,7 @@ export class LinePlot {
   }
 
   /** The label of the ordinate, which stays when the plot is made anew for another size of letters. */
-  label(text) { this.options.y = text; if (this.labelled) this.plot.axes[1].label = text; }
+  label(text) { this.options.y = text; if (this.labelled) this.plot.axes[1].label = this.labelled = this.fittingLabel; }
 
   /** What a file of this plot has: the curves that are shown, with their unit. */
   get drawn() {
@@ -327,7 +328,7 @@ export class XyPlot {
     c.translate(rem() * 0.9, (frame.top + frame.bottom) / 2);
     c.rotate(-Math.PI / 2);
     c.textAlign = 'center';
-    c.fillText(this.y, 0, 0);
+    c.fillText(fitting(this.y, frame.top + frame.bottom), 0, 0);
     c.restore();
   }
 
