@@ -157,7 +157,7 @@ class Terms(NamedTuple):
 
 
 class Jacobian(NamedTuple):
-    """Entries of the Jacobian that are not zero; `arrowhead.py` has the structure."""
+    """Entries of the Jacobian that are not zero; `rodas5p.py` has the structure."""
 
     velocity_by_head: Zeros  # (4,)
     # element_by_self, velocity_by_element: (elements,)
@@ -183,7 +183,7 @@ class Workspace(NamedTuple):
     coupling: Zeros  # sum of the earlier stages' increments in a stage's right-hand side, (size,)
     increments: Zeros  # of the stages, (stages, size)
     dense: Zeros  # coefficients of the dense output, (size, 3)
-    # of the velocity over the friction delay, one step a row (`dense_output.py`); its ends in `ring`, (2,)
+    # of the velocity over the friction delay, one step a row (`rodas5p.py`); its ends in `ring`, (2,)
     history: Zeros
     ring: Zeros
     initial_speed: float  # m/s
