@@ -107,6 +107,12 @@ class BestSoFar:
         changes = [[one.key, one.text(one.start), one.text(self.best.values[one.key])] for one in free]
         return {"rules": rules, "failing": failing, "required": len(self.required), "changes": changes}
 
+    def words(self) -> tuple[str, str]:
+        """How much it violates, and the values that differ."""
+        found = self.to_json()
+        counts = "{rules} rules violated, {failing} of {required} checks failed".format(**found)
+        return counts, ", ".join(f"{key} = {after}" for key, _, after in found["changes"]) or "as it is"
+
 
 @dataclass(frozen=True)
 class Front:

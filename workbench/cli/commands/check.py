@@ -12,15 +12,11 @@ from workbench.figures.plot import save
 from workbench.operations.checks import Checks, chains, checks, ranges_of, sweep, tolerances
 from workbench.report.machine import write_check_files
 
+SWEEP = "Show the margins over a range of a parameter; several parameters form a grid."
+
 
 @click.command("check")
-@click.option(
-    "--sweep",
-    "swept",
-    multiple=True,
-    metavar="KEY=LOW:HIGH[:N]",
-    help="Show the margins over a range of a parameter; several parameters form a grid.",
-)
+@click.option("--sweep", "swept", multiple=True, metavar="KEY=LOW:HIGH[:N]", help=SWEEP)
 @click.option("--chains", is_flag=True, help="Show the tolerance chains, by worst case and statistically.")
 @click.option("--tolerance", is_flag=True, help="Monte-Carlo over the tolerances of the dimensions.")
 @whole_number("--samples", 100, 1_000_000, 10_000, "Number of samples of --tolerance.")

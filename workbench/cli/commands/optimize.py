@@ -13,6 +13,7 @@ from workbench.operations.levels import reached_levels
 from workbench.operations.optimise import BestSoFar, Search, optimised, time_limit
 
 FREE = "Let a parameter change within a range, or among choices KEY=A|B, besides those marked free in the file."
+KEEP = "Require these checks only: a name, a pattern with *, or 'Table 1: speed'."
 LEVELS = "Show instead how far Table 1 can be met: each requirement alone, all together, and the Pareto fronts."
 RELAX = "Write the design that meets all requirements except those that cannot be met."
 TIME = "Time limit of all searches together, such as '5 min' (default: none)."
@@ -20,12 +21,7 @@ TIME = "Time limit of all searches together, such as '5 min' (default: none)."
 
 @click.command("optimize")
 @click.option("--free", multiple=True, metavar="KEY=LOW:HIGH", help=FREE)
-@click.option(
-    "--keep",
-    multiple=True,
-    metavar="CHECK",
-    help="Require these checks only: a name, a pattern with *, or 'Table 1: speed'.",
-)
+@click.option("--keep", multiple=True, metavar="CHECK", help=KEEP)
 @click.option("--write", "target", type=FILE, metavar="FILE.toml", help="Write the design found.")
 @click.option("--relax", is_flag=True, help=RELAX)
 @whole_number("--budget", 20, 100_000, 600, "Largest number of designs in each search.")
@@ -50,16 +46,13 @@ def command(
     wanted = Search(**effort, seconds=time_limit(limit))
     if levels and (target is not None or wanted.keep):
         raise InputError("--levels: --keep and --write are not used with it")
-    told: set[tuple[int, int]] = set()
+    told: set[str] = set()
 
     def better(best: BestSoFar) -> None:
-        found = best.to_json()
-        if (counts := (found["rules"], found["failing"])) not in told:
+        counts, values = best.words()
+        if counts not in told:
             told.add(counts)
-            values = ", ".join(f"{key} = {after}" for key, _, after in found["changes"]) or "as it is"
-            run.note(
-                "best so far: {rules} rules violated, {failing} of {required} checks failed: ".format(**found) + values
-            )
+            run.note(f"best so far: {counts}: {values}")
 
     with run.reporting() as report:
         one = reached_levels if levels else partial(optimised, better=better)
