@@ -1,40 +1,16 @@
-"""The folder that the page works in: its parameter files and experiments, and nothing outside it; its token."""
+"""The folder that the page works in: its parameter files and experiments, and nothing outside it."""
 
 import os
 import re
-import secrets
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
-from stagecad.private import make_private, user_folder
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import named_files, results_key
 from workbench.operations.measurement.new_experiment import record_suffix
-
-SHORTEST_TOKEN = 16
-"""Smallest number of characters."""
-
-
-def page_token(given: str | None) -> str:
-    """The secret that was given, else the one that is kept, so that an open page finds a server started again."""
-    if given is not None:
-        require(len(given) >= SHORTEST_TOKEN, f"--token: at least {SHORTEST_TOKEN} characters are required")
-        return given
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    with suppress(OSError, UnicodeDecodeError):
-        if folder is not None:
-            file = make_private(folder / "workbench") / "token"
-            if not file.exists():
-                atomic_write_text(file, secrets.token_urlsafe(24))
-            if len(token := file.read_text("utf-8")) >= SHORTEST_TOKEN:
-                return token
-    return secrets.token_urlsafe(24)
-
 
 EXPERIMENT = "experiment.toml"
 DEPTH = 3

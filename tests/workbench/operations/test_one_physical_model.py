@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stagecad.solids.assembly.built_machine
-import workbench.operations.measurement.write_back
+import workbench.operations.measurement.design_values
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.report import markdown, shown
 from designcalc.checks.run import run_checks
@@ -113,7 +113,7 @@ def test_the_tip_of_the_checks_is_the_simulated_one():
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch, caplog) -> None:
     run = Run(None, (), Path("build"), None)
     monkeypatch.setattr(
-        workbench.operations.measurement.write_back, "_inputs", lambda design: DesignInputs(design.values)
+        workbench.operations.measurement.design_values, "_inputs", lambda design: DesignInputs(design.values)
     )
     r = DesignInputs(run.design.values)
     expected = contact_stiffness(r, load(r))
