@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12564,
     "sysid": 20419,
     "drawings": 12519,
-    "workbench": 15382,
+    "workbench": 15387,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
