@@ -318,25 +318,28 @@ def _by_numbers(guesses: dict[int, Guess], columns: Mapping[int, np.ndarray]) ->
     time = next((columns[i][:SAMPLE] for i, guess in guesses.items() if guess.meaning == "time"), None)
     if time is None or np.any(np.diff(time) <= 0.0):
         return
-    unknown = [index for index, guess in guesses.items() if guess.meaning in ("", "position")]
-    for one in unknown:
-        for other in unknown:
-            if one != other and not guesses[other].meaning and _is_derivative(columns[one], columns[other], time):
-                why = f"it follows the derivative of column {one + 1}"
-                guesses[other] = guesses[other]._replace(meaning="velocity", why=why)
-                if not guesses[one].meaning:
-                    why = f"column {other + 1} follows its derivative"
-                    guesses[one] = guesses[one]._replace(meaning="position", why=why)
+    kept = {index: columns[index][:SAMPLE] for index, guess in guesses.items() if guess.meaning in ("", "position")}
+    kept = {index: values for index, values in kept.items() if np.isfinite(values).all()}
+    unknown = list(kept)
+    if not unknown or time.size < 3:
+        return
+    table = np.stack([*kept.values()], axis=1)
+    alike = np.abs(_unit_columns(np.gradient(table, time, axis=0)).T @ _unit_columns(table)) > DERIVATIVE
+    for row, column in np.argwhere(alike & ~np.eye(len(unknown), dtype=bool)):
+        one, other = unknown[row], unknown[column]
+        if not guesses[other].meaning:
+            why = f"it follows the derivative of column {one + 1}"
+            guesses[other] = guesses[other]._replace(meaning="velocity", why=why)
+            if not guesses[one].meaning:
+                why = f"column {other + 1} follows its derivative"
+                guesses[one] = guesses[one]._replace(meaning="position", why=why)
 
 
-def _is_derivative(position: np.ndarray, other: np.ndarray, time: np.ndarray) -> bool:
-    position, other = position[:SAMPLE], other[:SAMPLE]
-    if not (np.isfinite(position).all() and np.isfinite(other).all() and np.ptp(position) and np.ptp(other)):
-        return False
-    velocity = np.gradient(position, time)
-    if not np.ptp(velocity):
-        return False
-    return abs(float(np.corrcoef(velocity, other)[0, 1])) > DERIVATIVE
+def _unit_columns(table: np.ndarray) -> np.ndarray:
+    """Columns (n, k) less their means, of length one; zero where a column is constant."""
+    centred = table - table.mean(axis=0)
+    length = np.linalg.norm(centred, axis=0)
+    return centred / np.where(length > 1e-12 * np.abs(table).max(axis=0) * np.sqrt(len(table)), length, np.inf)
 
 
 _FORCES = ("force", "friction_force", "spring_force", "drive_force")

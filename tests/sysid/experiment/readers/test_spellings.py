@@ -3,6 +3,7 @@
 import re
 from datetime import datetime, timedelta
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 import pytest
@@ -311,3 +312,14 @@ def test_a_state_is_no_force(tmp_path: Path) -> None:
     opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];speed [mm/s];torque_enable"), "fit.csv")
     column = propose(opened, read_numbers(opened)).columns[3]
     assert column.channel is None and "a state" in column.reason
+
+
+def test_many_unnamed_columns_end_in_seconds(tmp_path: Path) -> None:
+    """Each column is compared with the derivative of each other one, also where 300 have no name."""
+    waves = np.sin(np.outer(TIME, np.arange(1.0, 301.0)))
+    waves[:, 1] = np.gradient(waves[:, 0], TIME)
+    rows = [";".join([f"{t:.2f}", *(f"{x:.6f}" for x in row)]) for t, row in zip(TIME, waves)]
+    opened = open_record_file(_write(tmp_path, rows, "time [s];" + ";".join(f"a{k}" for k in range(300))), "fit.csv")
+    begun = process_time()
+    taken = {column.channel: column.label for column in propose(opened, read_numbers(opened)).columns if column.channel}
+    assert taken["position"] == "a0" and taken["velocity"] == "a1" and process_time() - begun < 10.0
