@@ -108,6 +108,7 @@ _WRITTEN_OUT = {
     "s": ("sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"),
     "ms": ("msec", "msecs", "millisec", "millisecond", "milliseconds"),
     "us": ("usec", "microsecond", "microseconds"),
+    "ns": ("nsec", "nanosec", "nanosecond", "nanoseconds"),
     "min": ("minute", "minutes"),
     "h": ("hr", "hrs", "hour", "hours"),
     "day": ("d", "days"),

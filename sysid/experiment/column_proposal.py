@@ -106,7 +106,7 @@ class Proposal:
     `number` counts from 1; `channel` is None if it is left out, for the stated `reason`. `unit` is as it will be
     written, None if the header has it in brackets, `?` if it is not known; `scale` is the unit of a needed scale, of
     which the cells may be `percent`. `question` is what the user should decide. Cells may be `increments` from row to
-    row."""
+    row. The `fraction` of each second may stand in another column, of a unit."""
 
     number: int
     label: str
@@ -117,6 +117,7 @@ class Proposal:
     increments: bool = False
     reason: str = ""
     percent: bool = False
+    fraction: tuple[str | int, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -159,12 +160,13 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         unit = column_unit(multiple["unit"] if multiple else stated) if stated else None
         if unit is None and not header.numbered:
             unit = _unit_of_name(column.name)
-        counted, why = ("", "") if unit else counted_unit(column.name, values, numbers.origins.get(index, 0.0))
+        origin = numbers.origins.get(index, 0.0)
+        counted, why = ("", "") if unit else counted_unit(column.name, values, origin)
         unit = counted or unit
         if unit is None and column.name.strip().casefold() == LABVIEW_TIME:
             unit = "s"
         guess = _meaning(column.name, unit, header.numbered, known)
-        if column.name.strip().casefold() not in known and (reason := _is_flag(column.name, values)):
+        if column.name.strip().casefold() not in known and (reason := _is_flag(column.name, values + origin)):
             reasons[index] = reason
             continue
         force = guess.meaning in (*_FORCES, "normal_load") and unit is not None and same_dimension(unit, "kg")
@@ -185,6 +187,12 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     chosen, question = (kind, "") if kind else _kind({guess.meaning for guess in guesses.values()})
     rig = find_rig(chosen, "--kind")
     found = _channels(guesses, rig, reasons)
+    fraction = _fraction(opened, columns, found)
+    if fraction is not None:
+        found.pop(fraction[0], None)
+        reasons[fraction[0]] = "it is added to the time"
+        why = f"with the fraction of each second in column {fraction[0] + 1}"
+        found = {k: ("time", why) if channel == "time" else (channel, asked) for k, (channel, asked) in found.items()}
     units = [guess.unit for index, guess in guesses.items() if index in found]
     rotary = (
         any(same_dimension(unit, si) for unit in units if unit for si in ("rad", "rad/s", "N*m"))
@@ -198,6 +206,9 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         for index in range(len(header.labels))
         if header.labels[index].strip() or index in found
     ]
+    if fraction is not None:
+        key = header.labels[fraction[0]].strip() if not header.numbered else fraction[0] + 1
+        proposals = [replace(p, fraction=(key, fraction[1])) if p.channel == "time" else p for p in proposals]
     if _holds_intervals(columns, proposals):
         why = "is it the time from pulse to pulse, each of them a row?"
         unit = guesses[0].unit
@@ -236,6 +247,26 @@ def _is_flag(name: str, values: np.ndarray) -> str:
     if _any(_words(name), FLAGS) and kept.size and np.all(kept == np.round(kept)):
         return "whole numbers under the name of a state"
     return ""
+
+
+def _fraction(
+    opened: RecordFile, columns: Mapping[int, np.ndarray], found: Mapping[int, tuple[str, str]]
+) -> tuple[int, str] | None:
+    """Column and unit of the fraction of a second beside a time that repeats: whole numbers under the name of the
+    unit, less than a second."""
+    time = next((index for index, (channel, _) in found.items() if channel == "time"), None)
+    if time is None or not np.any(np.diff(columns[time]) == 0.0):
+        return None
+    for index, values in columns.items():
+        unit = _unit_of_name(parse_label(index, opened.header.labels[index]).name)
+        whole = np.all(values == np.round(values)) and index != time
+        if whole and unit in SUBSECONDS and values.min() >= 0.0 and values.max() < SUBSECONDS[unit]:
+            return index, unit
+    return None
+
+
+SUBSECONDS = {"ms": 1e3, "us": 1e6, "ns": 1e9}
+"""Units of a fraction of a second, and how many there are in one."""
 
 
 def _holds_intervals(columns: Mapping[int, np.ndarray], proposals: Sequence[Proposal]) -> bool:
@@ -294,8 +325,9 @@ def _unit_of_name(name: str) -> str | None:
     for _, unit in unit_endings(name):
         if _by_dimension(unit) or any(same_dimension(unit, si) for si in ("m/s", "rad/s")):
             return unit
-    first = column_unit(re.split(r"[\s_]", name.strip())[0])
-    return first if first and len(first) > 1 and same_dimension(first, "s") else None
+    word = re.split(r"[\s_]", name.strip())[0]
+    first = column_unit(word) if len(word) > 1 else None
+    return first if first and same_dimension(first, "s") else None
 
 
 def _by_dimension(unit: str | None) -> str | None:

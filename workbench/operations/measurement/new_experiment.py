@@ -325,6 +325,9 @@ def _channel_line(column: Column, numbered: bool) -> str:
     entries += [f'scale = "{scale}"'] if column.scale and not column.percent else []
     entries += ["increments = true"] if column.increments else []
     value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
+    if column.fraction is not None:
+        key, unit = column.fraction
+        value = f'[{value}, {{column = {json.dumps(key, ensure_ascii=False)}, unit = "{unit}"}}]'
     # A load or temperature of unknown unit is left out until the question is answered; no fit needs it.
     optional = column.channel in ALWAYS_ALLOWED and column.channel != "time"
     left = "# " if optional and (column.unit == "?" or column.scale) else ""

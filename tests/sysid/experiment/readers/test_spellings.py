@@ -323,3 +323,22 @@ def test_many_unnamed_columns_end_in_seconds(tmp_path: Path) -> None:
     begun = process_time()
     taken = {column.channel: column.label for column in propose(opened, read_numbers(opened)).columns if column.channel}
     assert taken["position"] == "a0" and taken["velocity"] == "a1" and process_time() - begun < 10.0
+
+
+FRACTIONS = {
+    "Date;Time;Millisecond": ("%d.%m.%Y;%H:%M:%S", 1000),
+    "Time;ms": ("%H:%M:%S", 1000),
+    "sec;nanosec": ("%s", 1),
+}
+
+
+@pytest.mark.parametrize("labels", FRACTIONS)
+def test_the_fraction_of_a_second_in_a_column_of_its_own(tmp_path: Path, labels: str) -> None:
+    form, size = FRACTIONS[labels]
+    stamps = [datetime(2024, 7, 30, 11, 59, 59, 800_000) + timedelta(seconds=t) for t in TIME.tolist()]
+    parts = [at.microsecond // 1000 if size > 1 else 1000 * at.microsecond for at in stamps]
+    rows = [f"{at.strftime(form)};{p};{x:.4f};{f:.4f}" for at, p, x, f in zip(stamps, parts, POSITION, FORCE)]
+    file = _write(tmp_path, rows, f"{labels};position [mm];force [N]")
+    new_experiment.propose([file]).write(tmp_path / "made")
+    record = load_whole_records(load_experiment(tmp_path / "made"))[0]
+    np.testing.assert_allclose(record.time - record.time[0], TIME, atol=1e-9)
