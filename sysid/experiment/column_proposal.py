@@ -18,6 +18,7 @@ import numpy as np
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label, same_dimension
 from sysid.experiment.column_settings import PARTS, column_unit, unit_endings
+from sysid.experiment.readers.base import Header
 from sysid.experiment.readers.numbers import is_hexadecimal
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
@@ -154,29 +155,11 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     guesses: dict[int, Guess] = {}
     reasons = dict(numbers.reasons)
     for index, values in columns.items():
-        column = parse_label(index, header.labels[index])
-        stated = header.units.get(column.label, column.unit)
-        multiple = _MULTIPLE.fullmatch(stated or "")
-        unit = column_unit(multiple["unit"] if multiple else stated) if stated else None
-        if unit is None and not header.numbered:
-            unit = _unit_of_name(column.name)
-        origin = numbers.origins.get(index, 0.0)
-        counted, why = ("", "") if unit else counted_unit(column.name, values, origin)
-        unit = counted or unit
-        if unit is None and column.name.strip().casefold() == LABVIEW_TIME:
-            unit = "s"
-        guess = _meaning(column.name, unit, header.numbered, known)
-        if column.name.strip().casefold() not in known and (reason := _is_flag(column.name, values + origin)):
-            reasons[index] = reason
-            continue
-        force = guess.meaning in (*_FORCES, "normal_load") and unit is not None and same_dimension(unit, "kg")
-        guess = guess._replace(unit=f"{unit}f") if force and column_unit(f"{unit}f") else guess
-        kept = values[np.isfinite(values)]
-        unchanging = kept.size > 0 and np.ptp(kept) == 0.0
-        guess = guess._replace(rank=2) if unchanging and guess.rank == 1 and guess.meaning not in _STEADY else guess
-        if multiple and unit and unit not in PARTS:
-            guess = guess._replace(count=f"{multiple['number']} {unit}")
-        guesses[index] = guess._replace(why=why) if why else guess
+        guess = _guess(header, index, values, numbers.origins.get(index, 0.0), known)
+        if isinstance(guess, str):
+            reasons[index] = guess
+        else:
+            guesses[index] = guess
     if any(guess.meaning == "time" for guess in guesses.values()):
         for index in [
             k for k, guess in guesses.items() if guess.meaning != "time" and np.all(np.diff(columns[k]) == 1)
@@ -215,6 +198,30 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         question = "; ".join(part for part in (why, "what is its unit?" if unit is None else "") if part)
         proposals = [Proposal(1, proposals[0].label, "time", unit or "?", None, question, True)]
     return ExperimentProposal(chosen, question, tuple(proposals), rotary, numbers.missing)
+
+
+def _guess(header: Header, index: int, values: np.ndarray, origin: float, known: Collection[str]) -> Guess | str:
+    """What a column of numbers (n,), less `origin`, is taken for by its label and its numbers; why it is no quantity."""
+    column = parse_label(index, header.labels[index])
+    stated = header.units.get(column.label, column.unit)
+    multiple = _MULTIPLE.fullmatch(stated or "")
+    unit = column_unit(multiple["unit"] if multiple else stated) if stated else None
+    if unit is None and not header.numbered:
+        unit = _unit_of_name(column.name)
+    counted, why = ("", "") if unit else counted_unit(column.name, values, origin)
+    name = column.name.strip().casefold()
+    unit = counted or unit or ("s" if name == LABVIEW_TIME else None)
+    guess = _meaning(column.name, unit, header.numbered, known)
+    if name not in known and (reason := _is_flag(column.name, values + origin)):
+        return reason
+    force = guess.meaning in (*_FORCES, "normal_load") and unit is not None and same_dimension(unit, "kg")
+    guess = guess._replace(unit=f"{unit}f") if force and column_unit(f"{unit}f") else guess
+    kept = values[np.isfinite(values)]
+    unchanging = kept.size > 0 and np.ptp(kept) == 0.0
+    guess = guess._replace(rank=2) if unchanging and guess.rank == 1 and guess.meaning not in _STEADY else guess
+    if multiple and unit and unit not in PARTS:
+        guess = guess._replace(count=f"{multiple['number']} {unit}")
+    return guess._replace(why=why) if why else guess
 
 
 _STEADY = ("normal_load", "temperature", "voltage")

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14917,
     "designcalc": 10500,
     "sim": 12564,
-    "sysid": 20454,
+    "sysid": 20461,
     "drawings": 12519,
     "workbench": 15387,
 }
