@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12564,
     "sysid": 20461,
     "drawings": 12519,
-    "workbench": 15387,
+    "workbench": 15390,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
