@@ -201,7 +201,7 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
 
 
 def _guess(header: Header, index: int, values: np.ndarray, origin: float, known: Collection[str]) -> Guess | str:
-    """What a column of numbers (n,), less `origin`, is taken for by its label and its numbers; why it is no quantity."""
+    """What a column of numbers (n,), less `origin`, is taken for by its label and numbers; why it is no quantity."""
     column = parse_label(index, header.labels[index])
     stated = header.units.get(column.label, column.unit)
     multiple = _MULTIPLE.fullmatch(stated or "")
