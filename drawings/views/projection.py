@@ -35,6 +35,7 @@ def project(
         Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in a reproducible order.
     """
     drawn = shape if simple or not exact else with_simple_curves(shape)
+    exact = exact and not _is_swept_far(drawn)
     result = (_exactly if exact else _by_mesh)([drawn], projection)
     unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []
     visible, behind = cleaned(_curves([result.VCompound(), result.OutLineVCompound()]), _curves(unseen))
@@ -80,7 +81,7 @@ def _by_mesh(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
 
     algorithm = HLRBRep_PolyAlgo()
     for shape in shapes:
-        BRepMesh_IncrementalMesh(shape, 0.02, False, 0.1, False)
+        BRepMesh_IncrementalMesh(shape, 0.02, False, 0.35, False)
         algorithm.Load(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
@@ -118,10 +119,21 @@ def _complex_edges(shape: Any) -> Iterator[Any]:
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_BSplineCurve
 
-    for edge in _edges(shape):
+    for edge in _each(shape, "Edge"):
         curve = BRepAdaptor_Curve(edge)
         if curve.GetType() == GeomAbs_BSplineCurve and curve.NbPoles() > MOST_POLES:
             yield edge
+
+
+def _is_swept_far(shape: Any) -> bool:
+    """Whether a face is a spline surface of more than `MOST_POLES` poles each way, as a coil, of which the exact
+    algorithm takes 7 s a view and that on triangles 1 s."""
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+    from OCP.GeomAbs import GeomAbs_BSplineSurface
+
+    surfaces = (BRepAdaptor_Surface(face) for face in _each(shape, "Face"))
+    splines = (one.BSpline() for one in surfaces if one.GetType() == GeomAbs_BSplineSurface)
+    return any(one.NbUPoles() * one.NbVPoles() > MOST_POLES**2 for one in splines)
 
 
 def _simplify(edge: Any) -> None:
@@ -137,17 +149,17 @@ def _simplify(edge: Any) -> None:
         BRep_Builder().UpdateEdge(edge, fit.Curve(), TopLoc_Location(), fit.MaxError())
 
 
-def _edges(shape: Any) -> Iterator[Any]:
-    """Each edge once, in the order of the kernel."""
-    from OCP.TopAbs import TopAbs_EDGE
+def _each(shape: Any, kind: str) -> Iterator[Any]:
+    """Each `Edge` or `Face` once, in the order of the kernel."""
+    from OCP.TopAbs import TopAbs_ShapeEnum
     from OCP.TopExp import TopExp
     from OCP.TopoDS import TopoDS
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
     found = TopTools_IndexedMapOfShape()
-    TopExp.MapShapes_s(shape, TopAbs_EDGE, found)
+    TopExp.MapShapes_s(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind.upper()}"), found)
     for index in range(1, found.Extent() + 1):
-        yield TopoDS.Edge_s(found.FindKey(index))
+        yield getattr(TopoDS, f"{kind}_s")(found.FindKey(index))
 
 
 def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
@@ -159,7 +171,7 @@ def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
         if compound is None or compound.IsNull():
             continue
         BRepLib.BuildCurves3d_s(compound)
-        for edge in _edges(compound):
+        for edge in _each(compound, "Edge"):
             curve = BRepAdaptor_Curve(edge)
             drawn = _straight(curve) if curve.GetType() == GeomAbs_Line else _round(curve, chord)
             if drawn is not None:

@@ -7,6 +7,7 @@ import cadquery as cq
 import pytest
 
 from drawings.views.projection import hidden_lines, project, with_simple_curves
+from drawings.views.segment_index import curve_points
 from drawings.views.view import PROJECTIONS, Arc, Curve, Point2, Polyline, Projection, Segment
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -181,3 +182,14 @@ def test_several_shapes_hide_one_another_and_keep_their_lines() -> None:
     assert [len(found) for found in lines] == [4, 0, 0]
     lines = hidden_lines([near.wrapped, behind.wrapped], PROJECTIONS["back"])
     assert [len(found) for found in lines] == [4, 4]
+
+
+def test_a_coil_is_drawn_from_triangles_and_as_large_as_it_is() -> None:
+    path = cq.Workplane(cq.Wire.makeHelix(6, 30, 12))
+    coil = cq.Workplane("XZ").center(12, 0).circle(1).sweep(path, isFrenet=True).solids().val()
+    visible = project(coil.wrapped, PROJECTIONS["front"], hidden=False)["VISIBLE"]
+    assert len(visible) > 500
+    points = [point for curve in visible for point in curve_points(curve)]
+    assert max(u for u, _ in points) == pytest.approx(13.0, abs=0.03)
+    assert min(u for u, _ in points) == pytest.approx(-13.0, abs=0.03)
+    assert max(v for _, v in points) - min(v for _, v in points) == pytest.approx(32.0, abs=0.05)
