@@ -433,6 +433,8 @@ class _StatedPart(_Part):
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
         if surface.kind == "CYLINDER" and not is_fillet(surface, self._surfaces):
             return ""
+        if surface.kind == "TORUS" and any(_continues(s, surface) for s in self._surfaces):
+            return ""
         chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
         if chamfer:
             return f"{chamfer}, by the faces it joins"
@@ -481,6 +483,12 @@ def centred_axes(verifier: DimensionVerifier) -> str:
     """Names of the axes along which a solid reaches equally far to both sides of the origin: what is not dimensioned
     from a side is symmetric about this middle, and the sheet says so."""
     return "".join(name for name, low, high in zip(AXES, *verifier.box, strict=True) if abs(low + high) < NEAR)
+
+
+def _continues(tube: Surface, bend: Surface) -> bool:
+    """Whether a tube goes on in a bend, which a distance to its axis places, and not the faces it joins."""
+    across = tube.is_round(bend.radius) and abs(dot(tube.axis, bend.axis)) < SQUARE
+    return across and any(map(tube.holds, bend.vertices))
 
 
 def _is_at(surface: Surface, d: Dimension) -> bool:

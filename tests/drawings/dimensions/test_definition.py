@@ -92,6 +92,25 @@ def test_a_slot_is_placed_by_its_width_and_its_length_over_all() -> None:
     assert len(ends) == 2 and all("the place of face" in line and "cylinder" in line for line in ends)
 
 
+def test_a_bend_of_a_rod_is_placed_by_its_axis() -> None:
+    path = cq.Workplane("XZ").lineTo(0, 20).radiusArc((30, 50), 30).lineTo(50, 50)
+    rod = DimensionVerifier(cq.Workplane().circle(6).sweep(path).val())
+    (bend,) = [s for s in rod.surfaces if s.kind == "TORUS"]
+    assert bend.origin == pytest.approx((30.0, 0.0, 20.0))
+    dimensions = [
+        Dimension("rod", "diameter", 12.0, "rod.rod", ((0, 0, 10),), Z, "X.X"),
+        Dimension("end", "diameter", 12.0, "rod.rod", ((40, 0, 50),), X, "X.X"),
+        Dimension("tube", "radius", 6.0, "rod.tube", (bend.vertices[0],), Y, "X.X"),
+        linear("height", (0, 0, 0), (40, 0, 50), Z, 50.0),
+        linear("length", (0, 0, 0), (50, 0, 50), X, 50.0),
+    ]
+    (problem,) = definition(rod, dimensions, (), Notes("y", packaged=False)).problems
+    assert "the place of face" in problem and "(torus" in problem
+    low, far = (next(v for v in bend.vertices if abs(v[n] - at) < 1e-6) for n, at in ((2, 20.0), (0, 30.0)))
+    legs = [linear("upright", (0, 0, 0), low, Z, 20.0), linear("level", (0, 0, 0), far, X, 30.0)]
+    assert definition(rod, [*dimensions, *legs], (), Notes("y", packaged=False)).problems == ()
+
+
 def test_symmetry_of_the_notes_places_both_ends() -> None:
     solid = cq.Solid.makeBox(40, 30, 10, cq.Vector(-20, -15, 0))
     dimensions = (
