@@ -13,7 +13,7 @@ from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect
 from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
-from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
+from sysid.experiment.experiment import DesignValues, Experiment, Rig, load_experiment
 from sysid.experiment.questions import Prior
 from sysid.experiment.record import Record, load_records
 from sysid.noise.estimate import (
@@ -24,6 +24,7 @@ from sysid.noise.estimate import (
     noise_of_means,
     with_quantisation,
 )
+from sysid.prediction.effect_terms import Values
 from sysid.prediction.model import Model, Scales, scales_of, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.rig_model import RigModel
@@ -103,10 +104,11 @@ def build_problem(
     setup = replace(experiment.rig, input_hold=hold)
     noise = noise_of_means(noise, k) if k > 1 else noise
     own = rig.parameters(setup, records, noise)
-    prepared = rig.prepare(setup, records, noise, own.values)
-    if rig.along_motion:
-        again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, own.values)
-        prepared = [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
+    prepared = _prepared(rig, setup, records, noise, own.values)
+    sensed = rig.with_input_noise(prepared, noise)
+    if sensed is not noise:
+        noise, prepared = sensed, _prepared(rig, setup, records, sensed, own.values)
+        notes.append(ACTS)
     prepared = [p.without_start() for p in prepared]
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
@@ -135,6 +137,20 @@ def build_problem(
         )
     return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes))
 
+
+def _prepared(
+    rig: RigModel, setup: Rig, records: Sequence[Record], noise: Mapping[str, Noise], values: Values
+) -> list[PreparedRecord]:
+    """The records as they are predicted, with their copies with noise added where predictions follow the motion."""
+    prepared = rig.prepare(setup, records, noise, values)
+    if not rig.along_motion:
+        return prepared
+    again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, values)
+    return [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
+
+
+ACTS = "the jitter of the drive force moves the mass: it is no noise of a sensor"
+"""Note on a drive force whose estimated noise is a jitter of the command."""
 
 FAR = 0.25
 """Part of its range by which a channel must have left its first value for the side to be that of its motion."""

@@ -95,6 +95,10 @@ class RigModel(ABC):
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[Any]:
         """The prepared records, with the rig's own `values`."""
 
+    def with_input_noise(self, records: Sequence[Any], noise: Noises) -> Noises:
+        """The noise by channel, that of a logged input without the part on which prepared records show it to act."""
+        return noise
+
     @abstractmethod
     def shows(self, effect: Effect, records: Sequence[Any], channels: set[str]) -> bool:
         """Whether an effect is observable in prepared records, of which these `channels` were logged."""

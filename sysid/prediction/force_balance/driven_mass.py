@@ -107,6 +107,17 @@ class ForceDrive(_DrivenMass):
             return effect.inverse is not None and not all(record.is_free for record in records)
         return effect.acts_on != "structure" or effect.memory is None
 
+    def with_input_noise(self, records: Sequence[ForceBalanceRecord], noise: Noises) -> Noises:
+        known = noise.get("drive_force")
+        if known is None or known.source == "given":
+            return noise
+        share = _sensor_share([record for record in records if record.role == "fit"])
+        if share is None:
+            return noise
+        largest = max(float(np.max(np.abs(r.applied))) for r in records if r.applied is not None)
+        value = max(float(np.sqrt(share)) * known.value, ROUNDING * largest)
+        return {**noise, "drive_force": replace(known, value=value, filtered=False)}
+
     def sensor_places(self, channels: Sequence[str]) -> tuple[str | None, ...]:
         # How a command runs from row to row is the same for the whole log.
         return (None,)
@@ -125,6 +136,51 @@ def _guess_stiffness(records: Sequence[Record]) -> float:
         f"{records[0].file}: without rig.known.pull_stiffness both 'position' and 'spring_force' must be recorded, "
         "since the stiffness is then read off them"
     )
+
+
+UPPER_BAND = 0.7, 1.4
+"""Widths, in steps, of two filters whose difference is the upper band."""
+
+MODEL_ERROR, CERTAIN = 0.2, 3.0
+"""Part of the force in the upper band that mass and friction may leave wrong, and standard deviations, by which the
+share that a sensor adds must be below all of it."""
+
+BLOCKS = 24
+"""Blocks of a record, from whose scatter the standard deviation of a share follows."""
+
+ROUNDING = 1e-9
+"""Noise over the largest value of a force that is exact but for its digits."""
+
+
+def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
+    """Part of the variance of a drive force's noise that a sensor adds; None if all of it may be.
+
+    What a controller puts into a logged command moves the mass, and the balance r = F - m a is without it; the noise
+    of a sensor is in r as it is in F. Near the highest frequency the share is the covariance of r and F over the
+    variance of that noise; feedback of the position's noise makes it negative (Soderstrom and Stoica, System
+    Identification (1989), chapter 8 and section 10.4).
+    """
+    squares, products, own = [], [], []
+    for record in records:
+        position, force, redrawn = record.raw_position, record.applied, record.redrawn
+        if record.is_free or record.stick_fraction is None or not isinstance(redrawn, ForceBalanceRecord):
+            return None
+        assert position is not None and force is not None and redrawn.applied is not None
+        narrow, wide = (GaussianFilter(width * record.step, record.step, record.size) for width in UPPER_BAND)
+        rows = np.flatnonzero(record.valid["drive_force"] & (record.stick_fraction <= 0.0))
+        rest = narrow(force) - wide(force) - record.mass * (narrow(position, 2) - wide(position, 2))
+        upper, drawn = (narrow(x) - wide(x) for x in (force, redrawn.applied - force))
+        for block in np.array_split(rows, BLOCKS):
+            squares.append(float(upper[block] @ upper[block]))
+            products.append(float(upper[block] @ rest[block]))
+            own.append(float(drawn[block] @ drawn[block]))
+    whole, by_noise = sum(squares), sum(own)
+    if not by_noise > 0.0:
+        return None
+    share = sum(products) / by_noise
+    std = float(np.linalg.norm(np.array(products) - share * np.array(own))) / by_noise
+    certain = share + CERTAIN * std + MODEL_ERROR * whole / by_noise < 1.0
+    return min(max(share, 0.0), 1.0) if certain else None
 
 
 def _guess_mass(
