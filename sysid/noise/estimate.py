@@ -483,7 +483,7 @@ def noise_of_means(noise: Mapping[str, Noise], k: int) -> dict[str, Noise]:
     """Noise of each channel after the mean over k rows."""
     out = {}
     for channel, one in noise.items():
-        c, white = one.spectrum
+        c, white = one.spectrum.correlation, one.spectrum.white
         spread = k * (1.0 - c**2) - 2.0 * c * (1.0 - c**k)
         parts = [white / k, (1.0 - white) * spread / (k * (1.0 - c)) ** 2]
         factor = float(np.sqrt(sum(parts)))
