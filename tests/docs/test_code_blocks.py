@@ -111,6 +111,10 @@ PREPARED = {
 }
 
 
+LONGEST = 1800.0
+"""Wall-clock limit of one command, s: the longest, `simulate stage`, takes minutes on a busy machine of two cores."""
+
+
 def _environment() -> dict[str, str]:
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     return {**os.environ, "PYTHONPATH": path, "MPLBACKEND": "Agg"}
@@ -121,7 +125,10 @@ def _run(command: str, folder: Path) -> None:
     for text, other in SHORTER.items():
         command = command.replace(text, other)
     line = command.replace("stagecad ", f"{sys.executable} -m workbench.cli ", 1)
-    done = subprocess.run(["bash", "-c", line], cwd=folder, env=_environment(), capture_output=True, text=True)
+    # A command that never ends, or leaves a process that holds its output, is named.
+    done = subprocess.run(
+        ["bash", "-c", f"exec {line}"], cwd=folder, env=_environment(), capture_output=True, text=True, timeout=LONGEST
+    )
     assert done.returncode in (0, 1) and "Traceback" not in done.stderr, f"{command}\n{done.stderr[-2000:]}"
 
 
