@@ -101,6 +101,7 @@ SHORTER = {
     " --scheduler tcp://ADDRESS": "",
     "--budget 400": "--budget 20",
     '--time "150 s"': '--time "5 s"',
+    "0.15:0.45:7": "0.15:0.45:2",
 }
 """What is replaced so that a command ends in time, or needs no cluster."""
 PREPARED = {
