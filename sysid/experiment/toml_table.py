@@ -145,8 +145,11 @@ def quantity(table: TomlTable, key: str, unit: str, positive: bool = False) -> f
 
 
 def quantity_text(table: TomlTable, key: str, unit: str) -> str:
-    """The text under `key`, expected to be a quantity with the dimension of `unit`; an error if it is not a text."""
+    """The text under `key`, expected to be a quantity with the dimension of `unit`; an error if it is not a text, or a
+    number that needs no unit."""
     value = table.data[key]
+    if not unit and isinstance(value, int | float) and not isinstance(value, bool):
+        return repr(value)
     if not isinstance(value, str):
         example = (
             f"'{value} {unit}'" if isinstance(value, int | float) and not isinstance(value, bool) else f"'1 {unit}'"

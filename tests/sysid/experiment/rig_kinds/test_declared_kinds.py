@@ -60,6 +60,15 @@ def test_a_motor_with_current_and_gearbox(tmp_path):
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
 
 
+def test_a_number_without_unit_is_bare_or_a_text(tmp_path):
+    channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
+    _write(tmp_path, "motor-current", MOTOR, channels)
+    file = tmp_path / "experiment.toml"
+    file.write_text(file.read_text().replace('gear_ratio = "20"', "gear_ratio = 20"))
+    record = load_records(load_experiment(tmp_path))[0]
+    assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
+
+
 def test_noise_of_a_recorded_channel_is_that_of_the_computed_one(tmp_path):
     channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     noise = '[noise]\nmotor_current = "3 mA"\nposition = "1e-6 rad"\n'
