@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14917,
     "designcalc": 10500,
     "sim": 12564,
-    "sysid": 20537,
+    "sysid": 20547,
     "drawings": 12539,
     "workbench": 15390,
 }
