@@ -89,7 +89,6 @@ CalculateValues = Callable[[ArtefactStore, Any], Any]
 """Calculates what the procedure of a design needs from its parts in the store; pickled for other processes."""
 
 _LIBRARIES = ("ezdxf", "matplotlib", "fonttools", "reportlab", "pypdfium2")
-_WRITERS = tuple(f"drawings.export.{name}" for name in ("dxf", "svg", "pdf", "lint"))
 _MODULES = {
     ASSEMBLY: ("drawings.sheets.assembly", "drawings.pictures.machine"),
     PROCEDURE: ("drawings.sheets.assembly", "drawings.pictures.machine", "drawings.sheets.procedure"),
@@ -206,7 +205,7 @@ def _modules(subject: str, design: Any) -> tuple[str, ...]:
         own = (*_MODULES[subject], *construction(design).modules)
     else:
         own = ("drawings.sheets.part", "drawings.pmi.ap242", *part_source(subject, design).modules)
-    return (__name__, *_WRITERS, *own, *sheets_of(design).modules)
+    return (__name__, *own, *sheets_of(design).modules)
 
 
 def _dependencies(subject: str, parts: Mapping[str, BuiltPart], design: Any, values: Any) -> tuple[str, ...]:
