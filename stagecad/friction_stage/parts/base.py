@@ -459,7 +459,7 @@ def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     straight = ("straightness", "bore of height pin 1", "drawing.tolerance_x_xx", (guide,), X, "section")
     f.tolerance(*straight, round=True)
     deep = (-base.pocket_depth - base.pin_1_axis_depth) / 2 + base.pin_1_bore / 4
-    upright = ((base.pin_2_bore / 2, 0.0, deep),)
+    upright = ((-base.pin_2_bore / 2, 0.0, deep),)
     f.texture("bore of height pin 2", "drawing.fit_roughness", upright, X, "section", "reamed")
     f.texture("bore of height pin 1", "bearing.way_roughness", (wall,), Z, "section", "reamed")
     f.tolerance(

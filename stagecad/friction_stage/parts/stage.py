@@ -308,6 +308,6 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
         ("dowel hole", "drawing.function_position", dowels),
     ):
         f.tolerance("position", hole, key, places, Z, "top", datums=("A", "B", "C"), round=True, feature=hole)
-    wall = (dowels[1][0] + s.dowel_diameter / 2, dowels[1][1], middle)
+    wall = (dowels[1][0] - s.dowel_diameter / 2, dowels[1][1], middle)
     f.texture("dowel hole", "drawing.fit_roughness", (wall,), X, "top", feature="dowel hole")
     return tuple(f)

@@ -379,7 +379,7 @@ class Experiment(Result):
         """The rig as stated."""
         table = tomllib.loads(self.stated.text)["rig"]
         kind = RigKind.from_table(table["kind"]) if isinstance(table["kind"], dict) else table["kind"]
-        return Rig(kind, table.get("known", {}), self.stated.rig.input_hold)
+        return Rig(kind, table.get("known", {}), table.get("input_hold"))
 
     @property
     def model(self) -> Model:
