@@ -14,8 +14,8 @@ BUDGET = {
     "designcalc": 10500,
     "sim": 12564,
     "sysid": 20547,
-    "drawings": 12539,
-    "workbench": 15390,
+    "drawings": 12538,
+    "workbench": 15392,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

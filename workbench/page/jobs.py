@@ -186,8 +186,10 @@ class JobRunner:
         except CancelledError:
             pass
         except (OSError, RuntimeError) as error:
+            # Two threads that ask for the status at once may leave one of them without it.
             status = getattr(error, "exitcode", None)
-            self._finish(job, "failure", f"its process ended without a result (exit status {status})")
+            known = "" if status is None else f" (exit status {status})"
+            self._finish(job, "failure", f"its process ended without a result{known}")
 
     def _finish(self, job: Job, kind: str, content: Any) -> None:
         with self._lock:
