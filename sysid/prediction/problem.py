@@ -149,7 +149,7 @@ def _prepared(
     return [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
 
 
-ACTS = "the jitter of the drive force moves the mass: it is no noise of a sensor"
+ACTS = "the drive force has jitter that moves the mass: that is no noise of a sensor"
 """Note on a drive force whose estimated noise is a jitter of the command."""
 
 FAR = 0.25

@@ -108,8 +108,9 @@ class ForceDrive(_DrivenMass):
         return effect.acts_on != "structure" or effect.memory is None
 
     def with_input_noise(self, records: Sequence[ForceBalanceRecord], noise: Noises) -> Noises:
-        known = noise.get("drive_force")
-        if known is None or known.source == "given":
+        known, motion = noise.get("drive_force"), noise.get("position")
+        # Of a log that was filtered the motion near the highest frequency is not known.
+        if known is None or known.source == "given" or motion is None or motion.filtered:
             return noise
         share = _sensor_share([record for record in records if record.role == "fit"])
         if share is None:
