@@ -1,4 +1,4 @@
-"""How a logged drive force runs between its rows, where the experiment does not state it.
+"""Zero-order hold or linear interpolation of a logged drive force, where the experiment does not state it.
 
 A command is held from each row to the next, and acts half a row late; the samples of a force sensor lie on a smooth
 curve. If the force F was sampled and is taken as held, the balance of a true model is left with -b h/2 dF/dt, b = 1; if
@@ -22,7 +22,7 @@ SIGMAS, NEARER = 3.0, 0.5
 of a force that was sampled at uneven times."""
 
 SAMPLED = (
-    "the drive force is not held from row to row: a course that is linear between rows fits; "
+    "the drive force is not held from row to row, but linear between rows, as the residual shows; "
     'input_hold = "linear" or "zero" under [rig] states it'
 )
 

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14917,
     "designcalc": 10500,
     "sim": 12564,
-    "sysid": 20547,
+    "sysid": 20548,
     "drawings": 12538,
     "workbench": 15392,
 }
