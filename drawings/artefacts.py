@@ -16,13 +16,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drawings.sheets.plans import sheets_of
+from drawings.dimensions.levels import AXES
+from drawings.sheets.plans import chosen_plan, sheets_of
 from stagecad.parameters.errors import InputError, LostProcessError, PartError, nearest
 from stagecad.parameters.mass_properties import combined
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, find_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object, versions
-from stagecad.solids.assembly.built_machine import assemble
+from stagecad.solids.assembly.bill_of_materials import bill_of_materials
+from stagecad.solids.assembly.built_machine import assemble, shapes_of
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import (
@@ -35,6 +37,7 @@ from stagecad.solids.modelling.part import (
     part_source,
     treatment_of,
 )
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     from drawings.dimensions.definition import Notes
@@ -42,7 +45,6 @@ if TYPE_CHECKING:
     from drawings.sheets.assembly import AssemblyDescription, MachineSize
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
-    from stagecad.solids.modelling.verification import DimensionVerifier
 
 FROM_BELOW = "from below"
 """Shows the moving parts alone."""
@@ -65,7 +67,6 @@ def stored_picture(
     def draw(tracked: Any) -> Picture | None:
         from drawings.pictures.machine import machine_picture
         from drawings.pictures.picture import scene_of
-        from stagecad.solids.assembly.built_machine import shapes_of
 
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(shown, parts, tracked).items()}
         scene = scene_of(shapes, {part.name: part.mesh for part in parts.values() if part.name in shapes})
@@ -235,7 +236,6 @@ def _part_sheets(
     from drawings.dimensions.consistency import mistakes, unsuited
     from drawings.pmi.ap242 import ap242_bytes
     from drawings.sheets.part import part_sheets
-    from stagecad.solids.modelling.verification import DimensionVerifier
 
     module: Any = source.definition()
     verifier = DimensionVerifier(part.solid)
@@ -279,9 +279,7 @@ def describe(
     A part without a plan gets one by its declarations; what it does not state is symmetric only if the solid is.
     """
     from drawings.dimensions.definition import centred_axes, notes_on_shape
-    from drawings.dimensions.levels import AXES
     from drawings.sheets.part import PartDescription
-    from drawings.sheets.plans import chosen_plan
 
     module: Any = source.definition()
     sheets, material, name = sheets_of(plain), design.materials[part.material], source.kind
@@ -357,7 +355,6 @@ def _machine_sheet(
 def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> AssemblyDescription:
     """The machine as its sheets need it."""
     from drawings.sheets.assembly import AssemblyDescription
-    from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 
     masses = {name: part_mass(part, design) for name, part in parts.items()}
     views = sheets_of(design).views(design, instances, parts)

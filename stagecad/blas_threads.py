@@ -7,11 +7,10 @@ the number of processors give other last digits on another machine.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, MutableMapping
 from contextlib import contextmanager
 
 TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterator, MutableMapping
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """Environment variables that the libraries read as they are loaded."""

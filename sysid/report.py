@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.catalogue import find
 from sim.effects.effect import rotary_unit
 from stagecad.parameters.units import as_json
 from sysid.compare import Comparison
@@ -64,7 +65,6 @@ def parameter_unit(problem: Problem, key: str) -> str:
         if name.startswith("offset_"):
             return channel_unit(problem, name.removeprefix("offset_"))
         return RIG_UNITS[name][1 if rotary else 0]
-    from sim.effects.catalogue import find
 
     unit = find(effect, problem.custom).parameter(name).unit
     if "channel" in unit:

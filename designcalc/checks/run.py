@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck, at_most
 from stagecad.declared.own_part import run_file
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import content
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.own_code import OwnCodeError, own_code
 
 if TYPE_CHECKING:
     from designcalc.checks.chain import Chain
-    from designcalc.checks.check import CheckFunction, DesignInputs
     from designcalc.drive.suspension import Suspension
     from designcalc.errors.dynamic_budget import DynamicBudget
     from designcalc.errors.error_budget import Budget
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import Masses
 
 OWN: dict[str, tuple[str, CheckFunction]] = {}
 """Checks of the user's own that are known in this process, with their subjects, by file; they follow the others."""

@@ -1,9 +1,7 @@
 """Sheets of a machine of the user's own: views of the whole by its size, steps of assembly by its mates."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.pictures.machine import MachineViews
 from drawings.pictures.picture import SCALE
@@ -12,12 +10,9 @@ from drawings.sheets.procedure import CALCULATED, Figure, PartUse, Procedure, St
 from drawings.views.view import Cut
 from stagecad.parameters.machine import MachineDeclaration, Mate
 from stagecad.parameters.machine_declaration import placed_values
-from stagecad.solids.modelling.part import construction
-
-if TYPE_CHECKING:
-    from stagecad.solids.artefacts.part import BuiltPart
-    from stagecad.solids.assembly.bill_of_materials import Row
-    from stagecad.solids.modelling.part import Instance
+from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.assembly.bill_of_materials import Row
+from stagecad.solids.modelling.part import Instance, construction
 
 SCALES = (5.0, 2.0, 1.0, SCALE, 0.2, 0.1, 0.05, 0.02)
 ROOM = (560.0, 380.0)

@@ -6,12 +6,10 @@ thesis does not draw have a standard scale. Where a view is too small for its di
 at a larger scale.
 """
 
-from __future__ import annotations
-
 import math
 import string
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.friction_stage.procedure import ProcedureValues, figures_of, step_templates
 from drawings.pictures.machine import MachineViews
@@ -23,12 +21,9 @@ from stagecad.friction_stage.construction import CAP_SCREWS
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.friction_stage.parts.base_clamp import clamps
 from stagecad.parameters.dimension import Point
+from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.assembly.bill_of_materials import Row
-
-if TYPE_CHECKING:
-    from drawings.sheets.procedure import Procedure
-    from stagecad.solids.artefacts.part import BuiltPart
-    from stagecad.solids.modelling.part import Instance
+from stagecad.solids.modelling.part import Instance
 
 
 def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:

@@ -323,7 +323,6 @@ def uncrossed(ends: Sequence[Point2], centres: Sequence[Point2]) -> list[int]:
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
     """Middles of the long straight lines of a piece, or if it has none, middle points of its curves."""
-    from drawings.views.view import extreme_points
 
     straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
     if straight:

@@ -24,13 +24,13 @@ from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
+from stagecad.solids.export.tessellation import Mesh
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq
     from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
 
-    from stagecad.solids.export.tessellation import Mesh
 
 COLUMNS = (13.0, 20.0, 20.0)
 """Widths of name, X and Y of a hole, mm."""

@@ -16,6 +16,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from sim.effects.catalogue import library, valid_name
 from sim.effects.effect import Axis, Effect, Parameter
 from stagecad.parameters.errors import InputError, nearest, require
@@ -176,7 +178,6 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
 
 
 def _record() -> Axis:
-    import numpy as np
 
     t = np.arange(ROWS) * 0.01
     x = 1e-3 * np.sin(7.0 * t + 0.1)
@@ -215,7 +216,6 @@ def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Call
 
 def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) -> bool:
     """Evaluate a law for a record and for one instant; whether it returns one number for a record."""
-    import numpy as np
 
     if not callable(law):
         raise InputError(f"{where}: must be a function of (axis, p), not {type(law).__name__}")
@@ -233,7 +233,6 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
 
 
 def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effect) -> None:
-    import numpy as np
 
     value = _number(where, _call(path, where, signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
     if value.shape != (ROWS,):
@@ -242,7 +241,6 @@ def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effe
 
 
 def _number(where: str, value: Any) -> Any:
-    import numpy as np
 
     if value is None:
         raise InputError(f"{where}: gives None; must give numbers (is its 'return' missing?)")

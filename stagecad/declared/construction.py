@@ -28,8 +28,10 @@ from stagecad.parameters.machine import DeclaredPart, MachineDeclaration, Mate, 
 from stagecad.parameters.machine_declaration import placed_values
 from stagecad.parameters.mass_properties import PartMasses, combined
 from stagecad.parameters.threads import thread
+from stagecad.solids.artefacts.part import BuiltPart, build_parts, part_mass
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
+from stagecad.solids.assembly.built_machine import BuiltMachine
 from stagecad.solids.assembly.interference import build_interferences
 from stagecad.solids.modelling.frame import UNMOVED, add, cross, mate, scaled
 from stagecad.solids.modelling.mass import placed
@@ -47,8 +49,6 @@ from stagecad.solids.modelling.part import (
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.solids.artefacts.part import BuiltPart
-    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 CAP, SUNK, SET, NUT, WASHER, PIN, BEARING = (
     "ISO 4762",
@@ -336,7 +336,6 @@ def depends(design: Any) -> tuple[str, ...]:
 
 def masses(design: Any) -> PartMasses:
     """Mass properties of each part, and of the whole, `machine`."""
-    from stagecad.solids.artefacts.part import build_parts, part_mass
 
     parts = build_parts(ArtefactStore(), list(sources(design)), design, files=False)
     each = {name: part_mass(part, design) for name, part in parts.items()}

@@ -15,6 +15,7 @@ from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.estimation.covariance import public_key
 from sysid.estimation.residual_correlation import ResidualCorrelation
+from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem
 from sysid.report import LEAST_P
 from workbench.figures.curves import Curve, axis_scale, coordinate_unit, decimate, drawn_maps, quantile, worst_stretch
@@ -35,7 +36,6 @@ from workbench.figures.plot import (
 
 if TYPE_CHECKING:
     from sysid.experiment.column_proposal import ExperimentProposal
-    from sysid.experiment.record import Record
 
 
 LOOP_POINTS = 4000

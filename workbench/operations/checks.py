@@ -27,6 +27,7 @@ from designcalc.checks.tolerance import ToleranceStudy, tolerance_study
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import parallel_map, processors
 from stagecad.solids.assembly.built_machine import body_masses
 from workbench.operations.design import Design, load_design
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from stagecad.parameters.mass_properties import Masses
 
 MOST_IN_PIECE = 50
 """Points of a sweep that a process is given together: between their solids masses are interpolated."""

@@ -10,19 +10,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.run import own_check_files, register
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import packaged_text, parameter_text, parse_parameter_text, read_parameter_file
+from stagecad.parameters.file import (
+    ParameterFile,
+    packaged_text,
+    parameter_text,
+    parse_parameter_text,
+    read_parameter_file,
+)
 from stagecad.parameters.load import changed_text, design_of, further_override, variations_of
 from stagecad.parameters.load import load_design as read_design
+from stagecad.parameters.variations import Variations
 from workbench.operations.parameters import entry_json
 from workbench.operations.result import Result, finite, frame, without_options
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.file import ParameterFile
-    from stagecad.parameters.variations import Variations
 
 TEXT = "design.toml"
 """Name of a parameter file that is a text, in messages."""

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_margin
 from designcalc.checks.run import run_checks
+from stagecad.parameters.atomic import atomic_path
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
 from stagecad.parameters.units import as_json, format_quantity
@@ -20,8 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from designcalc.checks.check import Check
-    from stagecad.parameters.design import Design as Values
     from stagecad.solids.assembly.built_machine import BuiltMachine
 
 ROUNDING = 1e-9
@@ -371,11 +374,8 @@ def mark_changes(before: Path, after: Path, target: Path) -> int:
 
     Pictures of different size are compared from their lower left corners. Returns the number of regions.
     """
-    import numpy as np
     from PIL import Image, ImageDraw
     from scipy import ndimage
-
-    from stagecad.parameters.atomic import atomic_path
 
     arrays = [np.asarray(Image.open(path).convert("L"), float) for path in (before, after)]
     height, width = (max(array.shape[axis] for array in arrays) for axis in (0, 1))

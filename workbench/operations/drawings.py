@@ -16,16 +16,23 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
-from drawings.artefacts import build_all_sheets
+from drawings.artefacts import BuiltSheet, build_all_sheets, build_sheets
 from drawings.artefacts import chosen_sheets as chosen_by_part
 from drawings.artefacts import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
+from stagecad.consent import give_consent
 from stagecad.declared.own_part import REQUIRED, run_file
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.load import part_design
 from stagecad.parameters.machine import packaged_machine
+from stagecad.parameters.mass_properties import Masses
+from stagecad.solids.artefacts.part import build_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_manifest, write_stored
 from stagecad.solids.assembly.built_machine import body_masses
+from stagecad.solids.modelling.part import part_names
+from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.operations.design import STAGE, Design, load_design
 from workbench.operations.parts import with_repair
 from workbench.operations.result import (
@@ -45,9 +52,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from drawings.artefacts import BuiltSheet
-    from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import Masses
 
 MANIFEST = "drawings_manifest.json"
 VALUES = "procedure_values.json"
@@ -284,14 +288,6 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     """Write sheet, definition, STEP AP242 and mass properties of a part from its Python file (`sheets.toml` beside it
     changes the sheet); their document. `design` gives materials and title block; without the consent of `trust`, or an
     earlier one, the file is refused."""
-    from drawings.artefacts import build_sheets, sheet_names
-    from drawings.sheets.overrides import FILE, read_overrides
-    from stagecad.consent import give_consent
-    from stagecad.parameters.atomic import atomic_write_text
-    from stagecad.parameters.load import part_design
-    from stagecad.solids.artefacts.part import build_part, part_mass
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.part import part_names
 
     if trust:
         give_consent((path,))
@@ -299,7 +295,7 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     (name,) = part_names(values)
     changes = path.parent / FILE
     if changes.is_file():
-        known = [sheet for one in (design.values, values) for sheets in sheet_names(one).values() for sheet in sheets]
+        known = [sheet for one in (design.values, values) for sheets in names_by_part(one).values() for sheet in sheets]
         values = replace(values, sheets=read_overrides(changes, known))
     sheets = build_sheets(store, name, values)
     mass = part_mass(build_part(store, name, values), values).as_json()
@@ -417,8 +413,6 @@ def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Pa
 
     from drawings.recognition.part_file import in_position, part_text
     from drawings.recognition.proposal import propose
-    from stagecad.parameters.atomic import atomic_write_text
-    from stagecad.solids.modelling.verification import DimensionVerifier
 
     if not solid.isValid() or solid.Volume() <= 0:
         raise InputError(f"{source}: the solid {name} is not valid and closed")

@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from designcalc.checks.check import Check
 from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
 from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, search
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules import violations
 from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
@@ -41,8 +43,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from designcalc.checks.check import Check
-    from stagecad.parameters.mass_properties import Masses
 
 SAFETY = 0.002
 """Part of its limit by which a check must pass in the search, for the error of the masses without solids."""

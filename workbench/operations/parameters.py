@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.design import Design as Values
+from stagecad.parameters.design import nearest_key
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
 from stagecad.parameters.load import Difference, diff, load_design
@@ -55,7 +56,6 @@ def is_named(key: str, names: Sequence[str]) -> bool:
 
 def require_known(names: Sequence[str], values: Values) -> None:
     """Refuse names of tables and keys that the design does not have."""
-    from stagecad.parameters.design import nearest_key
 
     known = [entry.key for entry in values.entries]
     for name in names:

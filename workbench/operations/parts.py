@@ -8,7 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import PartError
+from stagecad.parameters.file import Entry
+from stagecad.parameters.mass_properties import Masses
 from stagecad.solids.artefacts.part import CRASHED, build_parts
 from stagecad.solids.artefacts.store import (
     ArtefactStore,
@@ -20,7 +23,14 @@ from stagecad.solids.artefacts.store import (
 )
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
-from stagecad.solids.assembly.built_machine import assemble, body_masses, build_machine, find_machine, part_mass
+from stagecad.solids.assembly.built_machine import (
+    BuiltMachine,
+    assemble,
+    body_masses,
+    build_machine,
+    find_machine,
+    part_mass,
+)
 from stagecad.solids.modelling.part import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
 from workbench.operations.result import (
@@ -38,10 +48,6 @@ from workbench.operations.result import (
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.file import Entry
-    from stagecad.parameters.mass_properties import Masses
-    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 MANIFEST = "parts_manifest.json"
 BILL = "bill_of_materials"

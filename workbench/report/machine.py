@@ -8,13 +8,18 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks import report
+from designcalc.checks.check import Check, DesignInputs
 from designcalc.checks.report import counted
+from designcalc.checks.run import Studies, subjects_of
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.design import Design
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity
 from stagecad.solids.artefacts.store import ArtefactStore, sha256
 from workbench.operations.drawings import SMALL, reduced_sheet
@@ -23,10 +28,6 @@ from workbench.operations.result import finite
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from designcalc.checks.check import Check
-    from designcalc.checks.run import Studies
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import Masses
     from stagecad.solids.assembly.interference import Interference
 
 
@@ -82,8 +83,6 @@ def write_check_files(
     figures: Mapping[str, Path] | None = None,
 ) -> None:
     """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`."""
-    from designcalc.checks.check import DesignInputs
-    from designcalc.checks.run import subjects_of
 
     subjects, lowest = subjects_of(design), 1 / design.loop.observation
     found = subjects.studies(DesignInputs(design, masses))
@@ -196,7 +195,6 @@ def _parts(parts: Mapping[str, Any], pictures: Mapping[str, Path], page: Path) -
 
 def versions() -> dict[str, str]:
     """Versions of what made the page, read without importing it."""
-    from importlib.metadata import PackageNotFoundError, version
 
     found = {"stagecad": __version__}
     for name in ("cadquery", "cadquery-ocp", "ezdxf", "numpy", "scipy", "numba", "trimesh", "matplotlib"):

@@ -4,20 +4,20 @@ The processes fill the store; whoever needs a result then finds it there. A resu
 again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from designcalc.checks.check import Check
 from designcalc.checks.report import counted as count_of_verdicts
 from designcalc.checks.run import subjects_of
 from drawings.artefacts import PICTURES, PROCEDURE, TIME_LIMIT, build_sheets, slowest_first, stored_picture
 from drawings.sheets.plans import sheets_of
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
@@ -30,15 +30,11 @@ from stagecad.solids.assembly.pictures import assembly_pictures, build_pictures,
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.part import ASSEMBLY, part_names, part_source
 from workbench.figures.checks import figures_of
+from workbench.operations.design import Design as StatedDesign
 from workbench.operations.drawings import drawings, procedure_values, reduced_sheet, stored_values, with_sheet_overrides
 from workbench.operations.parts import parts, with_repair
 from workbench.operations.result import ProgressCallback, counted
 from workbench.report.machine import templates_digest, write_check_files, write_report
-
-if TYPE_CHECKING:
-    from designcalc.checks.check import Check
-    from stagecad.parameters.design import Design
-    from workbench.operations.design import Design as StatedDesign
 
 CHECKED_BY = ("workbench.operations.checks", "stagecad.parameters.load")
 """Modules that evaluate the checks and their proposals."""
@@ -56,7 +52,6 @@ class _WithMasses:
 
 def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
-    from workbench.figures.checks import figures_of
     from workbench.figures.plot import save
 
     name, draw = figures_of(design)[title]
@@ -93,7 +88,6 @@ def check_files(store: ArtefactStore, source: StatedDesign, design: Design, mass
 
     For a design without a project's own checks (`stored_checks`).
     """
-    from workbench.figures.checks import figures_of
 
     figures = {title: check_figure(store, design, masses, title) for title in figures_of(design)}
 

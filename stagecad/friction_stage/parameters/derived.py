@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from stagecad.parameters.design import Design
 from stagecad.parameters.machine import Computed
 
 if TYPE_CHECKING:
     from stagecad.friction_stage.design import Tables
-    from stagecad.parameters.design import Design
 
 Place = tuple[float, float]
 

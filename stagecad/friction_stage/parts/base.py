@@ -28,6 +28,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived, Place, corners, full_clamp_thread, full_set_screw_thread
 from stagecad.friction_stage.parts.base_clamp import Clamp, clamp_cutters, clamp_datums, clamps
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
@@ -36,8 +37,6 @@ from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-    from stagecad.friction_stage.design import Design
 
 
 def base_dimensions(design: Design) -> tuple[Dimension, ...]:

@@ -18,14 +18,13 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived, Place
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.holes import OVERRUN, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-    from stagecad.friction_stage.design import Design
 
 
 @dataclass(frozen=True)

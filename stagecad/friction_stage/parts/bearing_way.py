@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import (
     DOWN,
@@ -34,7 +35,6 @@ from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
 
 NAME = "bearing_way"
 

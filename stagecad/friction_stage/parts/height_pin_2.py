@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, revolved
@@ -22,7 +23,6 @@ from stagecad.solids.modelling.holes import OVERRUN, cut_all, revolved
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
 
 NAME = "height_pin_2"
 

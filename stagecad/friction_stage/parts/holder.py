@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
@@ -30,7 +31,6 @@ from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
 
 NAME = "holder"
 

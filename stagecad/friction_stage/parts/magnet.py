@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, Z, named
 from stagecad.solids.modelling.holes import plate
@@ -18,7 +19,6 @@ from stagecad.solids.modelling.holes import plate
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
 
 NAME = "magnet"
 

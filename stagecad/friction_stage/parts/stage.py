@@ -26,6 +26,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.friction_stage.parts.tooth_bar import pole_offset
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
@@ -44,7 +45,6 @@ from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, joine
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
 
 NAME = "stage"
 

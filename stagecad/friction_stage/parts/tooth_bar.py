@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import corners
 from stagecad.friction_stage.parts.tooth_iron import declare_teeth, groove_spans, tooth_centres
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
@@ -45,7 +46,6 @@ from stagecad.solids.modelling.holes import (
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
 
 NAME = "tooth_bar"
 

@@ -8,16 +8,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum
+from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
-    from stagecad.parameters.dimension import Dimension
 
 NAME = "mirror"
 

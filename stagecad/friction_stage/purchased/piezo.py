@@ -6,23 +6,22 @@ is a piece of a sphere, so that the tip's seat meets it in one place and does no
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum
+from stagecad.parameters.dimension import Datum, Dimension
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from stagecad.friction_stage.design import Design
-    from stagecad.parameters.dimension import Dimension
 
 NAME = "piezo"
 
 
 def build(design: Design) -> cq.Solid:
     """A cylinder with a chamfered foot and a spherical end, turned from one outline, mm."""
-    import math
 
     import cadquery as cq
 

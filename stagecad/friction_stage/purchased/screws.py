@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum
+from stagecad.parameters.dimension import Datum, Dimension
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-    from stagecad.friction_stage.design import Design
-    from stagecad.parameters.dimension import Dimension
 
 
 @dataclass(frozen=True)

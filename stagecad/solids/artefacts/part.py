@@ -22,7 +22,7 @@ from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.modelling.frame import Colour, colour_of
+from stagecad.solids.modelling.frame import Colour, PlacedShape, colour_of
 from stagecad.solids.modelling.kernel import load_kernel, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
 from stagecad.solids.modelling.part import part_source
@@ -173,7 +173,6 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
 def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
     from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
     from stagecad.solids.export.tessellation import mesh_of, save
-    from stagecad.solids.modelling.frame import PlacedShape
 
     shapes = [PlacedShape(name, name, colour)]
     (folder / f"{name}.step").write_bytes(step_bytes(name, shapes, {name: solid.wrapped}))

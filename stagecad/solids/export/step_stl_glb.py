@@ -26,8 +26,6 @@ from stagecad.solids.export.tessellation import Mesh
 from stagecad.solids.modelling.frame import UNMOVED, Colour, Frame, PlacedShape
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from OCP.TopoDS import TopoDS_Shape
 
 

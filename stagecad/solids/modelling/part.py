@@ -76,6 +76,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.machine import content, packaged_machine
 from stagecad.solids.modelling.frame import Frame
@@ -84,7 +85,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
     from stagecad.parameters.design import Design
-    from stagecad.parameters.dimension import Datum, Dimension
     from stagecad.parameters.mass_properties import Masses
 
 

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -122,7 +123,6 @@ def unit_of_cell(cell: str, form: NumberForm) -> str:
 
 
 def _has_format(cell: str, time_format: str) -> bool:
-    from datetime import datetime
 
     try:
         datetime.strptime(cell, time_format)

@@ -16,6 +16,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment import history
 from sysid.experiment.experiment import find_experiment
 from sysid.report import parameters_json
+from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, error_frames, parameter_frame
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from workbench.figures.plot import Plot
-    from workbench.operations.design import Design
 
 
 class Addition(FittedResult):

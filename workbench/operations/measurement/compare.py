@@ -12,6 +12,7 @@ from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.covariance import public_key
 from sysid.report import comparison_json, parameter_unit
+from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import (
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from workbench.figures.plot import Plot
-    from workbench.operations.design import Design
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
 

@@ -94,7 +94,6 @@ def as_design_values(design: Design | None) -> DesignValues:
 
 def _inputs(design: Design) -> DesignInputs:
     """The design with the masses of its solids, as checks and simulation of the stage read it."""
-    from designcalc.checks.check import DesignInputs
     from stagecad.solids.assembly.built_machine import packaged_masses
 
     return DesignInputs(design.values, packaged_masses(design.values))

@@ -11,6 +11,7 @@ from sysid import diagnose as identification
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from sysid.report import diagnosis_json
+from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.measurement.statements import (
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from workbench.figures.plot import Plot
-    from workbench.operations.design import Design
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
 

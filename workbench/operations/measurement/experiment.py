@@ -26,6 +26,7 @@ from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import read_toml
+from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, frame
 from workbench.operations.simulation.tables import write_table
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
     from sysid.prediction.problem import Problem
     from workbench.figures.plot import Plot
-    from workbench.operations.design import Design
 
 OWNERS = ".experiments"
 """Folder beside the results of experiments that are elsewhere: the path of each, under the name of its results."""

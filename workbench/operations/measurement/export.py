@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.export.files import Exported, files_of
+from sim.export.files import Exported, files_of, write_fmu
 from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
+from workbench.operations.design import Design
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment, results_key
 from workbench.operations.measurement.fitted import FittedResult
@@ -18,7 +19,6 @@ from workbench.operations.result import Result, finite, frame
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.operations.design import Design
 
 LANGUAGES = ("python", "c", "modelica", "fmu", "matlab", "table")
 
@@ -109,8 +109,6 @@ def export(
     folder = Path(out) / results_key(out, comparison.problem.experiment.folder) / "export"
     folder.mkdir(parents=True, exist_ok=True)
     if to == "fmu":
-        from sim.export.files import write_fmu
-
         return Export(exported, to, (str(write_fmu(exported, folder)),))
     written = []
     for name, text in files_of(exported, to).items():

@@ -16,7 +16,7 @@ from sim.export.program import ForceFunction
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.covariance import intervals, public_key
-from sysid.estimation.fit import InformationCriteria, information_criteria
+from sysid.estimation.fit import FittedModel, InformationCriteria, information_criteria
 from sysid.estimation.misfit import misfit
 from sysid.estimation.residual_correlation import ResidualCorrelation, residual_correlation
 from sysid.experiment.history import read_history
@@ -24,6 +24,7 @@ from sysid.prediction.model import Model, PreparedRecord, predict, with_effect
 from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.simulation_error import free_runs, simulation_errors
 from sysid.report import channel_unit, headline_channel, parameter_unit
+from workbench.figures import identification as figures
 from workbench.figures.curves import curve_of, worst_record
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.measurement.tables import PARTS
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from scipy.signal import StateSpace
 
-    from sysid.estimation.fit import FittedModel
     from workbench.figures.plot import Plot
 
 Part = Literal["fit", "validate"]
@@ -313,7 +313,6 @@ class FittedResult(Reported):
 
     def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Plot:
         """A figure of one or two models on the records."""
-        from workbench.figures import identification as figures
 
         kinds = ("overlay", "residual", "maps", "loops")
         if kind not in kinds:

@@ -12,6 +12,7 @@ from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.record import Record, load_whole_records
+from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, finite, frame
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from workbench.figures.plot import Plot
-    from workbench.operations.design import Design
 
 
 class Look(Result):

@@ -12,6 +12,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 # The page asks the operations alone.
 from sim.effects.catalogue import library as library
 from stagecad.parameters.atomic import atomic_write_text
@@ -30,14 +32,13 @@ from sysid.experiment.readers.open import unknown_format as unknown_format
 from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rig_kinds.declaration import kinds as kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
+from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.result import Result, finite, without_options
 
 if TYPE_CHECKING:
-    import numpy as np
     import pandas as pd
 
-    from workbench.operations.design import Design
 
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""

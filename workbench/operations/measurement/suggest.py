@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.experiment_design import t_optimal_design as experiment_design
 from sysid.report import suggestion_json
+from workbench.operations.design import Design
 from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.statements import suggestion_statements
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from workbench.figures.plot import Plot
-    from workbench.operations.design import Design
 
 
 class Suggestion(Reported):

@@ -11,6 +11,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.check import DesignInputs
 from sim.experiments.friction_models import MODELS, Friction
 from sim.experiments.friction_models import TITLES as TITLES
 from sim.experiments.hysteresis import CASES, hysteresis
@@ -22,7 +23,9 @@ from sim.experiments.tip import PHASES, STROKES, tip_ellipse
 from sim.integration.simulate import SimulationError
 from sim.stage.studies import ON_REQUEST, STUDY_NAMES
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import as_json, parse_quantity
 from stagecad.processes import fork_map, parallel_map
 from sysid.experiment.experiment import find_experiment
@@ -38,8 +41,6 @@ from workbench.operations.simulation.tables import Columns, feature_table, stage
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stagecad.parameters.design import Design as Values
-    from stagecad.parameters.mass_properties import Masses
     from workbench.figures.plot import Plot
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
@@ -126,7 +127,6 @@ def moving_mass(design: Values, given: str | None) -> float:
         return design.friction.mass
     if given != "design":
         return parse_mass(given)
-    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.physics.loads import moved_mass
     from stagecad.solids.assembly.built_machine import packaged_masses
 

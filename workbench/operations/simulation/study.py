@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from designcalc.checks.run import changed_masses
 from designcalc.checks.sweep import Range, read_range
 from designcalc.errors.monte_carlo import Distribution, UncertainParameter, strongest_correlation, uncertain_parameters
+from sim.experiments.stick_slip import SHOWN
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError
@@ -263,7 +265,6 @@ def run_monte_carlo(
 
 def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
     """Results of the machines with the values of each row, (k, parameters)."""
-    from designcalc.checks.run import changed_masses
 
     found = []
     for row in rows:
@@ -291,8 +292,6 @@ def curves_of(name: str, results: Mapping[str, Any]) -> Curves:
     if name == "presliding":
         return {(name, model): _in_time(found.simulation, 4.0) for model, found in results.items()}
     if name == "stick-slip":
-        from sim.experiments.stick_slip import SHOWN
-
         return {(name, model): _in_time(found.simulation, SHOWN) for model, found in results.items()}
     if name == "hysteresis":
         return {
