@@ -18,9 +18,8 @@ import numpy as np
 
 from stagecad.parameters.units import format_quantity
 from sysid.estimation.misfit import ChannelMisfit
-from sysid.experiment.experiment import Experiment
+from sysid.experiment.experiment import Experiment, unanswered_questions
 from sysid.experiment.quality import scale_warnings
-from sysid.experiment.questions import unanswered_questions
 from sysid.experiment.record import Record
 from sysid.noise.autocorrelation import Series
 from sysid.noise.estimate import RIDGE, SHARP, hats_of, noise_warnings

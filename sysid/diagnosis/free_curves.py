@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from sim.effects.effect import Axis, Coordinate, Effect, Parameter
-from sysid.experiment.questions import Prior
+from sysid.experiment.known import Prior
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import FrictionDriveRecord

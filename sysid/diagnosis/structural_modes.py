@@ -29,7 +29,7 @@ from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.variant_selection import fits_clearly_better
-from sysid.experiment.questions import Prior
+from sysid.experiment.known import Prior
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord

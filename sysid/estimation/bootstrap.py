@@ -31,7 +31,7 @@ from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, blocks, weighted_residual
 from sysid.estimation.reference_fit import along_observer
 from sysid.experiment.experiment import Experiment
-from sysid.experiment.questions import Prior, Unknown
+from sysid.experiment.known import Prior, Unknown
 from sysid.experiment.record import Record
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sysid.experiment.questions import Unknown
+from sysid.experiment.known import Unknown
 
 HUBER = 2.5
 """Corner of Huber's loss, in robust standard deviations of the residual."""

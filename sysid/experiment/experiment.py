@@ -427,3 +427,20 @@ def _read_noise(table: TomlTable, kind: RigKind, stated: RigKind, rotary: bool) 
     """Standard deviation by channel, SI, of the base kind, or of the stated kind itself."""
     table.allow(channel for channel in (*kind.channels, *stated.own) if channel != "time")
     return {key: quantity(table, key, stated.declared(key).si_unit(rotary), positive=True) for key in table.data}
+
+
+QUESTION = "QUESTION:"
+"""Mark of a line that the user should look at."""
+
+
+def unanswered_questions(text: str) -> list[str]:
+    """A warning if the text of an experiment file still has marked lines."""
+    lines = [str(k) for k, line in enumerate(text.splitlines(), start=1) if QUESTION in line and k > 1]
+    if not lines:
+        return []
+    shown = ", ".join(lines[:12]) + (", ..." if len(lines) > 12 else "")
+    many = len(lines) > 1
+    return [
+        f"{len(lines)} question{'s' * many} of experiment.toml {'are' if many else 'is'} unanswered (line{'s' * many} "
+        f"{shown}): what stands there is assumed"
+    ]

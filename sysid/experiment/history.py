@@ -27,8 +27,8 @@ from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_input, read_named
 from sysid.experiment.experiment import Experiment, Place, Revision
+from sysid.experiment.known import Prior
 from sysid.experiment.model_table import grown_model, json_data, model_hash, model_of, with_model
-from sysid.experiment.questions import Prior
 
 _held: dict[Path, int] = {}
 POLL_SECONDS = 0.05

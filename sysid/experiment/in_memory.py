@@ -10,9 +10,8 @@ from typing import Any
 from sim.effects.effect import Effect
 from sysid.experiment.experiment import Experiment, read_experiment
 from sysid.experiment.history import Revision
-from sysid.experiment.known import DesignValues
+from sysid.experiment.known import DesignValues, Prior
 from sysid.experiment.model_table import grown_model, json_data, model_of
-from sysid.experiment.questions import Prior
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import TomlTable
 

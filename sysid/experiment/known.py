@@ -1,4 +1,4 @@
-"""`[rig.known]`: known quantities of the rig, with their uncertainty, or taken from the design."""
+"""What is known before a fit, and the unknowns: `[rig.known]`, with uncertainty or from the design, and priors."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,6 +9,26 @@ from stagecad.parameters.units import parse_uncertain
 from sysid.experiment.column_settings import RATED
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Prior knowledge of a value before the fit: its value and standard deviation."""
+
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One unknown of a fit: key, start, bounds, typical size, and prior."""
+
+    key: str
+    start: float
+    low: float
+    high: float
+    size: float
+    prior: Prior | None = None
 
 
 @dataclass(frozen=True)

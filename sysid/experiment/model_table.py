@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.questions import Prior
+from sysid.experiment.known import Prior
 
 
 def model_of(text: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from sim.effects.effect import Effect, Parameter
-from sysid.experiment.questions import Unknown
+from sysid.experiment.known import Unknown
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.friction_drive.friction import CONTACT
 from sysid.prediction.prepared_record import PreparedRecord

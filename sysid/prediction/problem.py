@@ -14,7 +14,7 @@ from sim.effects.effect import Effect
 from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, Rig, load_experiment
-from sysid.experiment.questions import Prior
+from sysid.experiment.known import Prior
 from sysid.experiment.record import Record, load_records
 from sysid.noise.estimate import (
     Noise,

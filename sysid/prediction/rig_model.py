@@ -9,8 +9,7 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
-from sysid.experiment.known import Known
-from sysid.experiment.questions import Prior, Unknown
+from sysid.experiment.known import Known, Prior, Unknown
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values

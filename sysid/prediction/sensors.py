@@ -9,7 +9,7 @@ import numpy as np
 from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment
-from sysid.experiment.questions import Prior, Unknown
+from sysid.experiment.known import Prior, Unknown
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values, split_channel, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord

@@ -8,7 +8,7 @@ import numpy as np
 from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
-from sysid.experiment.questions import Unknown
+from sysid.experiment.known import Unknown
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values

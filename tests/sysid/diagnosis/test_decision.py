@@ -17,7 +17,7 @@ from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import FitResult
 from sysid.estimation.misfit import ResidualWeights
-from sysid.experiment.questions import Unknown
+from sysid.experiment.known import Unknown
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 

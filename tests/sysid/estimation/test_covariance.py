@@ -16,7 +16,7 @@ from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.experiment.questions import Prior, Unknown
+from sysid.experiment.known import Prior, Unknown
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.estimation.least_squares import least_squares, robust_scale
-from sysid.experiment.questions import Prior, Unknown
+from sysid.experiment.known import Prior, Unknown
 from tests.reference.tables import reference
 
 REFERENCE = reference("nonlinear_regression")

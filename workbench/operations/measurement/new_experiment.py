@@ -23,7 +23,7 @@ from sysid.experiment.column_proposal import ExperimentProposal, read_numbers
 from sysid.experiment.column_proposal import Proposal as Column
 from sysid.experiment.column_proposal import propose as propose_columns
 from sysid.experiment.column_settings import RATED, column_unit
-from sysid.experiment.questions import QUESTION
+from sysid.experiment.experiment import QUESTION
 from sysid.experiment.readers.base import Header, shown_path
 from sysid.experiment.readers.open import SUFFIXES as SUFFIXES
 from sysid.experiment.readers.open import RecordFile, open_record_file
