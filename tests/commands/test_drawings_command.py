@@ -163,10 +163,14 @@ def test_nothing_is_drawn_twice(drawn: tuple[Path, Path, dict[str, Any]], monkey
     assert json.loads(capsys.readouterr().out)["changed"] == []
 
 
-def test_a_lint_hit_is_exit_status_1(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_lint_hit_is_exit_status_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     sheet = {"part": "tip", "paper": "A3", "scale": "1:1", "views": [], "files": [], "hits": ["'20.0' lies over 'A'"]}
     document = {"sheets": {"tip": sheet}, "changed": [], "files": 0}
-    monkeypatch.setattr("workbench.cli.commands.drawings.drawings", lambda design, *rest: Drawings(design, document))
+    monkeypatch.setattr(
+        "workbench.cli.commands.drawings.drawings", lambda design, *rest: Drawings(design, document, tmp_path)
+    )
     assert run(["drawings", "tip", "--lint"]) == 1
     assert "tip: '20.0' lies over 'A'" in capsys.readouterr().err
     assert run(["drawings", "tip"]) == 0

@@ -63,7 +63,28 @@ GROUPS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
 COMMANDS = {name: words for commands, _ in GROUPS.values() for name, words in commands.items()}
 
 
-class LazyGroup(click.Group):
+class Group(click.Group):
+    """A group of commands with their whole help; an unknown one is refused with the most similar one."""
+
+    refusal = "no command '{}'"
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        known = self.list_commands(ctx)
+        if args and not args[0].startswith("-") and args[0] not in known:
+            raise click.UsageError(self.refusal.format(args[0]) + nearest(args[0], known), ctx)
+        return super().resolve_command(ctx, args)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self.commands)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, " ".join((one.help or "").split())) for name, one in self.commands.items()])
+
+
+class LazyGroup(Group):
     """A command group that imports `workbench.cli.commands.NAME` only when NAME is run."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -73,13 +94,6 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         return import_module(f"workbench.cli.commands.{cmd_name}").command
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
-            raise click.UsageError(f"no command '{args[0]}'{nearest(args[0], COMMANDS)}", ctx)
-        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         width = max(map(len, COMMANDS))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.check import DesignInputs
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors
 from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
@@ -97,6 +98,39 @@ def _shown(item: Any) -> str:
     if isinstance(item, bool):
         return "yes" if item else "no"
     return "none" if item is None else f"{item:g}" if isinstance(item, int | float) else str(item)
+
+
+def meaning(name: str) -> str:
+    """What a calculator computes."""
+    return " ".join(cleandoc(CALCULATORS[name].__doc__ or "").split())
+
+
+def option_rows(name: str) -> list[tuple[str, str]]:
+    """Each option of a calculator with its unit; its meaning and default."""
+    rows = []
+    for key, option in options_of(CALCULATORS[name]).items():
+        kind = "|".join(option.words) or "FILE" if option.unit is None else option.unit or "NUMBER"
+        rows.append((f"--{key.replace('_', '-')} {kind}", f"{option.meaning}  [default: {option.origin}]".strip()))
+    return rows
+
+
+def written_options(name: str, arguments: Sequence[str]) -> dict[str, str]:
+    """The words `--key value` of a command line: key (with underscores) to text."""
+    written: dict[str, str] = {}
+    words = list(arguments)
+    while words:
+        word = words.pop(0)
+        require(word.startswith("--"), f"calc {name}: '{word}' belongs to no option; write --key value")
+        flag, equals, value = word[2:].partition("=")
+        if not equals:
+            if not words:
+                raise InputError(f"calc {name}: --{flag} needs a value")
+            value = words.pop(0)
+        key = flag.replace("-", "_")
+        if key in written:
+            raise InputError(f"calc {name}: --{flag} is given twice")
+        written[key] = value
+    return written
 
 
 def calculate(name: str, design: Design, written: Mapping[str, str]) -> Calculation:

@@ -154,6 +154,21 @@ class Checks(Result):
             raise InputError(f"no subject '{name}'{nearest(name, [*subjects, *FIGURES])}")
         return margins_figure([c for c in self.checks if c.subject == name] if name else self.failed)
 
+    def studies(
+        self, chained: bool, ranges: Sequence[Range], samples: int, scheduler: str | None, reporting: Any
+    ) -> dict[str, Any]:
+        """The studies that are asked for, by their key in the document: tolerance chains, sweep, and tolerances of
+        `samples` machines, if any; `reporting` gives a progress callback for each."""
+        found: dict[str, Any] = {"chains": chains(self.design)} if chained else {}
+        if ranges:
+            with reporting() as report:
+                swept = sweep(self.design, ranges, self.masses is not None, scheduler, report)
+            found[swept.name] = swept
+        if samples:
+            with reporting() as report:
+                found["tolerance"] = tolerances(self.design, self.masses, samples, scheduler, report)
+        return found
+
     def write_figures(self, folder: Path) -> dict[str, Path]:
         """Draw every figure of the checks that this design has into a folder; the files by title."""
         from workbench.figures.checks import figures_of

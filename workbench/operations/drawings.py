@@ -106,10 +106,11 @@ class Drawings(Result):
     Attributes:
         design: that is drawn.
         document: that of `stagecad drawings --json`.
+        folder: of the files.
     """
 
-    def __init__(self, design: Design, document: dict[str, Any]) -> None:
-        self.design, self.document = design, document
+    def __init__(self, design: Design, document: dict[str, Any], folder: Path) -> None:
+        self.design, self.document, self.folder = design, document, folder
 
     @property
     def sheets(self) -> dict[str, list[str]]:
@@ -147,12 +148,18 @@ class Drawings(Result):
         return sheet_figure(Path(next(file for file in self.sheets[name] if file.endswith(".png"))))
 
     def lines(self) -> list[Line]:
-        """Paper, scale and views of each sheet."""
+        """Paper, scale and views of each sheet; the number of files written."""
         rows = [
             (name, sheet["paper"], sheet["scale"], ", ".join(sheet["views"]))
             for name, sheet in self.document["sheets"].items()
         ]
-        return [plain_table("", "sheet|paper|scale|views", rows, "sheet|paper|views")]
+        written = f"{len(self.document['changed'])} of {self.document['files']} files written to {self.folder}"
+        return [plain_table("", "sheet|paper|scale|views", rows, "sheet|paper|views"), written]
+
+    def lint_lines(self) -> list[Line]:
+        """The hits of the lint, and their number."""
+        hits = [Note(f"{name}: {hit}") for name, hit in self.hits]
+        return [*hits, f"lint: {len(hits)} hits on {len(self.sheets)} sheets"]
 
     def __repr__(self) -> str:
         return f"<Drawings of '{self.design.values.file}': {', '.join(self.sheets)}>"
@@ -199,7 +206,8 @@ def drawings(
     for document in documents.values() if flat else ():
         document["files"] += write_flat(document["files"])
     parameters = _write_parameters(design, folder, sheets)
-    return Drawings(design, {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters})
+    document = {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters}
+    return Drawings(design, document, folder)
 
 
 def write_flat(files: Sequence[str]) -> list[str]:

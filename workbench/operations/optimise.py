@@ -367,6 +367,19 @@ def write_study(
     return {**document, "figures": drawn}, drawn
 
 
+def best_so_far(note: Callable[[str], None]) -> Callable[[BestSoFar], None]:
+    """What notes a better design, once for each number of violated rules and failed checks."""
+    told: set[str] = set()
+
+    def better(best: BestSoFar) -> None:
+        counts, values = best.words()
+        if counts not in told:
+            told.add(counts)
+            note(f"best so far: {counts}: {values}")
+
+    return better
+
+
 def time_limit(text: str | None) -> float:
     """Time of `--time`, s; infinite without it."""
     seconds = math.inf if text is None else parse_quantity(text, "s", "--time")

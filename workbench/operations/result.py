@@ -180,6 +180,13 @@ class Reported(Result):
         return write_report(self, Path(out))
 
 
+def update_report(result: Any, out: Path) -> None:
+    """Write the report below `out` again where there is one, of a result or of the last of its steps."""
+    last = [result, *getattr(result, "steps", ())][-1]
+    if isinstance(last, Reported) and last.experiment.has_report(out):
+        last.write_report(out)
+
+
 @contextmanager
 def without_options() -> Iterator[None]:
     """Errors in here do not name an option of the commands (`--set KEY: ...`), which is not known outside them."""

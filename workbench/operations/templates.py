@@ -24,6 +24,15 @@ from stagecad.parameters.project_tables import HARDWARE, NAME, ROW, SOURCE, Kind
 from stagecad.parameters.units import from_si, to_si
 
 FOLDER = Path(__file__).parents[1] / "templates"
+TEMPLATES = {
+    "part": "NAME.py: a part in cadquery with its dimensions; `stagecad drawings --part NAME.py` draws it.",
+    "check": "checks/NAME.py: a design check; `stagecad check` runs those beside the parameter file.",
+    "effect": "NAME.py: a physical effect, for `[model] custom` of an experiment.",
+    "example": "NAME/: a copy of a packaged example "
+    "(demo, own_effect, own_rig, two_axis_stage, ball_screw_slide, ...).",
+    "machine": "NAME/: a project folder with stage.toml, a check of its own and a part of its own.",
+}
+"""What each kind of template writes."""
 
 
 def shared_folder() -> Path:
@@ -68,6 +77,16 @@ def write_new(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     atomic_write_text(path, text)
     return path
+
+
+def write_template(kind: str, name: str) -> list[str]:
+    """Write a template under the user's name; what was written, in lines."""
+    if kind == "example":
+        folder = copy_example(name, Path(name))
+        return [f"written: {folder}", f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'"]
+    if kind == "machine":
+        return [f"written: {file}" for file in write_machine(name)]
+    return [f"written: {write_new(Path('checks' if kind == 'check' else '', f'{name}.py'), template(kind, name))}"]
 
 
 def write_machine(name: str) -> list[Path]:

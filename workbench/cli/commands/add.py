@@ -1,11 +1,13 @@
 """`stagecad add`: adds effects to an experiment's model, fits, writes the next rung; `--undo` goes back one."""
 
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 
 from workbench.cli.options import Run, common_options, experiment_options
-from workbench.operations.result import Reported
+from workbench.operations.result import update_report
 
 WRITE_BACK = (
     "Write a fitted value to KEY of the parameter file (--params, or stage.toml here), with its deviation and the "
@@ -32,11 +34,10 @@ def command(
     every: bool,
 ) -> None:
     """Add EFFECTs to the model of EXPERIMENT, fit it, write the next rung of its ladder and experiment.toml."""
-    if undo_last and (effects or keys or drop):
-        raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--drop' if drop else '--write-back'}")
-    if every and (effects or keys or drop or undo_last):
-        what = "EFFECT" if effects else "--drop" if drop else "--write-back" if keys else "--undo"
-        raise click.UsageError(f"--all takes no {what}")
+    given = (("EFFECT", effects), ("--drop", drop), ("--write-back", keys), ("--undo", every and undo_last))
+    what = next((word for word, one in given if one), None)
+    if what is not None and (every or undo_last):
+        raise click.UsageError(f"--{'undo' if undo_last and what != '--undo' else 'all'} takes no {what}")
     if not (undo_last or effects or drop or keys or every):
         raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
     from workbench.cli.console import search_progress, show
@@ -44,6 +45,7 @@ def command(
     from workbench.operations.measurement.write_back import WriteBack
 
     write_back = WriteBack(keys, run.design) if keys else None
+    change: Any = partial(add, drop=drop, design=run.design) if effects or drop else write_fitted
     words = [f"{word} {', '.join(names)}" for word, names in (("with", effects), ("without", drop)) if names]
     if every:
         with run.progress() as progress:
@@ -52,13 +54,7 @@ def command(
         result = undo(experiment, run.design)
     else:
         with run.busy(f"fitting the model {' and '.join(words) or 'as it stands'}"):
-            if effects or drop:
-                result = add(experiment, *effects, drop=drop, design=run.design, write_back=write_back)
-            else:
-                assert write_back is not None
-                result = write_fitted(experiment, write_back)
+            result = change(experiment, *effects, write_back=write_back)
     show(run, result.lines())
-    last = [result, *getattr(result, "steps", ())][-1]
-    if isinstance(last, Reported) and last.experiment.has_report(run.out):
-        last.write_report(run.out)
+    update_report(result, run.out)
     run.emit(result.to_json())

@@ -9,7 +9,7 @@ from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
 from workbench.cli.options import Run, common_options, design_trust, whole_number
 from workbench.figures.plot import save
-from workbench.operations.checks import Checks, chains, checks, ranges_of, sweep, tolerances
+from workbench.operations.checks import checks, ranges_of
 from workbench.report.machine import write_check_files
 
 SWEEP = "Show the margins over a range of a parameter; several parameters form a grid."
@@ -36,7 +36,8 @@ def command(run: Run, **given: Any) -> int:
     run.echo(f"{counted(result.checks)}; every formula with its numbers: {folder / 'checks.html'}")
     drawn = result.write_figures(folder) if given["figures"] else {}
     document: dict[str, Any] = {"checks": result.to_json()}
-    studies = dict(_studies(run, result, ranges, given))
+    samples = given["samples"] if given["tolerance"] else 0
+    studies = result.studies(given["chains"], ranges, samples, given["scheduler"], run.reporting)
     for name, study in studies.items():
         show(run, study.lines())
         document[name] = study.to_json()
@@ -48,16 +49,3 @@ def command(run: Run, **given: Any) -> int:
     write_check_files(result.checks, run.design.values, result.masses, folder, drawn)
     run.emit(document if studies else document["checks"])
     return 1 if result.failed else 0
-
-
-def _studies(run: Run, result: Checks, ranges: Any, given: dict[str, Any]) -> Any:
-    """The studies that are asked for, by their key in the document."""
-    if given["chains"]:
-        yield "chains", chains(run.design)
-    if ranges:
-        with run.reporting() as report:
-            study = sweep(run.design, ranges, result.masses is not None, given["scheduler"], report)
-            yield study.name, study
-    if given["tolerance"]:
-        with run.reporting() as report:
-            yield "tolerance", tolerances(run.design, result.masses, given["samples"], given["scheduler"], report)

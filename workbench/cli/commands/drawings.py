@@ -47,22 +47,14 @@ def command(
     if part is not None:
         if names:
             raise InputError(f"--part {part}: draws this part alone; leave out '{names[0]}'")
-        found = draw_file(part, design, trust, run.folder("drawings"), flat)
-        show(run, found.lines(lint))
-        run.emit(found.to_json())
-        return 1 if lint and found.hits else 0
-    run = run.with_design(design)
-    if trust:
-        run.trust_files()
-    folder = run.folder("drawings")
-    with run.reporting() as report:
-        made = drawings(design, names, folder, report, flat)
-    if run.json_target is None:
-        show(run, made.lines())
-        run.echo(f"{len(made.document['changed'])} of {made.document['files']} files written to {folder}")
-    if lint:
-        for name, hit in made.hits:
-            run.note(f"{name}: {hit}")
-        run.echo(f"lint: {len(made.hits)} hits on {len(made.sheets)} sheets")
-    run.emit(made.document)
+        made = draw_file(part, design, trust, run.folder("drawings"), flat)
+        show(run, made.lines(lint))
+    else:
+        run = run.with_design(design)
+        if trust:
+            run.trust_files()
+        with run.reporting() as report:
+            made = drawings(design, names, run.folder("drawings"), report, flat)
+        show(run, [*(() if run.json_target else made.lines()), *(made.lint_lines() if lint else ())])
+    run.emit(made.to_json())
     return 1 if lint and made.hits else 0

@@ -4,30 +4,18 @@ from pathlib import Path
 
 import click
 
-from stagecad.parameters.errors import nearest
 from workbench.cli.console import show
+from workbench.cli.dispatch import Group
 from workbench.cli.options import FILE, Run, common_options
-from workbench.operations.templates import EXAMPLES, copy_example, template, write_machine, write_new, write_table_of
+from workbench.operations.templates import TEMPLATES, write_table_of, write_template
 
 
-class Templates(click.Group):
-    """A group of one command for each kind of template; an unknown kind is refused with the most similar one."""
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and not args[0].startswith("-") and args[0] not in self.commands:
-            raise click.UsageError(f"new: no template of a '{args[0]}'{nearest(args[0], self.commands)}", ctx)
-        return super().resolve_command(ctx, args)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, " ".join((one.help or "").split())) for name, one in self.commands.items()])
-
-
-@click.group("new", cls=Templates)
+@click.group("new", cls=Group)
 def command() -> None:
     """Write a template to start from."""
+
+
+command.refusal = "new: no template of a '{}'"
 
 
 @command.command("experiment")
@@ -45,26 +33,15 @@ def experiment(run: Run, folder: Path, files: tuple[Path, ...], kind: str | None
     run.emit(written.to_json())
 
 
-def _written(*files: Path) -> None:
-    for file in files:
-        click.echo(f"written: {file}")
-
-
-def _add_template(kind: str, words: str) -> None:
-    folder = Path("checks" if kind == "check" else "")
-
-    @command.command(kind, help=words)
+def _add_template(kind: str) -> None:
+    @command.command(kind, help=TEMPLATES[kind])
     @click.argument("name")
     def write(name: str) -> None:
-        _written(write_new(folder / f"{name}.py", template(kind, name)))
+        click.echo("\n".join(write_template(kind, name)))
 
 
-for _kind, _words in {
-    "part": "NAME.py: a part in cadquery with its dimensions; `stagecad drawings --part NAME.py` draws it.",
-    "check": "checks/NAME.py: a design check; `stagecad check` runs those beside the parameter file.",
-    "effect": "NAME.py: a physical effect, for `[model] custom` of an experiment.",
-}.items():
-    _add_template(_kind, _words)
+for _kind in ("part", "check", "effect"):
+    _add_template(_kind)
 
 
 @command.command("hardware")
@@ -78,17 +55,5 @@ def hardware(run: Run, kind: str) -> None:
     show(run, write_table_of(run.design.values, kind))
 
 
-@command.command("example")
-@click.argument("name")
-def example(name: str) -> None:
-    """NAME/: a copy of a packaged example (demo, own_effect, own_rig, two_axis_stage, ball_screw_slide, ...)."""
-    folder = copy_example(name, Path(name))
-    _written(folder)
-    click.echo(f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'")
-
-
-@command.command("machine")
-@click.argument("name")
-def machine(name: str) -> None:
-    """NAME/: a project folder with stage.toml, a check of its own and a part of its own."""
-    _written(*write_machine(name))
+for _kind in ("example", "machine"):
+    _add_template(_kind)

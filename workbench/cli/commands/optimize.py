@@ -10,7 +10,7 @@ from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options, whole_number, without_rules
 from workbench.operations.levels import reached_levels
-from workbench.operations.optimise import BestSoFar, Search, optimised, time_limit
+from workbench.operations.optimise import Search, best_so_far, optimised, time_limit
 
 FREE = "Let a parameter change within a range, or among choices KEY=A|B, besides those marked free in the file."
 KEEP = "Require these checks only: a name, a pattern with *, or 'Table 1: speed'."
@@ -46,16 +46,8 @@ def command(
     wanted = Search(**effort, seconds=time_limit(limit))
     if levels and (target is not None or wanted.keep):
         raise InputError("--levels: --keep and --write are not used with it")
-    told: set[str] = set()
-
-    def better(best: BestSoFar) -> None:
-        counts, values = best.words()
-        if counts not in told:
-            told.add(counts)
-            run.note(f"best so far: {counts}: {values}")
-
     with run.reporting() as report:
-        one = reached_levels if levels else partial(optimised, better=better)
+        one = reached_levels if levels else partial(optimised, better=best_so_far(run.note))
         result = one(run.design, wanted, report)
     if run.json_target is None:
         show(run, result.lines())

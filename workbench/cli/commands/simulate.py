@@ -1,12 +1,10 @@
 """`stagecad simulate`: the thesis's experiments, the driven stage, and records of the model of an EXPERIMENT."""
 
-from pathlib import Path
 from typing import Any
 
 import click
 
 from sim.stage.studies import ON_REQUEST, STUDY_NAMES
-from stagecad.parameters.errors import InputError
 from workbench.cli.options import FILE, Run, common_options, consent, trust_option, whole_number
 
 NAMES = "[EXPERIMENT | tip presliding hysteresis stick-slip stage passivity limit-cycles]"
@@ -42,40 +40,21 @@ def command(run: Run, names: tuple[str, ...], **options: Any) -> None:
     model is simulated on its inputs, and records with noise are written with an experiment.toml to OUT/simulate/NAME.
     """
     from workbench.cli.console import show
-    from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA, read_selection, simulate_into
-    from workbench.operations.simulation.study import Runs
+    from workbench.operations.simulation.simulate import named_experiment, simulate_into
+    from workbench.operations.simulation.study import simulate_selected
 
     kinds, motion, noise, trust = (options.pop(name) for name in ("kinds", "motion", "noise", "trust"))
     formats = {"both": ("csv", "parquet"), "none": ()}.get(kinds, (kinds,))
-    # A name of the thesis's experiments is not that of a folder.
-    others = [name for name in names if name not in (*EXPERIMENTS, *EXTRA)]
-    if any(name.endswith(".toml") or "/" in name or "\\" in name or Path(name).is_dir() for name in others):
-        _refuse(names, options)
+    experiment = named_experiment(names, options, {"motion": motion, "trust": trust, "no-noise": not noise})
+    if experiment is not None:
         if trust:
-            consent(run, Path(names[0]))
+            consent(run, experiment)
         seed = options["seed"] if noise else None
         with run.busy("fitting the model where it has no values"):
-            simulated = simulate_into(run.out, Path(names[0]), run.design, motion, seed, formats)
-        show(run, simulated.lines())
-        run.emit(simulated.to_json())
-        return
-    if motion is not None or not noise or trust:
-        option = "motion" if motion else "trust" if trust else "no-noise"
-        raise InputError(f"--{option}: only for an EXPERIMENT; name its folder")
-    figures, seed = options.pop("figures"), options.pop("seed")
-    runs, folder = Runs(read_selection(names, **options), not names, seed, options), run.out / "simulate"
-    with run.reporting() as steps:
-        lines, document, files = runs.simulate(run.design, folder, formats, figures, steps)
+            simulated = simulate_into(run.out, experiment, run.design, motion, seed, formats)
+        lines, document = simulated.lines(), simulated.to_json()
+    else:
+        with run.reporting() as steps:
+            lines, document = simulate_selected(run.design, run.out / "simulate", formats, names, options, steps)
     show(run, lines)
-    run.echo(f"{files} in {folder}")
     run.emit(document)
-
-
-def _refuse(names: tuple[str, ...], options: dict[str, Any]) -> None:
-    """Refuse what an EXPERIMENT does not have."""
-    if len(names) != 1:
-        raise InputError(f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
-    for option in ("mass", "models", "studies", "swept", "draws", "scheduler"):
-        if options[option]:
-            flag = {"models": "model", "studies": "study", "swept": "sweep"}.get(option, option)
-            raise InputError(f"--{flag}: not for an EXPERIMENT, whose model is in its experiment.toml")

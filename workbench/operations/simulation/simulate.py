@@ -463,6 +463,24 @@ def simulate(
     return SimulatedRecords(experiment, simulate_records(experiment.problem, motion=inputs), seed)
 
 
+def named_experiment(names: Sequence[str], options: Mapping[str, Any], of_experiment: Mapping[str, Any]) -> Path | None:
+    """The EXPERIMENT that is named; None for the thesis's experiments. Options of the other are refused."""
+    # A name of the thesis's experiments is not that of a folder.
+    others = [name for name in names if name not in (*EXPERIMENTS, *EXTRA)]
+    if not any(name.endswith(".toml") or "/" in name or "\\" in name or Path(name).is_dir() for name in others):
+        for option, given in of_experiment.items():
+            if given:
+                raise InputError(f"--{option}: only for an EXPERIMENT; name its folder")
+        return None
+    if len(names) != 1:
+        raise InputError(f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
+    for option in ("mass", "models", "studies", "swept", "draws", "scheduler"):
+        if options[option]:
+            flag = {"models": "model", "studies": "study", "swept": "sweep"}.get(option, option)
+            raise InputError(f"--{flag}: not for an EXPERIMENT, whose model is in its experiment.toml")
+    return Path(names[0])
+
+
 def simulate_into(
     out: Path, experiment: Path, design: Any, motion: Path | None, seed: int | None, formats: tuple[str, ...]
 ) -> SimulatedRecords:

@@ -28,12 +28,15 @@ from workbench.operations.simulation.simulate import (
     features_of,
     flat_features,
     moving_mass,
+    read_selection,
     reads,
     simulate_one,
     simulate_selection,
 )
 from workbench.operations.simulation.tables import feature_text, write_table
 
+OF_MANY = ("swept", "draws", "scheduler")
+"""Options for the simulation of many designs."""
 Point = dict[str, Any] | str
 """Features at one value, or why the design or motion is refused."""
 
@@ -333,40 +336,35 @@ def _distributions(
     return distributions
 
 
-@dataclass(frozen=True)
-class Runs:
-    """What the command simulates: a selection at the design's own values, over a range of a parameter, or of sampled
-    machines."""
-
-    selection: Selection
-    every: bool  # whether no experiment was named
-    seed: int
-    options: Mapping[str, Any]  # `swept`, `draws` and `scheduler` as given, None where not
-
-    def simulate(
-        self, design: Design, folder: Path, formats: tuple[str, ...], figures: bool, progress: ProgressCallback
-    ) -> tuple[list[Line], dict[str, Any], str]:
-        """Simulate and write data and figures: lines, document, and the number of files in words."""
-        selection, (swept, draws, scheduler) = (
-            self.selection,
-            (self.options[k] for k in ("swept", "draws", "scheduler")),
-        )
-        summary = ""
-        if swept is not None:
-            chosen = read_range(swept, design.values)
-            found = sweep(design, chosen, selection, scheduler, progress)
-            lines, document, files = list(found.lines()), {"sweep": found.to_json()}, found.write(folder, formats)
-            summary = f"{len(found.points)} values of {chosen.key}, {len(found.columns) - 1} features each; "
-        elif draws is not None:
-            selection = replace(selection, names=EXPERIMENTS[:-1]) if self.every else selection
-            study = run_monte_carlo(design, selection, draws, self.seed, scheduler, progress)
-            lines, document, files = list(study.lines()), study.to_json(), study.write(folder, formats, figures)
-        else:
-            lines, document, files = selection.remarks(design.values), {}, []
-            folder.mkdir(parents=True, exist_ok=True)
-            for name in selection.names:
-                simulation = simulate_one(name, design.values, selection, scheduler, progress)
-                files += simulation.write(folder, formats, figures)
-                lines += simulation.lines()
-                document |= simulation.to_json()
-        return lines, document, f"{summary}{len(files)} files"
+def simulate_selected(
+    design: Design,
+    folder: Path,
+    formats: tuple[str, ...],
+    names: Sequence[str],
+    options: Mapping[str, Any],
+    progress: ProgressCallback,
+) -> tuple[list[Line], dict[str, Any]]:
+    """Simulate what the options of the command select, at the design's own values, over a range of a parameter, or of
+    sampled machines; write data and figures; lines and document."""
+    stated = {key: value for key, value in options.items() if key not in ("figures", "seed")}
+    selection, (swept, draws, scheduler) = read_selection(names, **stated), map(options.get, OF_MANY)
+    summary = ""
+    if swept is not None:
+        chosen = read_range(swept, design.values)
+        found = sweep(design, chosen, selection, scheduler, progress)
+        lines, document, files = list(found.lines()), {"sweep": found.to_json()}, found.write(folder, formats)
+        summary = f"{len(found.points)} values of {chosen.key}, {len(found.columns) - 1} features each; "
+    elif draws is not None:
+        selection = selection if names else replace(selection, names=EXPERIMENTS[:-1])
+        study = run_monte_carlo(design, selection, draws, options["seed"], scheduler, progress)
+        lines, document = list(study.lines()), study.to_json()
+        files = study.write(folder, formats, options["figures"])
+    else:
+        lines, document, files = selection.remarks(design.values), {}, []
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in selection.names:
+            simulation = simulate_one(name, design.values, selection, scheduler, progress)
+            files += simulation.write(folder, formats, options["figures"])
+            lines += simulation.lines()
+            document |= simulation.to_json()
+    return [*lines, f"{summary}{len(files)} files in {folder}"], document
