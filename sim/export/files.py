@@ -49,25 +49,30 @@ def outputs_of(function: ast.FunctionDef) -> int:
 
 
 class Language(ABC):
-    """Prints expressions and statements; what languages have in common."""
+    """Prints expressions and statements: what languages have in common, in the words of each (those of MATLAB here)."""
 
-    and_, or_, not_ = "&&", "||", "!"
+    and_, or_, not_, not_equal = "&&", "||", "~", "~="
     functions: dict[str, str] = {}
-    not_equal = "!="
+    entry, first = "s({})", 1
+    """An entry of the state, and the number of the first one."""
+    power, choice = "({})^({})", "choose({}, @() {}, @() {})"
+    assign, assign_many, give = "{} = {};", "[{}] = {};", "return"
+    if_, else_, end_if = "if {}", "else", "end"
+    while_, end_while = "while {}", "end"
 
     def expression(self, node: ast.expr) -> str:
         """An expression."""
         match node:
             case ast.Constant():
-                return self.number(float(node.value))  # pyright: ignore[reportArgumentType]
+                return repr(float(node.value))  # pyright: ignore[reportArgumentType]
             case ast.Name():
                 return node.id
             case ast.Attribute(attr="pi"):
-                return self.number(math.pi)
+                return repr(math.pi)
             case ast.Subscript():
-                return self.entry(int(node.slice.value))  # type: ignore[attr-defined]
+                return self.entry.format(int(node.slice.value) + self.first)  # type: ignore[attr-defined]
             case ast.BinOp(op=ast.Pow()):
-                return self.power(self.expression(node.left), self.expression(node.right))
+                return self.power.format(self.expression(node.left), self.expression(node.right))
             case ast.BinOp():
                 return f"({self.expression(node.left)} {_BINARY[type(node.op)]} {self.expression(node.right)})"
             case ast.UnaryOp(op=ast.Not()):
@@ -82,7 +87,7 @@ class Language(ABC):
                 word = self.and_ if isinstance(node.op, ast.And) else self.or_
                 return "(" + f" {word} ".join(self.expression(value) for value in node.values) + ")"
             case ast.IfExp():
-                return self.choice(*(self.expression(part) for part in (node.test, node.body, node.orelse)))
+                return self.choice.format(*(self.expression(part) for part in (node.test, node.body, node.orelse)))
             case ast.Call():
                 name = ast.unparse(node.func).removeprefix("math.")
                 return f"{self.functions.get(name, name)}({', '.join(self.expression(a) for a in node.args)})"
@@ -100,39 +105,30 @@ class Language(ABC):
         """One statement as lines."""
         match node:
             case ast.Assign(targets=[ast.Tuple() as targets], value=ast.Call() as call):
-                return [indent + self.assign_many([self.expression(t) for t in targets.elts], self.expression(call))]
+                return [indent + self.results_of([self.expression(t) for t in targets.elts], self.expression(call))]
             case ast.Assign(targets=[target]):
-                return [indent + self.assign(self.expression(target), self.expression(node.value))]
-            case ast.Return(value=ast.Tuple() as values):
-                return self.give([self.expression(value) for value in values.elts], indent)
+                return [indent + self.assign.format(self.expression(target), self.expression(node.value))]
             case ast.Return(value=ast.expr() as value):
-                return self.give([self.expression(value)], indent)
+                values = value.elts if isinstance(value, ast.Tuple) else [value]
+                return [indent + line for line in self.returned([self.expression(one) for one in values])]
             case ast.If():
-                return self.branch(node, indent)
+                inner = indent + "  "
+                lines = [indent + self.if_.format(self.expression(node.test)), *self.block(node.body, inner)]
+                lines += [indent + self.else_, *self.block(node.orelse, inner)] if node.orelse else []
+                return [*lines, indent + self.end_if]
             case ast.While():
-                return self.loop(self.expression(node.test), self.block(node.body, indent + self.step), indent)
+                head, body = self.while_.format(self.expression(node.test)), self.block(node.body, indent + "  ")
+                return [indent + head, *body, indent + self.end_while]
         raise NotImplementedError(ast.unparse(node))
 
-    step = "  "
+    def results_of(self, targets: Sequence[str], call: str) -> str:
+        """Assignment of the results of a call."""
+        return self.assign_many.format(", ".join(targets), call)
 
-    @abstractmethod
-    def number(self, value: float) -> str: ...
-    @abstractmethod
-    def entry(self, index: int) -> str: ...
-    @abstractmethod
-    def power(self, base: str, exponent: str) -> str: ...
-    @abstractmethod
-    def choice(self, test: str, one: str, other: str) -> str: ...
-    @abstractmethod
-    def assign(self, target: str, value: str) -> str: ...
-    @abstractmethod
-    def assign_many(self, targets: Sequence[str], call: str) -> str: ...
-    @abstractmethod
-    def give(self, values: Sequence[str], indent: str) -> list[str]: ...
-    @abstractmethod
-    def branch(self, node: ast.If, indent: str) -> list[str]: ...
-    @abstractmethod
-    def loop(self, test: str, body: list[str], indent: str) -> list[str]: ...
+    def returned(self, values: Sequence[str]) -> list[str]:
+        """The end of a function of these results."""
+        return [*(self.assign.format(f"out{k}", value) for k, value in enumerate(values)), self.give]
+
     @abstractmethod
     def function(self, node: ast.FunctionDef) -> str:
         """A function with its head."""
@@ -142,37 +138,16 @@ class C(Language):
     """C99 without allocation; further results of a function go through pointers."""
 
     functions = {"abs": "fabs", "max": "fmax", "min": "fmin", "sign": "sign_of"}
+    not_, not_equal, entry, first = "!", "!=", "s[{}]", 0
+    power, choice = "pow({}, {})", "({} ? {} : {})"
+    if_, else_, end_if = "if ({}) {{", "} else {", "}"
+    while_, end_while = "while ({}) {{", "}"
 
-    def number(self, value: float) -> str:
-        return repr(value)
-
-    def entry(self, index: int) -> str:
-        return f"s[{index}]"
-
-    def power(self, base: str, exponent: str) -> str:
-        return f"pow({base}, {exponent})"
-
-    def choice(self, test: str, one: str, other: str) -> str:
-        return f"({test} ? {one} : {other})"
-
-    def assign(self, target: str, value: str) -> str:
-        return f"{target} = {value};"
-
-    def assign_many(self, targets: Sequence[str], call: str) -> str:
+    def results_of(self, targets: Sequence[str], call: str) -> str:
         return f"{targets[0]} = {call[:-1]}, {', '.join(f'&{target}' for target in targets[1:])});"
 
-    def give(self, values: Sequence[str], indent: str) -> list[str]:
-        further = [f"{indent}*out{k} = {value};" for k, value in enumerate(values[1:], start=1)]
-        return [*further, f"{indent}return {values[0]};"]
-
-    def branch(self, node: ast.If, indent: str) -> list[str]:
-        lines = [f"{indent}if ({self.expression(node.test)}) {{", *self.block(node.body, indent + self.step)]
-        if node.orelse:
-            lines += [f"{indent}}} else {{", *self.block(node.orelse, indent + self.step)]
-        return [*lines, f"{indent}}}"]
-
-    def loop(self, test: str, body: list[str], indent: str) -> list[str]:
-        return [f"{indent}while ({test}) {{", *body, f"{indent}}}"]
+    def returned(self, values: Sequence[str]) -> list[str]:
+        return [*(f"*out{k} = {value};" for k, value in enumerate(values[1:], start=1)), f"return {values[0]};"]
 
     def function(self, node: ast.FunctionDef) -> str:
         arguments = [f"double {argument.arg}" for argument in node.args.args]
@@ -187,39 +162,6 @@ class C(Language):
 class Matlab(Language):
     """MATLAB (and Octave); the state is returned beside the force."""
 
-    functions = {"abs": "abs"}
-    not_, not_equal = "~", "~="
-
-    def number(self, value: float) -> str:
-        return repr(value)
-
-    def entry(self, index: int) -> str:
-        return f"s({index + 1})"
-
-    def power(self, base: str, exponent: str) -> str:
-        return f"({base})^({exponent})"
-
-    def choice(self, test: str, one: str, other: str) -> str:
-        return f"choose({test}, @() {one}, @() {other})"
-
-    def assign(self, target: str, value: str) -> str:
-        return f"{target} = {value};"
-
-    def assign_many(self, targets: Sequence[str], call: str) -> str:
-        return f"[{', '.join(targets)}] = {call};"
-
-    def give(self, values: Sequence[str], indent: str) -> list[str]:
-        return [*(f"{indent}out{k} = {value};" for k, value in enumerate(values)), f"{indent}return"]
-
-    def branch(self, node: ast.If, indent: str) -> list[str]:
-        lines = [f"{indent}if {self.expression(node.test)}", *self.block(node.body, indent + self.step)]
-        if node.orelse:
-            lines += [f"{indent}else", *self.block(node.orelse, indent + self.step)]
-        return [*lines, f"{indent}end"]
-
-    def loop(self, test: str, body: list[str], indent: str) -> list[str]:
-        return [f"{indent}while {test}", *body, f"{indent}end"]
-
     def function(self, node: ast.FunctionDef) -> str:
         outputs = [f"out{k}" for k in range(outputs_of(node))]
         head = f"function [{', '.join(outputs)}] = {node.name}({', '.join(a.arg for a in node.args.args)})"
@@ -229,38 +171,11 @@ class Matlab(Language):
 class Modelica(Language):
     """Functions of Modelica, with an algorithm each."""
 
-    functions = {"log1p": "log1p_of", "expm1": "expm1_of", "sign": "sign_of", "max": "max", "min": "min"}
-    and_, or_, not_, not_equal = "and", "or", "not ", "<>"
-
-    def number(self, value: float) -> str:
-        return repr(value)
-
-    def entry(self, index: int) -> str:
-        return f"s[{index + 1}]"
-
-    def power(self, base: str, exponent: str) -> str:
-        return f"({base})^({exponent})"
-
-    def choice(self, test: str, one: str, other: str) -> str:
-        return f"(if {test} then {one} else {other})"
-
-    def assign(self, target: str, value: str) -> str:
-        return f"{target} := {value};"
-
-    def assign_many(self, targets: Sequence[str], call: str) -> str:
-        return f"({', '.join(targets)}) := {call};"
-
-    def give(self, values: Sequence[str], indent: str) -> list[str]:
-        return [*(f"{indent}out{k} := {value};" for k, value in enumerate(values)), f"{indent}return;"]
-
-    def branch(self, node: ast.If, indent: str) -> list[str]:
-        lines = [f"{indent}if {self.expression(node.test)} then", *self.block(node.body, indent + self.step)]
-        if node.orelse:
-            lines += [f"{indent}else", *self.block(node.orelse, indent + self.step)]
-        return [*lines, f"{indent}end if;"]
-
-    def loop(self, test: str, body: list[str], indent: str) -> list[str]:
-        return [f"{indent}while {test} loop", *body, f"{indent}end while;"]
+    functions = {"log1p": "log1p_of", "expm1": "expm1_of", "sign": "sign_of"}
+    and_, or_, not_, not_equal, entry = "and", "or", "not ", "<>", "s[{}]"
+    choice = "(if {} then {} else {})"
+    assign, assign_many, give = "{} := {};", "({}) := {};", "return;"
+    if_, end_if, while_, end_while = "if {} then", "end if;", "while {} loop", "end while;"
 
     def function(self, node: ast.FunctionDef) -> str:
         name = self.functions.get(node.name, node.name)
