@@ -8,7 +8,9 @@ the top of the base.
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stagecad.parameters.design import Design
@@ -20,59 +22,9 @@ if TYPE_CHECKING:
 Place = tuple[float, float]
 
 
-_STACK = "height_pin_1.flat_height + height_pin_2.length"
-_RAISED = "bearing_way.height + pads.height + base.seat_height"
-"""Height of the drive surface over the floor beside the seats of the ways."""
-
 COMPUTED: dict[str, Computed] = {
-    "stage.payload_drill_depth": Computed("stage.thickness - stage.payload_floor", "X.X"),
-    "stage.payload_thread_depth": Computed("stage.payload_drill_depth - 2*threads.m6_pitch", "X.X"),
-    "stage.iron_pocket_width": Computed(
-        "2*teeth.per_iron*teeth.pitch + magnet.thickness + stage.iron_pocket_clearance", "X.X"
-    ),
-    "bearing_way.bolt_count": Computed(
-        "max(floor((bearing_way.length - 2*bearing_way.bolt_end)/bearing_way.bolt_spacing) + 1, 0)"
-    ),
-    "tip.relief_depth": Computed("actuator.tip_height + tip.seat_depth - tip.relief_cover", "X.X"),
-    "base.seat_gap": Computed("base.way_gap + 2*base.seat_overhang", "X.X"),
-    "base.width": Computed("base.way_gap + 2*bearing_way.width", "X"),
-    "base.pin_1_axis_depth": Computed(
-        f"{_STACK} + holder.floor + piezo.length + actuator.tip_height - bearing_way.height - pads.height", "X.XX"
-    ),
-    "base.pocket_depth": Computed(
-        "base.pin_1_axis_depth - height_pin_1.flat_height - height_pin_2.length + base.pocket_clearance", "X.X"
-    ),
-    "base.pocket_bore": Computed("max(base.pocket_depth - base.seat_height, 1 mm)", "X.X"),
-    "tooth_bar.height": Computed(
-        "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap + base.seat_height",
-        "X.XX",
-    ),
-    # The sign is that of the outer irons for more than two buffers at either end, else that of the inner ones.
-    "stop_bar.length": Computed(
-        "teeth.bar_spacing + min(max(2*end_stop.count - 5, -1), 1)*(teeth.per_iron*teeth.pitch + magnet.thickness)"
-        " + buffer.width + 2*making.least_wall",
-        "X.X",
-    ),
-    "stop_bar.height": Computed(f"max({_RAISED} + end_stop.height + buffer.height/2, 1 mm)", "X.X"),
-    "stop_bar.reach": Computed(
-        "max(base.bracket_spacing_along/2 - stage.travel/2 - tooth_iron.length/2 - end_stop.gap - buffer.length, 1 mm)",
-        "X.X",
-    ),
-    "sensor_bracket.optics": Computed(
-        "max((stage.travel + stage.length)/2 + mirror.thickness + sensors.interferometer.dead_path"
-        " + (interferometer.length - interferometer.screw_spacing)/2 - base.bracket_spacing_along/2"
-        " - stop_bar.overhang, 1 mm)",
-        "X.X",
-    ),
-    "sensor_bracket.drop": Computed(
-        "max(stop_bar.height - stop_bar.sensor_depth + interferometer.beam_height - bearing_way.height - pads.height"
-        " - base.seat_height - stage.thickness/2, 1 mm)",
-        "X.X",
-    ),
-    "spring.installed_length": Computed("base.pin_1_bore_end - height_pin_1.length/2"),
-    # The width of the loop over its stroke is the sine of the loss angle.
-    "piezo.loss_factor": Computed("tan(asin(piezo.hysteresis))"),
-    "piezo.stiffness": Computed("piezo.blocking_force/piezo.stroke"),
+    key: Computed(*stated)
+    for key, stated in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
 }
 """Formulas of the keys that a parameter file may leave out, with the tolerance class of the resulting dimension."""
 

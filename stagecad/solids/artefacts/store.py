@@ -84,7 +84,8 @@ def _imported(module: str) -> tuple[str, ...]:
 
 @cache
 def source_digest(modules: tuple[str, ...]) -> str:
-    """Sha256 of the source of `modules` and of all modules of this project that they import, directly or indirectly."""
+    """Sha256 of the source of `modules` and of all modules of this project that they import, directly or indirectly,
+    each with the tables of its name (`threads.csv` of `threads.py`)."""
     pending: list[str] = list(modules)
     closure: set[str] = set()
     while pending:
@@ -95,8 +96,9 @@ def source_digest(modules: tuple[str, ...]) -> str:
     digest = hashlib.sha256()
     for name in sorted(closure):
         path = _file(name)
-        if path is not None:
-            digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
+        files = [] if path is None else [path.with_suffix(suffix) for suffix in (".py", ".csv", ".toml")]
+        for file in filter(Path.is_file, files):
+            digest.update(name.encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()
 
 
