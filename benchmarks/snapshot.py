@@ -135,9 +135,9 @@ def dimensions(program: Program) -> dict[str, Any]:
         document, folder, words = program.run(["make", "--no-simulations"])
         return {key: value for key, value in document.items() if key != "checks"} | {
             "hits": {name: len(row["hits"]) for name, row in document["drawings"].items()},
-            "sheets": {path.stem: sheet(path) for path in sorted(folder.glob("*.dxf"))},
+            "sheets": {path.stem: sheet(path) for path in sorted(folder.rglob("*.dxf"))},
             "interference": [float(n) for k in words.splitlines() if "interference" in k for n in NUMBER.findall(k)],
-            "bill_of_materials": json.loads((folder / "bill_of_materials.json").read_text(encoding="utf-8")),
+            "bill_of_materials": json.loads((folder / "parts" / "bill_of_materials.json").read_text(encoding="utf-8")),
         }
 
     return program.each({"make": made, "parameters": lambda: program.run(["params"])[0]})
