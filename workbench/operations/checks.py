@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.chain import Chain
 from designcalc.checks.check import Check
-from designcalc.checks.proposals import evaluate_proposals
 from designcalc.checks.report import shown, shown_limit, shown_margin
-from designcalc.checks.run import register, run_checks, subjects_of
+from designcalc.checks.run import evaluate_proposals, register, run_checks, subjects_of
 from designcalc.checks.sweep import (
     Point,
     Range,

@@ -16,7 +16,7 @@ Report = Callable[[str, int, int], None]
 TASKS: dict[str, str] = dict.fromkeys(
     ("compare", "predict", "diagnose", "add", "undo", "suggest", "export"), "tasks.measurement"
 )
-TASKS |= dict.fromkeys(("solids", "drawings", "optimize"), "tasks.machine") | {"simulate": "tasks.simulation"}
+TASKS |= dict.fromkeys(("solids", "drawings", "optimize", "simulate"), "tasks.machine")
 """Module of each task, of the function of the same name."""
 
 

@@ -23,7 +23,7 @@ from workbench.page.curves import extremes, read_blocks, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.machine_session import ChangedElsewhereError, MachineSession
 from workbench.page.project import Project
-from workbench.page.routes import experiments, machine, measurement, optimisation, simulation
+from workbench.page.routes import experiments, machine, measurement, simulation
 from workbench.page.security import EVERY_ADDRESS, Guard, allowed_hosts
 
 HEARTBEAT = 15.0
@@ -90,7 +90,7 @@ def create_app(project: Project) -> FastAPI:
     app.state.project, app.state.events, app.state.jobs = project, events, jobs
     app.state.machine = MachineSession(project)
     app.state.previews = asyncio.Semaphore(1)
-    for module in (machine, optimisation, experiments, measurement, simulation):
+    for module in (machine, experiments, measurement, simulation):
         app.include_router(module.router)
     _add_common_routes(app)
     _add_errors(app)

@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from designcalc.checks.check import Change, change
-from designcalc.checks.proposals import evaluate_proposals
-from designcalc.checks.run import run_checks
+from designcalc.checks.run import evaluate_proposals, run_checks
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules import violations

@@ -1,5 +1,6 @@
-"""Routes of the machine view: parameters, checks, rules, solids, drawings, differences."""
+"""Routes of the machine view: parameters, checks, rules, solids, drawings, differences, optimisation."""
 
+import json
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Request
@@ -7,12 +8,15 @@ from fastapi.responses import FileResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
+from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import masses_from_json
 from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
+from workbench.operations.optimise import marked_free, need_free
 from workbench.operations.parameters import parameter_rows
 from workbench.operations.result import finite
 from workbench.page.machine_session import Changes, MachineSession
+from workbench.page.tasks.machine import BEST, STOP
 
 FULL = 1e9
 """Limit of time for an answer that has all checks, s."""
@@ -192,6 +196,51 @@ def artefact(key: str, name: str) -> FileResponse:
     if suffix not in ARTEFACTS:
         raise InputError(f"{name}: no mesh, and no sheet")
     return FileResponse(path, media_type=ARTEFACTS[suffix], headers=IMMUTABLE)
+
+
+class OptimizeBody(Body):
+    """As the options of `stagecad optimize`; `free` holds the ranges and choices by key, all that may change."""
+
+    free: dict[Text, Text] = Field(min_length=1, max_length=100)
+    keep: Annotated[list[Text], Field(max_length=300)] = []
+    budget: int = Field(default=600, ge=20, le=100_000)
+    seconds: float = Field(default=300.0, ge=1.0, le=1e6)
+
+
+@router.get("/optimize")
+def free(request: Request) -> dict[str, str]:
+    """Ranges `LOW:HIGH` and choices `A|B` of the parameters that the present file marks as free."""
+    return marked_free(session_of(request).design())
+
+
+@router.post("/optimize")
+def optimize(request: Request, body: OptimizeBody) -> dict[str, Any]:
+    """Start `stagecad optimize` on the present design."""
+    session, jobs = session_of(request), request.app.state.jobs
+    for key, text in body.free.items():
+        if "=" in key or not text.strip():
+            raise InputError(f"{key}: a range LOW:HIGH is required, or choices A|B")
+    need_free(session.design(), body.free)
+    arguments = {**session.source(), "search": body.model_dump()}
+    return jobs.submit("optimisation", "optimize", arguments, title="Optimize", replaces=True).as_json()
+
+
+@router.get("/optimize/{number}/best")
+def best(request: Request, number: int) -> Any:
+    """The best design that a search has evaluated so far, also of one that was cancelled; null before the first."""
+    jobs = request.app.state.jobs
+    path = jobs.job_folder(jobs.get(number)) / BEST
+    return json.loads(path.read_text("utf-8")) if path.is_file() else None
+
+
+@router.post("/optimize/{number}/stop")
+def stop(request: Request, number: int) -> dict[str, Any]:
+    """End a search with what it has found."""
+    jobs = request.app.state.jobs
+    job = jobs.get(number)
+    if job.task == "optimize" and job.state == "running":
+        atomic_write_text(jobs.job_folder(job) / STOP, "")
+    return job.as_json()
 
 
 def _changes(body: ChangesBody | CommitBody) -> Changes:

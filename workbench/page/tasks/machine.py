@@ -1,4 +1,4 @@
-"""Jobs of the machine view: solids, drawings, and the nearest design without violated rules and failed checks."""
+"""Jobs on a design: solids, drawings, the nearest design without violated rules and failed checks, and simulations."""
 
 import json
 from pathlib import Path
@@ -10,6 +10,9 @@ from workbench.operations.drawings import sheets as sheets_of
 from workbench.operations.optimise import BestSoFar, Search, optimised
 from workbench.operations.parts import solids as solids_of
 from workbench.operations.result import without_options
+from workbench.operations.simulation.simulate import Simulation
+from workbench.operations.simulation.simulate import simulate as simulate_design
+from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 
 
@@ -80,3 +83,33 @@ def optimize(
             for one in found.fronts
         ],
     }
+
+
+STAGE = "stage-"
+"""Begins the name of a study of the driven stage."""
+
+
+def simulate(
+    text: str | None,
+    name: str,
+    overrides: dict[str, str],
+    experiment: str,
+    models: list[str],
+    folder: str,
+    report: Report,
+) -> dict[str, Any]:
+    """One experiment: the document of `stagecad simulate --json`, and its curves."""
+    if experiment.startswith(STAGE):
+        study = experiment.removeprefix(STAGE)
+        found = simulate_design("stage", design_of(text, name, overrides), studies=[study], progress=report)
+        prefix = f"stage_{study}_"
+    else:
+        design = design_of(text, name, overrides, rules=False)
+        found = simulate_design(experiment, design, models, progress=report)
+        prefix = f"{experiment}_"
+    assert isinstance(found, Simulation)
+    curves = [
+        {**write_curves(Path(folder), number, columns), "title": title.removeprefix(prefix)}
+        for number, (title, columns) in enumerate(found.columns.items())
+    ]
+    return {"experiment": experiment, "document": found.to_json(), "curves": curves}

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from designcalc.checks.check import Change, Check, Comparison, DesignInputs
-from designcalc.checks.proposals import evaluate_proposals
 from designcalc.checks.report import corrections, markdown, requirements
-from designcalc.checks.run import changed_masses, run_checks
+from designcalc.checks.run import changed_masses, evaluate_proposals, run_checks
 from designcalc.checks.sweep import changing_checks, combinations, read_range, run_points, table
 from designcalc.checks.tolerance import tolerance_study
 from designcalc.friction_stage.checks.alternatives import ranking
