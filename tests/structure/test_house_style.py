@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14917,
-    "designcalc": 10500,
-    "sim": 12564,
-    "sysid": 20548,
-    "drawings": 12538,
-    "workbench": 15392,
+    "stagecad": 14726,
+    "designcalc": 10491,
+    "sim": 12477,
+    "sysid": 20543,
+    "drawings": 12246,
+    "workbench": 15374,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
