@@ -339,7 +339,11 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
 
 
 def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
-    """The model with the set of effects found by forward selection, which begins with one of the candidates `first`."""
+    """The model with the set of effects found by forward selection, which begins with one of the candidates `first`.
+
+    After each step an effect is exchanged as long as that is a step too: an effect, or its variant, that was the best
+    one while others were missing may not be so beside them (floating search, Pudil, Novovicova and Kittler 1994).
+    """
     search, model = whole.search, whole.search.stated
     while len(model.added) < MOST_EFFECTS and model.held_out.loss > near_noise_loss(search):
         options = [c for c in (search.step(model) if model.added else first) if is_step(model, c)]
@@ -348,6 +352,18 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
             break
         found = search.converged(simplest(model, options))
         if found.held_out.loss >= model.held_out.loss:
+            break
+        model = exchanged(search, found)
+    return model
+
+
+def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
+    """A set of effects with others in the place of some of them, where each exchange is a step."""
+    while len(model.added) > 1 and model.held_out.loss > near_noise_loss(search):
+        below = [search.without(model, effect.name) for effect in model.added]
+        options = [c for other in below if other is not None for c in search.step(other) if is_step(model, c)]
+        found = search.converged(simplest(model, options)) if options else model
+        if not is_step(model, found):
             break
         model = found
     return model

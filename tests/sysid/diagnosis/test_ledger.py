@@ -11,9 +11,12 @@ from sim.integration.compiled.kernels import is_built_in
 from stagecad.parameters.errors import InputError
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.held_out import Transfer
-from sysid.diagnosis.ledger import Evidence, judge
+from sysid.diagnosis.ledger import Evidence, exchanged, judge
+from sysid.diagnosis.model_search import ModelSearch
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.ladder import add_all
 from sysid.prediction.model import public_name, variant_group
+from sysid.prediction.problem import load_problem
 from sysid.report import ledger_json
 from tests.sysid.axis_with_pitch import uneven, write
 
@@ -155,3 +158,30 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
 )
 def test_effects_established_in_reported_records(name: str, effects: set[str]) -> None:
     assert {entry.name for entry in diagnose(REPORTS / name).ledger.established} == effects
+
+
+def test_variant_of_an_effect_is_exchanged_beside_another_effect(tmp_path: Path) -> None:
+    """Friction that grows with the root of the load, one direction apart: the linear law is no end of the search."""
+    text = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\n'
+    text += 'friction_force = "0.02 N"\n'
+    random = np.random.default_rng(3)
+    for load in (20.0, 200.0, 400.0, 100.0):
+        time, role = np.arange(600) * 0.01, "validate" if load == 100.0 else "fit"
+        position = 5e-3 * np.sin(2.0 * np.pi * 0.5 * time)
+        velocity = 5e-3 * np.pi * np.cos(2.0 * np.pi * 0.5 * time)
+        force = 0.5 * np.sqrt(load) * (1.0 + 0.3 * (velocity > 0.0)) * np.sign(velocity)
+        force += 0.02 * random.normal(size=time.size)
+        rows = np.column_stack([time, position, velocity, force, 0.0 * time + load])
+        header = "time [s],position [m],velocity [m/s],friction_force [N],normal_load [N]"
+        np.savetxt(tmp_path / f"{load:.0f}.csv", rows, "%.9g", ",", header=header, comments="")
+        text += f'[[record]]\nfile = "{load:.0f}.csv"\nrole = "{role}"\n'
+    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
+    problem = load_problem(tmp_path)
+    search = ModelSearch(problem, fit_stated_model(problem))
+    names = {"direction_asymmetry", "load_dependent_friction"}
+    load = next(c for c in search.singles if c.names == ("load_dependent_friction",))
+    linear = next(c for c in search.step(load) if {*c.names} == names)
+    found = exchanged(search, linear)
+    assert {*found.families} == names and "load_dependent_friction:power" in found.names
+    assert found.held_out.loss == pytest.approx(1.0, abs=0.1)
+    assert linear.held_out.loss > 10.0
