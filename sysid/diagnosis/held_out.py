@@ -177,6 +177,10 @@ class HeldOut:
             return float("inf")
         return float(np.mean(huber_square(self.residual))) if self.residual.size else float("nan")
 
+    def at(self, rows: np.ndarray) -> HeldOut:
+        """The residual of some of the samples, (n,) true or false."""
+        return HeldOut(self.residual[rows], self.block[rows])
+
     def gain_of(self, better: HeldOut) -> Gain:
         """Reduction of the loss by another model of the same samples."""
         return Gain(self.loss - better.loss, transfer(self.residual, better.residual, self.block))

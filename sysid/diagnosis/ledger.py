@@ -19,7 +19,7 @@ from typing import Literal
 import numpy as np
 
 from sim.effects.effect import Coordinate, Effect
-from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import (
     CERTAIN_Z,
     CURVE_MARGIN,
@@ -37,12 +37,12 @@ from sysid.diagnosis.constants import (
     STEP_Z,
     WELL_EXPLAINED,
 )
-from sysid.diagnosis.held_out import Transfer, transfer
+from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.residual_maps import explained_variance
 from sysid.estimation.covariance import implausible
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.misfit import blocks, huber_square, worst_over_noise
+from sysid.estimation.misfit import blocks, huber_square, scored_channels, worst_over_noise
 from sysid.prediction.model import Model, public_name
 
 TIE = 0.03
@@ -52,7 +52,7 @@ TIE = 0.03
 def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
     """The simplest of the candidates whose gain over a model hardly differs from the largest."""
     best = min(options, key=lambda c: c.loss)
-    tied = [c for c in options if is_tied(c, best, model.loss - best.loss)]
+    tied = [c for c in options if is_tied(c, best, max(model.loss - best.loss, 0.0))]
     # In one direction of motion a friction that depends on the position is the same as a force.
     return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.loss))
 
@@ -198,25 +198,49 @@ class _Set:
     added: tuple[str, ...]  # names of the effects of the stated model that were added to it before
     model: Candidate  # the model with the set
     recurring: frozenset[Coordinate]  # coordinates whose values recur
+    channel: str = ""  # channel on which it is judged; empty for all
+
+    @cached_property
+    def channels(self) -> list[str]:
+        """Channels that are compared, where there are several."""
+        found = sorted(set(scored_channels(self.search.base.weights).tolist()))
+        return found if len(found) > 1 else []
+
+    @cached_property
+    def _held_rows(self) -> np.ndarray:
+        channels = scored_channels(self.search.base.weights)
+        return (channels == self.channel) | (self.channel == "")
+
+    @cached_property
+    def _fit_rows(self) -> np.ndarray:
+        channels = scored_channels(self.search.base.fitted.weights)
+        return (channels == self.channel) | (self.channel == "")
+
+    def held(self, candidate: Candidate | Reference) -> HeldOut:
+        """Held-out residual of a model on the channel."""
+        return candidate.held_out.at(self._held_rows)
+
+    @cached_property
+    def whole(self) -> HeldOut:
+        """Held-out residual of the model with the set on the channel."""
+        return self.held(self.model)
 
     @cached_property
     def explained(self) -> float:
         """T, the part of the excess that the set removes."""
-        before, after = self.search.reference.held_out.loss, self.model.held_out.loss
+        before, after = self.held(self.search.reference).loss, self.whole.loss
         return (before - after) / max(before - min(self.noise, after), 1e-9)
 
     @cached_property
     def refuted_by(self) -> str:
         """Free curve that explains clearly more than the set, as text; one of their own is then a matter of form."""
         own = {name for effect in self.model.added for name in effect.coordinates}
-        excess = self.search.reference.held_out.loss - self.noise
+        excess = self.held(self.search.reference).loss - self.noise
         for curve in self.search.curves:
             name = curve.added[0].coordinates[0]
-            gain = self.model.held_out.gain_of(curve.held_out)
-            if gain.loss <= CURVE_MARGIN * excess:
-                break
+            gain = self.whole.gain_of(self.held(curve))
             rival = name in self.recurring and (self.explained < WELL_EXPLAINED or name not in own)
-            if rival and gain.z >= CERTAIN_Z:
+            if rival and gain.loss > CURVE_MARGIN * excess and gain.z >= CERTAIN_Z:
                 return f"a free curve of {name} explains more than all effects found"
         return ""
 
@@ -226,15 +250,17 @@ class _Set:
         below = search.without(model, effect.name)
         if below is None:
             return None
-        gain = below.held_out.gain_of(model.held_out)
-        number = blocks(search.problem.fit_records, search.base.fitted.weights)
-        fit = transfer(below.fitted.fit.residual, model.fitted.fit.residual, number)
+        without = self.held(below)
+        gain = without.gain_of(self.whole)
+        rows = self._fit_rows
+        number = blocks(search.problem.fit_records, search.base.fitted.weights)[rows]
+        fit = transfer(below.fitted.fit.residual[rows], model.fitted.fit.residual[rows], number)
         few = gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
         return Evidence(
             gain=gain.loss,
-            share=gain.loss / max(search.reference.held_out.loss - self.noise, gain.loss, 1e-9),
-            own_share=gain.loss / max(below.held_out.loss - min(self.noise, model.held_out.loss), 1e-9),
-            before=below.held_out.loss,
+            share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),
+            own_share=gain.loss / max(without.loss - min(self.noise, self.whole.loss), 1e-9),
+            before=without.loss,
             near_noise=near_noise_loss(search),
             held=gain.transfer,
             fit=fit,
@@ -249,23 +275,23 @@ class _Set:
     def _exchanged(self, below: Candidate) -> Transfer | None:
         """Transfer from the held-out records to those of the fit."""
         without, with_it = self.search.exchanged(below), self.search.exchanged(self.model)
-        return None if without is None or with_it is None else without.gain_of(with_it).transfer
+        rows = self._fit_rows
+        return None if without is None or with_it is None else without.at(rows).gain_of(with_it.at(rows)).transfer
 
     def _form(self, effect: Effect) -> float:
         """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the largest
         effect of the same coordinate; its first coordinate counts even where that does not recur."""
         own = (self.recurring & set(effect.coordinates)) | set(effect.coordinates[:1])
-        whole = self.model.held_out
         largest = {q: max(self._gain(e) for e in self.model.added if q in e.coordinates) for q in own}
-        if not own or whole.loss - self.noise <= 0.5 * MOST_FORM_ERROR * min(largest.values()):
+        if not own or self.whole.loss - self.noise <= 0.5 * MOST_FORM_ERROR * min(largest.values()):
             return 0.0
         curves = self.search.with_curves(self.model, own)
-        gains = [(c.added[-1].coordinates[0], whole.gain_of(c.held_out)) for c in curves]
+        gains = [(c.added[-1].coordinates[0], self.whole.gain_of(self.held(c))) for c in curves]
         return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= STEP_Z), default=0.0)
 
     def _gain(self, effect: Effect) -> float:
         below = self.search.without(self.model, effect.name)
-        return 0.0 if below is None else below.held_out.loss - self.model.held_out.loss
+        return 0.0 if below is None else self.held(below).loss - self.whole.loss
 
     def floor(self, below: Candidate, larger: Candidate, known: Candidate) -> float:
         """Loss that a relative error `FORM_ERROR` of the other effects of a model leaves, in as far as what the larger
@@ -279,15 +305,16 @@ class _Set:
             known: the one in which the contributions of the others are taken.
         """
         search = self.search
-        records, weights, residual = search.problem.validate_records, search.base.weights, larger.held_out.residual
-        change, total = below.held_out.residual - residual, 0.0
+        records, weights, rows = search.problem.validate_records, search.base.weights, self._held_rows
+        change, total = below.held_out.residual - larger.held_out.residual, 0.0
+        residual = larger.held_out.residual[rows]
         for other in below.fitted.model.effects:
             if other.name not in (*below.names, *self.added):
                 continue
             shared = explained_variance(change, records, weights, other.coordinates)
             rest = search.without(known, other.name) if shared > 0.0 else None
             if rest is not None:
-                error = FORM_ERROR * (rest.held_out.residual - known.held_out.residual)
+                error = FORM_ERROR * (rest.held_out.residual - known.held_out.residual)[rows]
                 one, opposite, none = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0, 0.0))
                 total += shared * max(0.5 * (one + opposite) - none, 0.0)
         return total
@@ -334,7 +361,8 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
             return whole, [*judged, *entries]
         # It may replace one of the others: the rest is judged without it. What gained by them alone is no finding.
         entries = [weakest, *entries] if weakest.evidence and weakest.evidence.held.z >= EACH_Z else entries
-        whole = replace(whole, model=whole.search.without(whole.model, weakest.effect.name) or whole.search.stated)
+        rest = whole.search.without(whole.model, weakest.effect.name) or whole.search.stated
+        whole = replace(whole, model=exchanged(whole.search, rest) if rest.implausible else rest)
     return whole, entries
 
 
@@ -358,12 +386,15 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
 
 
 def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
-    """A set of effects with others in the place of some of them, where each exchange is a step."""
-    while len(model.added) > 1 and model.held_out.loss > near_noise_loss(search):
-        below = [search.without(model, effect.name) for effect in model.added]
-        options = [c for other in below if other is not None for c in search.step(other) if is_step(model, c)]
+    """A set of effects with others in the place of some of them, where each exchange is a step, or, of a set with
+    implausible values, a step over the rest of it."""
+    while model.added and (model.implausible or len(model.added) > 1 and model.held_out.loss > near_noise_loss(search)):
+        below = [other for e in model.added if (other := search.without(model, e.name)) is not None]
+        options = [
+            c for other in below for c in search.step(other) if is_step(other if model.implausible else model, c)
+        ]
         found = search.converged(simplest(model, options)) if options else model
-        if not is_step(model, found):
+        if found.implausible or not (model.implausible or is_step(model, found)):
             break
         model = found
     return model
@@ -379,6 +410,19 @@ def is_step(model: Candidate, larger: Candidate) -> bool:
 
 
 def _judged(whole: _Set, effect: Effect) -> Entry | None:
+    """An effect with its state. What one channel shows alone, and no other contradicts, is established: a channel that
+    no model explains is no evidence against it."""
+    entry = _judged_on(whole, effect)
+    if entry is None or entry.state != "possible":
+        return entry
+    channels = [_judged_on(replace(whole, channel=channel), effect) for channel in whole.channels]
+    alone = [other for other in channels if other is not None and other.evidence is not None]
+    if any(other.evidence.held.z <= -EACH_Z for other in alone if other.evidence is not None):
+        return entry
+    return next((other for other in alone if other.state == "established"), entry)
+
+
+def _judged_on(whole: _Set, effect: Effect) -> Entry | None:
     evidence = whole.evidence(effect)
     if evidence is None:
         return None
@@ -386,10 +430,12 @@ def _judged(whole: _Set, effect: Effect) -> Entry | None:
     tied: tuple[str, ...] = ()
     if state == "established" and (evidence.share >= LEAST_OWN_SHARE or whole.explained < 0.5):
         rivals = whole.rivals(effect)
-        behind = [(c.held_out.loss - whole.model.held_out.loss) / evidence.gain for c in rivals]
+        behind = [(whole.held(c).loss - whole.whole.loss) / evidence.gain for c in rivals]
         evidence = replace(evidence, margin=min(behind, default=np.inf))
         state, reason = judge(evidence, whole.explained, whole.refuted_by)
         tied = ties(rivals, whole.model, evidence.gain)
+    if whole.channel and state == "established":
+        reason += f" on {whole.channel.replace('_', ' ')}"
     below = whole.search.without(whole.model, effect.name)
     return Entry(effect, state, reason, whole.model, evidence, tied, below)
 

@@ -274,6 +274,16 @@ def weighted_residual(
     return np.concatenate(parts) if parts else np.empty(0)
 
 
+def scored_channels(weights: ResidualWeights) -> np.ndarray:
+    """Channel (n,) of each scored sample; displacements at rest belong to the first channel of their record."""
+    parts = []
+    for samples in weights.samples:
+        first = next((channel for channel in samples if channel != STICK_DISPLACEMENT), "")
+        names = (first if channel == STICK_DISPLACEMENT else channel for channel in samples)
+        parts += [np.full(pick.size, name) for name, pick in zip(names, samples.values(), strict=True)]
+    return np.concatenate(parts) if parts else np.empty(0, dtype=str)
+
+
 def blocks(
     records: Sequence[PreparedRecord], weights: ResidualWeights, per_record: int = 24, offset: float = 0.0
 ) -> np.ndarray:

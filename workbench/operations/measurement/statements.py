@@ -7,6 +7,7 @@ from typing import Any
 from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
+from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
@@ -136,8 +137,8 @@ def diagnosis_statement(found: Diagnosis) -> str:
     if found.verdict == "unexplained" or found.best is None:
         rivals = rivals_text(found)
         return f"{title}: {rivals or found.reason}. It depends on {depends or 'no recorded coordinate'}."
-    channel = worst_channel(found.problem, found.before_validate)
     model = found.best if found.decision.detected_by else found.ledger.model
+    channel = _most_improved(found, model)
     before, after = found.before_validate[channel], model.after_validate[channel]
     unit = channel_unit(found.problem, channel)
     rms = f"{quantity_text(before.rms, unit)} to {quantity_text(after.rms, unit)}"
@@ -155,9 +156,19 @@ def diagnosis_statement(found: Diagnosis) -> str:
     if fit[0] > CLEARLY_WORSE * before.over_noise or fit[1] > CLEARLY_WORSE * after.over_noise:
         text += f" On the fit records it falls from {over_noise_text(fit[0])} to {over_noise_text(fit[1])}."
     text += _remainder_text(found, after)
+    worst, other = max(model.after_validate.items(), key=lambda item: item[1].over_noise)
+    if other.over_noise > max(CLEARLY_WORSE * after.over_noise, NEAR_NOISE):
+        text += f" That of {worst.replace('_', ' ')}, {over_noise_text(other.over_noise)} the noise, is not explained."
     if depends:
         text += f" Without {them} the residual depends on {depends}."
     return text
+
+
+def _most_improved(found: Diagnosis, model: Candidate) -> str:
+    """The channel whose error over noise a model reduces by the largest factor."""
+    before, after = found.before_validate, model.after_validate
+    improved = {c: before[c].over_noise / max(after[c].over_noise, 1e-9) for c in before if c in after}
+    return max(improved, key=lambda c: improved[c]) if improved else worst_channel(found.problem, before)
 
 
 def _adequate_text(found: Diagnosis) -> str:
