@@ -388,7 +388,10 @@ def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
 def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
     """A set of effects with others in the place of some of them, where each exchange is a step, or, of a set with
     implausible values, a step over the rest of it."""
-    while model.added and (model.implausible or len(model.added) > 1 and model.held_out.loss > near_noise_loss(search)):
+    while model.added:
+        settled = len(model.added) < 2 or model.held_out.loss <= near_noise_loss(search)
+        if settled and not model.implausible:
+            break
         below = [other for e in model.added if (other := search.without(model, e.name)) is not None]
         options = [
             c for other in below for c in search.step(other) if is_step(other if model.implausible else model, c)

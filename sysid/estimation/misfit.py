@@ -235,6 +235,10 @@ class ResidualWeights:
             for std, samples in zip(self.std, self.samples, strict=True)
         )
 
+    def scaled(self, ratio: Mapping[str, float]) -> "ResidualWeights":
+        """The weights with the deviations of each channel multiplied by a ratio; of others unchanged."""
+        return replace(self, std=tuple({c: std * ratio.get(c, 1.0) for c, std in one.items()} for one in self.std))
+
 
 def shared_weights(one: ResidualWeights, other: ResidualWeights) -> ResidualWeights:
     """Weights by which two models are compared: at each sample the larger of their standard deviations, so that neither

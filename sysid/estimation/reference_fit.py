@@ -19,7 +19,15 @@ from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import AT_THE_NOISE, lower_of, lowest_bristle_fit
 from sysid.estimation.input_hold import with_sampled_input
-from sysid.estimation.misfit import ResidualWeights, misfit, residual_weights, weighted_residual
+from sysid.estimation.least_squares import robust_scale
+from sysid.estimation.misfit import (
+    UNEVEN,
+    ResidualWeights,
+    misfit,
+    residual_weights,
+    scored_channels,
+    weighted_residual,
+)
 from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.estimation.variant_selection import select_variants
 from sysid.prediction.force_balance.predict import friction_along, unfiltered_force
@@ -92,10 +100,26 @@ CLEARLY_LOWER = 0.9
 def reported_fit(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
     """Problem and fit whose values are reported: of a driven mass with a sampled drive force where the records show
     it, along the motion of a state observer where that is better, and with the mass corrected for the noise of the
-    acceleration."""
+    acceleration; of several channels each weighed by its own error."""
     problem, base = _fit_with_sampled_input(problem, base)
     problem, base = fit_with_observer(problem, base)
-    return problem, _without_attenuation(problem, base)
+    return problem, _without_attenuation(problem, _with_balanced_channels(problem, base))
+
+
+def _with_balanced_channels(problem: Problem, base: ReferenceFit) -> ReferenceFit:
+    """The fit with the deviations of each channel multiplied by the ratio of its own error to the smallest of any: a
+    channel that the model does not explain leaves the values to the others (feasible generalised least squares, A.
+    Zellner, J. Am. Stat. Assoc. 57 (1962) 348)."""
+    fitted, channels = base.fitted, scored_channels(base.fitted.weights)
+    known = dict.fromkeys(sorted(set(channels.tolist())), 1.0)
+    for _ in range(ROUNDS if len(known) > 1 else 0):
+        sizes = {c: k * robust_scale(fitted.fit.residual[channels == c]) for c, k in known.items()}
+        least = max(min(sizes.values()), 1.0)
+        ratio = {c: max(size / least, 1.0) for c, size in sizes.items()}
+        if all(UNEVEN**-0.5 < ratio[c] / known[c] < UNEVEN**0.5 for c in known):
+            break
+        known, fitted = ratio, fit_model(fitted.model, problem.fit_records, base.fitted.weights.scaled(ratio))
+    return base if fitted is base.fitted else reference_fit(problem, fitted, laws=base.laws)
 
 
 def _fit_with_sampled_input(problem: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:

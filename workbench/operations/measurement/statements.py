@@ -152,7 +152,7 @@ def diagnosis_statement(found: Diagnosis) -> str:
         text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
     else:
         text = f"{title}. With {them} {error} falls from {rms}, {ratio}."
-    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(model.after_fit, {}))
+    fit = found.before_fit[channel].over_noise, model.after_fit[channel].over_noise
     if fit[0] > CLEARLY_WORSE * before.over_noise or fit[1] > CLEARLY_WORSE * after.over_noise:
         text += f" On the fit records it falls from {over_noise_text(fit[0])} to {over_noise_text(fit[1])}."
     text += _remainder_text(found, after)
