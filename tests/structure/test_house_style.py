@@ -13,9 +13,9 @@ BUDGET = {
     "stagecad": 14726,
     "designcalc": 10491,
     "sim": 12477,
-    "sysid": 20543,
+    "sysid": 20650,
     "drawings": 12246,
-    "workbench": 15374,
+    "workbench": 15385,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
