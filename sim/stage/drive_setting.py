@@ -194,12 +194,13 @@ def run_setting(
     """Drive the stage at a setting for `duration`, s, its ellipse grown over the first periods."""
     time = step_times(round(duration / step / stride) * stride, step)
     rest = over_drive_surface(machine, setting.position, setting.height)
-    return drive_stage(machine, rest, _wave(machine, setting, time), step, stride, setting.velocity)
+    return drive_stage(machine, rest, grown_wave(machine, setting, time), step, stride, setting.velocity)
 
 
-def _wave(machine: StageMachine, setting: Setting, time: np.ndarray) -> np.ndarray:
+def grown_wave(machine: StageMachine, setting: Setting, time: np.ndarray, cycles: float = RISE_CYCLES) -> np.ndarray:
     """Voltages (n, actuators, 3) at times since the start, s, shape (n,): the ellipse grows, then stays."""
-    rise = min(max(RISE_CYCLES / setting.frequency, SHORTEST_RISE), LONGEST_RISE)
+    least = SHORTEST_RISE * min(cycles / RISE_CYCLES, 1.0)
+    rise = min(max(cycles / setting.frequency, least), LONGEST_RISE)
     phases = None if setting.phases is None else np.array(setting.phases)
     envelope = np.minimum(time / rise, 1.0)
     return ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, 0.0, phases)
@@ -222,13 +223,19 @@ class Steady:
 
 
 def steady(
-    machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5, guess: float = GUESS
+    machine: StageMachine,
+    setting: Setting,
+    shortest: float,
+    longest: float = 0.5,
+    guess: float = GUESS,
+    cycles: float = RISE_CYCLES,
 ) -> Steady:
     """Steady speed at a setting, whose position and velocity are chosen here, about mid-travel.
 
     The run continues until its last two fifths are equally fast: pads may take a second to bring a stage to rest
     that its tip drives too weakly, and a speed on the way down is not steady. The shortest run has five periods, within
-    `shortest` and `longest`, s; with another `guess` of the speed over X f it may end in another limit cycle.
+    `shortest` and `longest`, s; with another `guess` of the speed over X f, or an ellipse that grows within fewer
+    `cycles`, it may end in another limit cycle.
     """
     duration = min(max(shortest, 5.0 / setting.frequency), longest) / PIECES
     steps = round(duration / STEP / STEADY_STRIDE) * STEADY_STRIDE
@@ -239,7 +246,7 @@ def steady(
     while abs(changed) > SETTLED * full and piece < LOOKED_AT[-1] * PIECES:
         before = simulation.travel
         time = step_times(steps, STEP, simulation.time)
-        simulation.advance(_wave(machine, setting, time), STEADY_STRIDE)
+        simulation.advance(grown_wave(machine, setting, time, cycles), STEADY_STRIDE)
         gone = simulation.travel - before
         simulation.set_back(begin + 1.5 * gone)
         begin = -0.5 * gone

@@ -19,6 +19,8 @@ HALF = "raised"
 """Height at which the tip touches for about half of each turn: the bent stage comes down on it."""
 SECOND_GUESS = 0.5
 """Speed over X f with which each run at that height begins a second time, slower than its limit cycle."""
+SUDDEN = 0.5
+"""Number of cycles within which the ellipse grows in that run: an impact may begin another limit cycle."""
 APART = 0.1
 """Two limit cycles, or an irregular motion: the speeds differ by more than this part of X f."""
 
@@ -31,7 +33,7 @@ class SpeedStudy:
     drive_frequency: float  # the design's, Hz
     frequencies: np.ndarray  # Hz, shape (n,)
     points: dict[str, list[Steady]] = field(repr=False)  # by height, each shape (n,)
-    again: list[Steady] = field(repr=False)  # with the height `HALF` and from another initial speed, shape (n,)
+    again: list[Steady] = field(repr=False)  # with the height `HALF` and from another initial state, shape (n,)
 
     def speed(self, height: str) -> np.ndarray:
         """m/s, shape (n,)."""
@@ -39,7 +41,7 @@ class SpeedStudy:
 
     @property
     def scatter(self) -> np.ndarray:
-        """Difference of the speeds at the height `HALF` from two initial speeds over X f, shape (n,)."""
+        """Difference of the speeds at the height `HALF` from two initial states over X f, shape (n,)."""
         other = np.array([point.velocity[0] for point in self.again])
         return np.abs(self.speed(HALF) - other) / (self.travel * self.frequencies)
 
@@ -94,7 +96,7 @@ class SpeedStudy:
 
 
 def speed_study(drive: TipDrive, run_all: RunAll) -> SpeedStudy:
-    """Steady speed over frequency and height of the tip, at one height from two initial speeds."""
+    """Steady speed over frequency and height of the tip, at one height from two initial states."""
     ellipse = drive.path
     cases = [
         Setting(ellipse, frequency, height * ellipse.normal) for height in HEIGHTS.values() for frequency in FREQUENCIES
@@ -103,6 +105,6 @@ def speed_study(drive: TipDrive, run_all: RunAll) -> SpeedStudy:
     count = len(FREQUENCIES)
     points = {name: found[i * count : (i + 1) * count] for i, name in enumerate(HEIGHTS)}
     half = list(HEIGHTS).index(HALF) * count
-    slow = partial(steady, drive.machine, shortest=0.2, guess=SECOND_GUESS)
+    slow = partial(steady, drive.machine, shortest=0.2, guess=SECOND_GUESS, cycles=SUDDEN)
     again = run_all(slow, cases[half : half + count])
     return SpeedStudy(2.0 * ellipse.along, drive.frequency, np.array(FREQUENCIES), points, again)

@@ -15,6 +15,8 @@ from sim.experiments.limit_cycles import SPEEDS, cycle, limit_cycles
 from sim.experiments.passivity import MOTIONS, SPEED, START_FREQUENCY, TIP_FREQUENCY, audit, passive_below
 from sim.experiments.presliding import presliding
 from sim.experiments.stick_slip import stick_slip
+from sim.integration import drive
+from sim.integration.simulate import simulate
 from tests.reference.tables import reference
 
 ROOT = Path(__file__).parents[3]
@@ -63,6 +65,17 @@ def test_the_elements_of_the_causal_bond_graph_take_the_energy_of_their_laws(mot
     assert sum(found.values()) == pytest.approx(run.core_work, abs=1e-15)
     assert np.diff(found["damper"]).min() >= 0.0
     assert audit(FRICTION, "lugre", "start").elements["slip"].min() < -4e-5
+
+
+def test_the_energy_error_of_stick_slip_falls_with_the_tolerance():
+    """Separate integrations of the 20 s of Figure 39: 6e-3 J at 1e-3, 7.5e-13 J at 1e-12; its end at 1.272596412 m."""
+    pull = drive.pulled_spring([0.0, 20.0], [0.0, 2.0], 2.0)
+    left = {}
+    for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
+        run = simulate(FRICTION.model("lugre"), pull, np.linspace(0.0, 20.0, 2001), tolerance=tolerance, energy=True)
+        left[tolerance] = np.abs(run.drive_work - run.core_work - run.other_work - run.kinetic).max()
+    assert list(left.values()) == pytest.approx([6e-3, 4.25e-7, 7e-10, 7.5e-13], rel=0.2)
+    assert run.position[-1] == pytest.approx(1.272596412, abs=5e-10)
 
 
 @pytest.mark.parametrize("core", ["lugre_undamped", "lugre_causal"])

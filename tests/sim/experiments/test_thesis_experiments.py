@@ -24,9 +24,10 @@ def agrees(value: float, reference: dict) -> bool:
     return abs(value - float(reference["printed"]) * reference["scale"]) <= digit
 
 
-def test_presliding_agrees_with_the_reference():
-    result = presliding(FRICTION, "lugre")
-    for feature, expected in REFERENCE["presliding"]["lugre"].items():
+@pytest.mark.parametrize("core", REFERENCE["presliding"])
+def test_presliding_agrees_with_the_reference(core):
+    result = presliding(FRICTION, core)
+    for feature, expected in REFERENCE["presliding"][core].items():
         assert agrees(getattr(result, feature), expected), (feature, getattr(result, feature))
 
 

@@ -13,9 +13,12 @@ from stage_machines import example, ideal_piezos
 from designcalc.drive.piezo_stack import stack_tension
 from sim.friction_stage.studies import run_serially
 from sim.stage.drive_setting import (
+    RISE_CYCLES,
     Ellipse,
     Overtone,
+    Setting,
     TipDrive,
+    grown_wave,
     largest_stroke,
     step_times,
     two_piezo_ellipse,
@@ -41,6 +44,7 @@ from sim.stage.studies.fine_motion import (
 )
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
+from sim.stage.studies.speed import SUDDEN
 from sim.stage.studies.tip_motion import loads
 
 STEP = 1e-6
@@ -306,3 +310,12 @@ def test_each_part_of_the_feedforward_lowers_the_tracking_error():
     held = held_stage(drive)
     errors = [tracking_error(drive, held, kind) for kind in FEEDFORWARD]
     assert errors == sorted(errors, reverse=True) and errors[-1] < machine.sensors.interferometer_count
+
+
+def test_the_second_run_of_the_speed_study_begins_at_once():
+    """The ellipse grows within ten cycles, but 2 ms at least; in the second run within half a cycle."""
+    machine, time = ideal_piezos(example()), step_times(20_000, 1e-6)
+    setting = Setting(two_piezo_ellipse(machine, 8.5e-6, math.pi / 2), 6000.0, 0.0)
+    waves = [grown_wave(machine, setting, time, cycles)[:, 0, 0] for cycles in (RISE_CYCLES, SUDDEN)]
+    slow, sudden = (np.ptp(wave[time < 1.0 / 6000.0]) / np.ptp(wave[time > 10e-3]) for wave in waves)
+    assert slow < 0.1 and sudden > 0.7

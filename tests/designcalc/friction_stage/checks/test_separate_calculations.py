@@ -3,6 +3,7 @@
 Loads of 33.2 N are those with a dead weight of 3 N in place of the magnets.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,10 +14,10 @@ from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz import peak_mises
 from designcalc.friction_stage.checks.contact import coating
-from designcalc.friction_stage.physics.loads import attraction, load
+from designcalc.friction_stage.physics.loads import attraction, load, tip_load
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.position_loop import dynamic_budget, suspension
-from designcalc.friction_stage.physics.stage_plate import give_at_tip
+from designcalc.friction_stage.physics.stage_plate import give_at_tip, held_plate
 from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness
 from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.load import load_design
@@ -122,6 +123,35 @@ def test_data_of_the_materials_are_those_of_their_kind():
 @pytest.mark.parametrize("name, value, error", cases("separate_numbers", "check"))
 def test_values_of_the_checks_by_separate_programs(packaged, name, value, error):
     assert packaged[name] == pytest.approx(value, rel=error)
+
+
+@pytest.mark.parametrize("name, value, error", cases("separate_numbers", "quantity"))
+def test_quantities_of_the_machine_by_separate_programs(name, value, error):
+    assert QUANTITIES[name][0](inputs()) == pytest.approx(value, rel=error)
+
+
+def test_a_bent_stack_and_the_held_stage_by_separate_programs():
+    """34.232 um under the drive's side load; 63.4 Hz along the tip; the vibration rings down in 0.4086 and 0.421 s at
+    the corners over the pads and opposite."""
+    r = inputs()
+    assert float(bent_stack(r, 24.71).deflection) == pytest.approx(34.232e-6, rel=1e-4)
+    along, mass = (QUANTITIES[key][0](r) for key in ("stiffness.along", "load.moved_mass"))
+    assert math.sqrt(along / mass) / (2 * math.pi) == pytest.approx(63.4, rel=2e-3)
+    held = held_plate(r)
+    corners = [replace(held, payload=held.payload[k : k + 1]) for k in (0, 1)]
+    times = [one.ring_down(tip_load(r), r("requirements.smoothness")) for one in corners]
+    assert times == pytest.approx([0.4086, 0.421], rel=0.035)
+    assert times[1] / times[0] == pytest.approx(421 / 408, rel=5e-3)
+
+
+def test_the_spring_of_the_height_pin_has_the_rate_of_its_wire():
+    """G d^4/(8 D^3 n) with six active coils: 5.333 N/mm."""
+    r = inputs()
+    wire, modulus = r("spring.wire_diameter"), r("materials.steel.youngs_modulus")
+    shear = modulus / (2 * (1 + r("materials.steel.poisson_ratio")))
+    rate = shear * wire**4 / (8 * (r("spring.outer_diameter") - wire) ** 3 * (r("spring.coils") - 2))
+    assert rate == pytest.approx(5.333e3, rel=5e-3)
+    assert r("spring.rate") == pytest.approx(rate, rel=0.015)
 
 
 @pytest.mark.parametrize("name, limit, error", cases("separate_numbers", "limit"))
