@@ -45,6 +45,7 @@ LIMITS = {
     "elements": 1e-3,
     "modes": 3e-2,
     "step (us)": 1e-3,
+    "step, high (us)": 5e-3,
     "tolerance": 1e-6,
     "tolerance of the cycle": 1e-6,
     "modes on pads": 1e-2,
