@@ -8,6 +8,8 @@ convolution. (Normal dimensions with their limits at three standard deviations w
 Source: ISO/TR 16015; Bjorke, Computer-Aided Tolerancing, 2nd ed., chapters 3 and 5.
 """
 
+import math
+import sys
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -78,7 +80,10 @@ class Chain:
     @property
     def nominal(self) -> float:
         """Value with all dimensions at their nominal sizes, m."""
-        return self.offset + sum(link.coefficient * link.nominal for link in self.links)
+        terms = [self.offset, *(link.coefficient * link.nominal for link in self.links)]
+        total = math.fsum(terms)
+        # Of sizes that cancel, the rounding of each may be left.
+        return total if abs(total) > sys.float_info.epsilon * math.fsum(map(abs, terms)) else 0.0
 
     @property
     def worst_case(self) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, ViolationsError, require
 from stagecad.parameters.file import (
+    PACKAGED,
     ParameterFile,
     class_by_decimals,
     parameter_text,
@@ -97,8 +98,10 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
         raise InputError(
             f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
         )
-    machine = {"parts": {name: {"file": path.name}}, "mates": {name: {}}}
-    return design_of(replace(file, machine=machine, folder=path.parent), overrides, rules=False)
+    machine = {"description": "-", "parts": {name: {"file": path.name}}, "mates": {name: {}}}
+    # The packaged machine gives materials and drawing data; its title is not that of the part's product.
+    own = replace(file, entries={}, extends=PACKAGED) if file is read_parameter_file() else file
+    return design_of(replace(own, machine=machine, folder=path.parent), overrides, rules=False)
 
 
 def overridden(design: Design, values: Mapping[str, str]) -> Design:

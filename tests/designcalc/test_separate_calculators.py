@@ -75,6 +75,13 @@ def test_two_uniform_dimensions_of_a_tenth_of_a_millimetre() -> None:
     assert chain.statistical[1] == pytest.approx(190e-6, rel=0.01)
 
 
+def test_sizes_that_cancel_have_the_sum_zero() -> None:
+    terms = (1, 0.1), (1, 0.2), (-1, 0.3)
+    links = tuple(Link(f"key_{size}", factor, size, 0.0, 0.0) for factor, size in terms)
+    assert 0.1 + 0.2 - 0.3 != 0.0 and Chain("n", links).nominal == 0.0
+    assert Chain("n", links, 1e-12).nominal == pytest.approx(1e-12)
+
+
 def test_wedge_and_ellipse_of_the_thesis() -> None:
     wedge = wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
     assert float(wedge.lift_per_turn) == pytest.approx(158.75e-6, rel=1e-4)

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from stagecad.consent import give_consent
 from stagecad.declared.construction import put_together
 from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.file import parse_parameter_text
-from stagecad.parameters.load import load_design
+from stagecad.parameters.file import parse_parameter_text, read_parameter_file
+from stagecad.parameters.load import load_design, part_design
 from stagecad.parameters.machine import MachineDeclaration
 from stagecad.parameters.machine_declaration import placed_values, read_machine
 from tests.reference.tables import cases
@@ -53,6 +54,19 @@ def test_instances_are_where_mates_and_offsets_put_them() -> None:
     assert frames["two"].direction(x) == pytest.approx((0.0, 1.0, 0.0))
     with pytest.raises(InputError, match=r"machine.mates.one.on: part 'plate' has no datum 'top'"):
         put_together(_read(TEXT), {"plate": {}, "block": block}, load_design())
+
+
+def test_a_part_without_a_mate_is_refused() -> None:
+    with pytest.raises(InputError, match=r"mill.toml: machine.parts.pin: no mate puts it into the machine"):
+        _read(TEXT.replace("[machine.mates]", 'pin = {file = "pin.py"}\n[machine.mates]'))
+
+
+def test_a_part_by_itself_belongs_to_no_packaged_machine(tmp_path: Path) -> None:
+    part = Path(__file__).parents[2] / "drawings" / "parts" / "three.py"
+    give_consent((part,))
+    assert part_design(read_parameter_file(), (), part).drawing.title == "-"
+    (tmp_path / "stage.toml").write_text('extends = "thesis"\n[drawing]\ntitle = "Mill"\n', "utf-8")
+    assert part_design(read_parameter_file(tmp_path / "stage.toml"), (), part).drawing.title == "Mill"
 
 
 def _placed(text: str) -> None:
