@@ -4,12 +4,9 @@ A chain is a sum of dimensions with signs, ``Y = sum(a_i x_i)``, each ``x_i`` wi
 Worst case: ``Y`` is within ``sum(a_i l_i)`` to ``sum(a_i u_i)`` of its nominal value, the ends of a term exchanged
 where ``a_i`` is negative. Statistically: each dimension is uniform within its limits, as `stagecad check --tolerance`
 draws it, since nothing is known of how parts are made; limits of ``Y`` that hold with a probability of 99.73 %, by
-convolution. (Normal dimensions with their limits at three standard deviations would give a quarter less for two.)
-Source: ISO/TR 16015; Bjorke, Computer-Aided Tolerancing, 2nd ed., chapters 3 and 5.
+convolution. Source: ISO/TR 16015; Bjorke, Computer-Aided Tolerancing, 2nd ed., chapters 3 and 5.
 """
 
-import math
-import sys
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -79,11 +76,9 @@ class Chain:
 
     @property
     def nominal(self) -> float:
-        """Value with all dimensions at their nominal sizes, m."""
-        terms = [self.offset, *(link.coefficient * link.nominal for link in self.links)]
-        total = math.fsum(terms)
-        # Of sizes that cancel, the rounding of each may be left.
-        return total if abs(total) > sys.float_info.epsilon * math.fsum(map(abs, terms)) else 0.0
+        """Value with all dimensions at their nominal sizes, m; zero where only the rounding of sizes is left."""
+        total = sum(terms := [self.offset, *(link.coefficient * link.nominal for link in self.links)])
+        return total if abs(total) > np.finfo(float).eps * sum(map(abs, terms)) else 0.0
 
     @property
     def worst_case(self) -> tuple[float, float]:

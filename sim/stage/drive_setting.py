@@ -199,8 +199,7 @@ def run_setting(
 
 def grown_wave(machine: StageMachine, setting: Setting, time: np.ndarray, cycles: float = RISE_CYCLES) -> np.ndarray:
     """Voltages (n, actuators, 3) at times since the start, s, shape (n,): the ellipse grows, then stays."""
-    least = SHORTEST_RISE * min(cycles / RISE_CYCLES, 1.0)
-    rise = min(max(cycles / setting.frequency, least), LONGEST_RISE)
+    rise = min(max(cycles / setting.frequency, SHORTEST_RISE * min(cycles / RISE_CYCLES, 1.0)), LONGEST_RISE)
     phases = None if setting.phases is None else np.array(setting.phases)
     envelope = np.minimum(time / rise, 1.0)
     return ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, 0.0, phases)
@@ -223,21 +222,15 @@ class Steady:
 
 
 def steady(
-    machine: StageMachine,
-    setting: Setting,
-    shortest: float,
-    longest: float = 0.5,
-    guess: float = GUESS,
-    cycles: float = RISE_CYCLES,
+    machine: StageMachine, setting: Setting, shortest: float, guess: float = GUESS, cycles: float = RISE_CYCLES
 ) -> Steady:
     """Steady speed at a setting, whose position and velocity are chosen here, about mid-travel.
 
     The run continues until its last two fifths are equally fast: pads may take a second to bring a stage to rest
     that its tip drives too weakly, and a speed on the way down is not steady. The shortest run has five periods, within
-    `shortest` and `longest`, s; with another `guess` of the speed over X f, or an ellipse that grows within fewer
-    `cycles`, it may end in another limit cycle.
+    `shortest` and 0.5 s. Another `guess` of the speed over X f, or fewer `cycles` of growth, may find another cycle.
     """
-    duration = min(max(shortest, 5.0 / setting.frequency), longest) / PIECES
+    duration = min(max(shortest, 5.0 / setting.frequency), 0.5) / PIECES
     steps = round(duration / STEP / STEADY_STRIDE) * STEADY_STRIDE
     full = 2.0 * setting.ellipse.along * setting.frequency
     begin = -0.5 * guess * full * duration

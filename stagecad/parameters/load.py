@@ -72,11 +72,7 @@ def variations_of(file: ParameterFile, overrides: Sequence[str] = ()) -> Variati
 
 
 def further_override(file: ParameterFile, overrides: Sequence[str] = ()) -> Callable[[str], Design]:
-    """What gives the design with one more override, without regard to rules.
-
-    It is what `load_design` gives with the override, in less time: only what depends on the overridden value is
-    computed again.
-    """
+    """What gives the design with one more override, without regard to rules; only what depends on it is computed."""
     variations = variations_of(file, overrides)
     return lambda override: variations.of(_source(file, (*overrides, override)))
 
@@ -95,9 +91,7 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
     stated = stated_parameters(path)
     name = stated.name if stated else path.stem
     if name in packaged_machine().table_names or not name.isidentifier():
-        raise InputError(
-            f"{path}: NAME = {name!r}; write small letters, digits and _, and no name of the machine's own"
-        )
+        raise InputError(f"{path}: NAME = {name!r}; write small letters, digits and _, no name of the machine's own")
     machine = {"description": "-", "parts": {name: {"file": path.name}}, "mates": {name: {}}}
     # The packaged machine gives materials and drawing data; its title is not that of the part's product.
     own = replace(file, entries={}, extends=PACKAGED) if file is read_parameter_file() else file

@@ -168,9 +168,8 @@ def read_machine(table: Mapping[str, Any], file: str, folder: Path) -> MachineDe
     chains = _table(table, "chains", place) if "chains" in table else {}
     formulas = {name: _checked(text, "mm", f"{place}.chains.{name}") for name, text in chains.items()}
     mates = _ordered(written, place)
-    left = [key for key in parts if key not in {mate.part for mate in mates}]
-    if left:
-        raise InputError(f"{place}.parts.{left[0]}: no mate puts it into the machine; write one in [machine.mates]")
+    for key in parts.keys() - {mate.part for mate in mates}:
+        raise InputError(f"{place}.parts.{key}: no mate puts it into the machine; write one in [machine.mates]")
     return MachineDeclaration(file, folder, description, tuple(parts.values()), mates, allowed, formulas)
 
 

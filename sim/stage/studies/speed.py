@@ -17,10 +17,8 @@ HEIGHTS = {"level": 0.0, "raised": 0.5, "high": 1.0}
 """Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 HALF = "raised"
 """Height at which the tip touches for about half of each turn: the bent stage comes down on it."""
-SECOND_GUESS = 0.5
-"""Speed over X f with which each run at that height begins a second time, slower than its limit cycle."""
-SUDDEN = 0.5
-"""Number of cycles within which the ellipse grows in that run: an impact may begin another limit cycle."""
+SECOND_GUESS, SUDDEN = 0.5, 0.5
+"""Speed over X f, and cycles of growth of the ellipse, of a second run at that height: slow, and with an impact."""
 APART = 0.1
 """Two limit cycles, or an irregular motion: the speeds differ by more than this part of X f."""
 
