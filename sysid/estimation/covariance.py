@@ -44,6 +44,12 @@ identifiable."""
 WIDEST = 1e3
 """Half-width of an interval over the value, or its typical size, beyond which the value is not identifiable."""
 
+UNKNOWN = 1e12
+"""Variance of a relative change that is not identifiable."""
+
+LEAST_EXPONENT = 0.05
+"""Exponent of a value, over the largest, below which it is left out of a combination in words."""
+
 LEAST_CORRELATION, MOST_CORRELATION = 0.05, 0.995
 """Least autocorrelation of a residual at a lag of one sample that is not white, and largest coefficient."""
 
@@ -62,12 +68,14 @@ class Interval:
 @dataclass(frozen=True)
 class Intervals:
     """Intervals of every fitted value by key; keys in the order of their correlation (p, p), NaN where not
-    identifiable; and directions in parameter space that are not identifiable, as `a` against `b`."""
+    identifiable; directions in parameter space that are not identifiable, as `a` against `b`; and covariance (p, p) of
+    the relative changes of the values, `UNKNOWN` along these directions."""
 
     by_key: dict[str, Interval]
     keys: tuple[str, ...]
     correlation: np.ndarray
     unidentified: tuple[str, ...]
+    relative: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -156,7 +164,12 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     index = np.flatnonzero(free)
     scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     correlation[np.ix_(index, index)] = covariance / np.outer(scale, scale)
-    return Intervals(result, fit.keys, correlation, tuple(unidentified))
+    sizes = information.size[free] * np.array([fit.values[key] or np.inf for key in free_keys])
+    lost = information.vectors[:, ~information.identifiable] / sizes[:, None]
+    lost = lost / np.maximum(np.linalg.norm(lost, axis=0), 1e-300)
+    relative = np.full((len(fit.keys), len(fit.keys)), np.nan)
+    relative[np.ix_(index, index)] = covariance / np.outer(sizes, sizes) + UNKNOWN * lost @ lost.T
+    return Intervals(result, fit.keys, correlation, tuple(unidentified), relative)
 
 
 def _covariance(
@@ -278,7 +291,7 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
     words += [
         "Only a combination is identifiable from these records, not each value alone: "
         + " against ".join(public_key(k) for k in text.split(" against "))
-        + "."
+        + f".{known_combination(known, text.split(' against '))}"
         for text in known.unidentified
         if " against " in text
     ]
@@ -295,6 +308,24 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
             "better start values, in [model.parameters]."
         )
     return words
+
+
+def known_combination(known: Intervals, keys: Sequence[str]) -> str:
+    """The product of powers of fitted values that is known best, as a sentence; empty where none is known to a factor.
+
+    With C the covariance of the relative changes d of the values, the relative change of prod_k value_k^u_k is u . d,
+    to first order: of unit vectors u the eigenvector of the smallest eigenvalue of C has the smallest variance.
+    """
+    places = [known.keys.index(key) for key in keys]
+    matrix = np.full((1, 1), np.nan) if known.relative is None else known.relative[np.ix_(places, places)]
+    if not np.isfinite(matrix).all():
+        return ""
+    variances, vectors = np.linalg.eigh(matrix)
+    largest = vectors[np.argmax(np.abs(vectors[:, 0])), 0]
+    powers, spread = vectors[:, 0] / largest, NORMAL * float(np.sqrt(max(variances[0], 0.0)) / abs(largest))
+    parts = [(public_key(k), f"{u:.2g}") for k, u in zip(keys, powers, strict=True) if abs(u) >= LEAST_EXPONENT]
+    text = " * ".join(key if power == "1" else f"{key}^{power}" for key, power in parts)
+    return f" Known is {text}, to {100.0 * spread:.2g} %." if len(parts) > 1 and spread < 1.0 else ""
 
 
 def _groups(known: Intervals) -> list[list[int]]:

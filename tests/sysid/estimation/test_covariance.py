@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from scipy.stats import t as student
 
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
-from sysid.estimation.covariance import Intervals, _student, intervals
+from sysid.estimation.covariance import Intervals, _student, intervals, known_combination
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights
@@ -106,6 +106,13 @@ def test_values_of_which_only_the_sum_is_identifiable_have_no_interval() -> None
     assert np.isinf(found.by_key["second"].std)
     assert np.isfinite(found.by_key["a"].std)
     assert {frozenset(text.split(" against ")) for text in found.unidentified} == {frozenset(("first", "second"))}
+    # Of equal values a and b the sum 2 a is known to a deviation s: the relative change of a b to s / a.
+    value = found.by_key["first"].value
+    assert found.by_key["second"].value == pytest.approx(value, rel=1e-6)
+    begin, _, percent = known_combination(found, ["first", "second"]).partition(", to ")
+    assert begin == " Known is first * second"
+    deviation = 1.959964 / np.sqrt(np.sum(COLUMNS[:, 1] ** 2)) / abs(value)
+    assert float(percent.removesuffix(" %.")) == pytest.approx(100.0 * deviation, rel=0.3)
 
 
 def test_a_value_at_its_bound_has_no_interval() -> None:
