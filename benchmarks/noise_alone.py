@@ -2,10 +2,14 @@
 
     python benchmarks/noise_alone.py --jobs 2
     python benchmarks/noise_alone.py --levels-only
+    python benchmarks/noise_alone.py --unrelated
 
 45 experiments, 15 for each autocorrelation (0, 0.9, 0.98) of first-order autoregressive noise; in 10 of 15 the noise is
 stated. The records are computed here with numpy only. The table gives the verdicts, and the ratio of the estimated
 standard deviation of the noise to the true one.
+
+With `--unrelated` the force does not act on the motion beside it: ten kinds of a logged drive force, each with a motion
+of its own. No effect may be named.
 """
 
 import argparse
@@ -82,6 +86,49 @@ def write_case(folder: Path, random: np.random.Generator, correlation: float, st
     return std
 
 
+UNRELATED = {
+    "square wave": lambda t, r: np.sign(np.sin(5.2 * t + r.uniform(0.0, 6.28))),
+    "sine": lambda t, r: np.sin(4.1 * t + r.uniform(0.0, 6.28)),
+    "sine of twice the frequency": lambda t, r: np.sin(2.0 * 1.95 * t + r.uniform(0.0, 6.28)),
+    "triangle": lambda t, r: 2.0 / np.pi * np.arcsin(np.sin(3.3 * t + r.uniform(0.0, 6.28))),
+    "chirp": lambda t, r: _chirp(t, r),
+    "multisine": lambda t, r: _multisine(t, r),
+    "steps": lambda t, r: np.repeat(r.uniform(-1.0, 1.0, t.size // 70 + 1), 70)[: t.size],
+    "ramp": lambda t, r: r.uniform(0.5, 1.0) * t / t[-1],
+    "slow noise": lambda t, r: autoregressive(t.size, 0.98, r),
+    "white noise": lambda t, r: autoregressive(t.size, 0.0, r),
+}
+"""Drive forces, N, over the time of a record."""
+
+
+def write_unrelated(folder: Path, random: np.random.Generator, kind: str) -> None:
+    """Write an experiment whose logged drive force does not act on the motion beside it."""
+    folder.mkdir(parents=True)
+    text = 'schema = 1\n[rig]\nkind = "force-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
+    text += '[noise]\ndrive_force = "0.01 N"\nposition = "1 um"\n'
+    for role in ("fit", "validate"):
+        time, phase = np.arange(2000) * 0.01, random.uniform(0.0, 6.28, 2)
+        position = STROKE * (0.5 * np.sin(1.95 * time + phase[0]) + 0.3 * np.sin(3.58 * time + phase[1]))
+        noisy = position + 1e-6 * random.standard_normal(time.size)
+        force = 0.8 * UNRELATED[kind](time, random) + 0.01 * random.standard_normal(time.size)
+        header = "time [s],position [m],drive_force [N]"
+        rows = np.column_stack([time, noisy, force])
+        np.savetxt(folder / f"{role}.csv", rows, delimiter=",", header=header, comments="", fmt="%.9g")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(text, encoding="utf-8")
+
+
+def _judge_unrelated(job: tuple[Path, int, int]) -> tuple[str, str, str]:
+    """Kind of the drive, verdict, and the effect named."""
+    folder, number, seed = job
+    from sysid.diagnose import diagnose
+
+    kind = list(UNRELATED)[number % len(UNRELATED)]
+    write_unrelated(folder, np.random.default_rng([seed, number]), kind)
+    found = diagnose(folder)
+    return kind, found.verdict, found.effect or ""
+
+
 def _judge(job: tuple[Path, int, int, bool]) -> tuple[float, bool, float, str]:
     """Autocorrelation, whether the noise is stated, ratio of estimated to true noise, and verdict."""
     folder, number, seed, levels_only = job
@@ -105,7 +152,15 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--only", type=int, nargs="*", help="numbers of experiments, 0 to 44")
     parser.add_argument("--levels-only", action="store_true", help="estimate the noise; no diagnosis")
+    parser.add_argument("--unrelated", type=int, nargs="?", const=10, help="drive forces that do not act (10)")
     a = parser.parse_args()
+    if a.unrelated:
+        with tempfile.TemporaryDirectory() as scratch, process_pool(a.jobs) as pool:
+            found = list(pool.map(_judge_unrelated, [(Path(scratch) / f"{k}", k, a.seed) for k in range(a.unrelated)]))
+        for kind, verdict, effect in found:
+            print(f"{kind}: {verdict} {effect}".strip())
+        print(f"nothing named: {sum(not effect for _, _, effect in found)} of {len(found)}")
+        return
     numbers = a.only if a.only else range(EACH * len(CORRELATIONS))
     with (
         tempfile.TemporaryDirectory() as scratch,

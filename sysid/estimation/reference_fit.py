@@ -7,6 +7,7 @@ for lower local minima; the stated start is one of the starts.
 """
 
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -188,13 +189,12 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     for model, laws in ((stated, ()), (found, base.laws)) if base.laws else ((found, ()),):
         if least <= AT_THE_NOISE:
             break
-        try:
+        # A model that cannot be simulated along one of the records stays along the measured motion.
+        with suppress(InputError, SimulationError):
             along, fitted = _fit_along_observer(problem, model, first)
-        except (InputError, SimulationError):
-            continue
-        error = _over_all_noise(fitted.model, along.fit_records)
-        if error < min(max(CLEARLY_LOWER * least, AT_THE_NOISE), GAINS_HOLD):
-            best, least = (along, reference_fit(along, fitted, laws=laws)), error
+            error = _over_all_noise(fitted.model, along.fit_records)
+            if error < min(max(CLEARLY_LOWER * least, AT_THE_NOISE), GAINS_HOLD):
+                best, least = (along, reference_fit(along, fitted, laws=laws)), error
     return best
 
 

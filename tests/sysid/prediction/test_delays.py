@@ -11,9 +11,10 @@ from sim.effects.effect import Effect
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate import Reference
 from sysid.diagnosis.held_out import HeldOut
+from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.covariance import implausible, rig_values_at_bound
 from sysid.estimation.fit import fit_model, root_mean_huber
-from sysid.estimation.reference_fit import reference_fit
+from sysid.estimation.reference_fit import fit_stated_model, reference_fit
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
 
@@ -120,3 +121,23 @@ def test_every_fitted_value_stays_within_the_declared_bounds(tmp_path: Path) -> 
     for u in model.unknowns:
         if u.key in declared:
             assert declared[u.key].low <= u.low <= u.start <= u.high <= declared[u.key].high
+
+
+def test_bristles_that_follow_a_force_unrelated_to_the_motion_are_implausible(tmp_path: Path) -> None:
+    """A ramp: bristles as long as the travel hold a body of hardly any mass against it, whatever the motion."""
+    text = 'schema = 1\n[rig]\nkind = "force-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
+    text += '[noise]\ndrive_force = "0.01 N"\nposition = "1 um"\n'
+    for phase, role in ((0.4, "fit"), (2.0, "validate")):
+        time, random = np.arange(0.0, 20.0, STEP), np.random.default_rng(3)
+        position = 0.015 * np.sin(1.95 * time + phase) + 0.009 * np.sin(3.58 * time + 2.0 * phase)
+        noise = random.standard_normal((2, time.size))
+        rows = np.column_stack([time, position + 1e-6 * noise[0], 0.6 * time / time[-1] + 0.01 * noise[1]])
+        header = "time [s],position [m],drive_force [N]"
+        np.savetxt(tmp_path / f"{role}.csv", rows, "%.9g", ",", header=header, comments="")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
+    problem = load_problem(tmp_path)
+    search = ModelSearch(problem, fit_stated_model(problem), options=[find("presliding")])
+    best = search.ranked[0]
+    assert best.held_out.loss < 0.2 * search.reference.held_out.loss
+    assert best.implausible == "its friction follows the measured force, with which it is compared"
