@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14725,
     "designcalc": 10491,
     "sim": 12477,
-    "sysid": 20650,
+    "sysid": 20695,
     "drawings": 12246,
     "workbench": 15385,
 }
