@@ -17,54 +17,13 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label, same_dimension
-from sysid.experiment.column_settings import PARTS, column_unit, unit_endings
+from sysid.experiment.column_settings import PARTS, WORDS, column_unit, unit_endings
 from sysid.experiment.readers.base import Header
 from sysid.experiment.readers.numbers import is_hexadecimal
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rigs import CHANNELS, RigKind
 
-WORDS: dict[str, str] = {
-    "time": "time t zeit timestamp stamp sec secs seconds datetime clock elapsed uhrzeit temps heure tempo tiempo hora",
-    "pull_position": "pull puller",
-    "velocity": "velocity vel vl v speed dq qd qdot xdot omega geschwindigkeit drehzahl rpm vitesse velocità velocita "
-    "velocidad",
-    "position": "position pos fpos rpos apos pl x q qm angle theta phi displacement disp encoder enc weg stroke laser "
-    "lvdt winkel lage pfad bahn course déplacement deplacement posizione corsa spostamento posición posicion "
-    "desplazamiento posição posicao positie",
-    "spring_force": "spring feder ressort molla muelle",
-    "friction_force": "friction tangential reibung reibkraft frottement attrito fricción friccion rozamiento",
-    "drive_force": "drive motor current il actuator strom courant corrente corriente",
-    "normal_load": "normal fn fz load preload pressure druck normalkraft charge carico carga",
-    "temperature": "temperature temp temperatur température temperatura",
-    "force": "force f frc torque trq tau moment kraft drehmoment ft fx effort couple forza coppia fuerza par",
-    "voltage": "voltage volt u spannung piezo tension tensione tensión",
-}
-"""Words in the names of columns by what they are taken for, the more specific first: English, German, French, Italian,
-Spanish. `force` and `voltage` are not yet channels: which ones they are depends on the kind of rig."""
-
-SETPOINT = (
-    "soll sollwert set setpoint sp cmd command commanded ref reference target demand demanded desired des req "
-    "requested goal nominal planned trajectory rpos apos vorgabe consigne cons commande référence riferimento comando "
-    "comandata comandato obiettivo consigna referencia objetivo gewenst"
-)
-"""Words of a value that is asked for, in the same languages."""
-DERIVED = (
-    "error err following deviation lag residual limit lim max min ff feedforward feedfwd gain offset bias fehler "
-    "abweichung differenz grenze grenzwert vorsteuerung erreur écart errore scarto desviación erro"
-)
-"""Words of a value of the controller that is neither measured nor the motion that is asked for."""
-MEASURED = (
-    "ist istwert act actual present meas measured fb fbk fpos feedback enc encoder sensor retour "
-    "réel reel mesure mesuré mesurée reale effettiva effettivo misura misurata real medida medido gemeten"
-)
-"""Words of a value that is measured."""
-FLAGS = (
-    "enable enabled flag flags status state ok valid ready error alarm fault mode range bit trigger sync index "
-    "direction sign freigabe"
-)
-"""Words of a column that is a state, not a quantity."""
-DATES = "date datum data fecha"
 _FORCE_SENSOR = re.compile(
     r"load[\s_-]*cell|kraft(mess)?dose|wägezelle|capteur de force|cella di carico|célula de carga"
 )
@@ -193,10 +152,9 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         key = header.labels[fraction[0]].strip() if not header.numbered else fraction[0] + 1
         proposals = [replace(p, fraction=(key, fraction[1])) if p.channel == "time" else p for p in proposals]
     if _holds_intervals(columns, proposals):
-        why = "is it the time from pulse to pulse, each of them a row?"
-        unit = guesses[0].unit
-        question = "; ".join(part for part in (why, "what is its unit?" if unit is None else "") if part)
-        proposals = [Proposal(1, proposals[0].label, "time", unit or "?", None, question, True)]
+        why, unit = "is it the time from pulse to pulse, each of them a row?", guesses[0].unit
+        why = why if unit else f"{why}; what is its unit?"
+        proposals = [Proposal(1, proposals[0].label, "time", unit or "?", None, why, True)]
     return ExperimentProposal(chosen, question, tuple(proposals), rotary, numbers.missing)
 
 
@@ -236,7 +194,11 @@ UNIX_TIMES = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 def counted_unit(name: str, values: np.ndarray, origin: float) -> tuple[str, str]:
     """The unit of a date that is counted in days or from 1970, by its numbers (n,), less `origin`, and what was found;
     empty for another column."""
-    if values.size < 3 or not _any(_words(name), f"{WORDS['time']} {DATES}") or np.any(np.diff(values) < 0.0):
+    if (
+        values.size < 3
+        or not _any(_words(name), f"{WORDS['channels']['time']} {WORDS['dates']}")
+        or np.any(np.diff(values) < 0.0)
+    ):
         return "", ""
     first, last, step = origin + values[0], origin + values[-1], float(np.median(np.diff(values)))
     for how, (low, high) in DATES_IN_DAYS.items():
@@ -251,7 +213,7 @@ def _is_flag(name: str, values: np.ndarray) -> str:
     kept = values[np.isfinite(values)]
     if kept.size and np.all((kept == 0.0) | (kept == 1.0)):
         return "0 or 1 in every row: a state, no quantity"
-    if _any(_words(name), FLAGS) and kept.size and np.all(kept == np.round(kept)):
+    if _any(_words(name), WORDS["flags"]) and kept.size and np.all(kept == np.round(kept)):
         return "whole numbers under the name of a state"
     return ""
 
@@ -306,10 +268,10 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     if plain == LABVIEW_TIME and unit is None:
         return Guess("time", "by its name", unit)
     words = _words(_FORCE_SENSOR.sub("force", plain) if _FORCE_SENSOR.search(plain) else name)
-    rank = 2 if _any(words, f"{SETPOINT} {DERIVED}") else 0 if _any(words, MEASURED) else 1
+    rank = 2 if _any(words, f"{WORDS['setpoint']} {WORDS['derived']}") else 0 if _any(words, WORDS["measured"]) else 1
     by_unit = _by_dimension(unit)
     if not numbered:
-        for meaning, spoken in WORDS.items():
+        for meaning, spoken in WORDS["channels"].items():
             fits = by_unit in (None, meaning) or {by_unit, meaning} in _ALIKE
             if fits and _any(words, spoken):
                 certain = meaning == "time" and by_unit == "time"
@@ -454,24 +416,22 @@ def _proposal(
     # A unit that the file has in brackets is read from there.
     stated = header.units.get(label, parse_label(index, label).unit)
     written = None if stated is not None else "?"
-    question = f"taken for '{channel}' {why}" if why.startswith("by") else why
+    asked = [f"taken for '{channel}' {why}" if why.startswith("by") else why] if why else []
     if written == "?" and unit is not None and _unit_of_name(label) == unit:
-        question = "; ".join(part for part in (question, f"its unit '{unit}' by its name") if part)
+        asked.append(f"its unit '{unit}' by its name")
     if guess.count:
-        question = "; ".join(part for part in (question, f"one count is taken for {guess.count}") if part)
-        return Proposal(index + 1, label, channel, "count", guess.count, question)
+        asked.append(f"one count is taken for {guess.count}")
+        return Proposal(index + 1, label, channel, "count", guess.count, "; ".join(asked))
     if unit is not None and written is None and unit != column_unit(stated or ""):
-        question, written = "; ".join(part for part in (question, f"its unit is taken for '{unit}'") if part), unit
+        asked, written = [*asked, f"its unit is taken for '{unit}'"], unit
     if unit is None:
-        question = "; ".join(part for part in (question, "what is its unit?") if part)
-        return Proposal(index + 1, label, channel, "?", None, question)
+        return Proposal(index + 1, label, channel, "?", None, "; ".join([*asked, "what is its unit?"]))
     if same_dimension(unit, declared.unit) or same_dimension(unit, declared.rotary_unit):
-        return Proposal(index + 1, label, channel, written if written is None else unit, None, question)
+        return Proposal(index + 1, label, channel, written if written is None else unit, None, "; ".join(asked))
     scale = next((s for (name, si), s in _SCALES.items() if name == channel and same_dimension(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
-    asked = f"what is its rated value (100 %) in {scale}?" if unit in PARTS else f"what is its scale in {scale}?"
-    question = "; ".join(part for part in (question, asked) if part)
-    return Proposal(index + 1, label, channel, None, scale, question, percent=unit in PARTS)
+    asked.append(f"what is its {'rated value (100 %)' if unit in PARTS else 'scale'} in {scale}?")
+    return Proposal(index + 1, label, channel, None, scale, "; ".join(asked), percent=unit in PARTS)
 
 
 @dataclass(frozen=True)

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import SYMBOLS, Dimension, parse_any, to_si, unit_dimension, written_out
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_size, kind_of, shown
 
-_SPELLINGS = {"bits": "bit", "Ohm": "ohm", "lb": "lbf", "lbs": "lbf", "oz": "ozf", "pound": "lbf", "pounds": "lbf"}
-_WHOLE: dict[str, str] = dict.fromkeys(
-    ("1/min", "min^-1", "min-1", "r/min", "rev/min", "u/min", "umdr/min", "umdr./min", "upm"), "rpm"
+WORDS = tomllib.loads(Path(__file__).with_name("column_words.toml").read_text("utf-8"))
+"""Words of headers and cells; the file says what they mean."""
+_SPELLINGS, _WHOLE = (
+    {spelling: unit for unit, spellings in WORDS[key].items() for spelling in spellings} for key in ("symbols", "units")
 )
-_WHOLE |= dict.fromkeys(("tr/min", "t/min", "giri/min"), "rpm")
-_WHOLE |= {"rps": "rev/s", "u/s": "rev/s", "r/s": "rev/s", "tr/s": "rev/s", "ips": "in/s", "ipm": "in/min", '"': "in"}
-_WHOLE |= {"deg c": "degC", "deg. c": "degC", "° c": "degC", "dps": "deg/s", "kn": "kN", "dan": "daN", "nm": "N*m"}
-_WHOLE |= dict.fromkeys(("‰", "0.1%", "0.1 %", "0,1 %", "0,1%", "per mille", "promille", "1/1000"), "permille")
 _MASS_TIMES_LENGTH = re.compile(
     r"(?P<mass>kg|g|oz|lbs?)\*(?P<length>in|ft|mm|cm|m)|(?P<first>in|ft)\*(?P<last>oz|lbs?)"
 )

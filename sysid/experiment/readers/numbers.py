@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
+from sysid.experiment.column_settings import WORDS
 from sysid.experiment.readers.base import Column, to_numpy
 from sysid.experiment.toml_table import shown
 
@@ -22,12 +23,7 @@ NO_BREAK = "\u00a0\u2009\u202f"
 """Blanks between groups of three digits, besides the plain one: no-break, thin, narrow no-break (CGPM 2003)."""
 APOSTROPHES = "'’_"
 
-GAPS = (
-    *("", "nan", "NaN", "NAN", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL", "None", "none", "NaT"),
-    *("nan(ind)", "-nan(ind)", "-nan(snan)", "1.#IND", "-1.#IND", "1.#QNAN", "-1.#QNAN", "1.#SNAN"),
-    *("1.#INF", "-1.#INF", "\\N", "(null)"),
-    *("#N/A", "#N/A N/A", "#NA", "#NV", "#NUM!", "#ZAHL!", "#VALUE!", "#WERT!", "#DIV/0!", "#REF!", "<NA>"),
-)
+GAPS: tuple[str, ...] = ("", *WORDS["gaps"])
 """Cells that mean 'no number' in the output of C libraries, spreadsheets and data frames."""
 
 _EXPONENT = r"(?:[eEdDqQ][+-]?\d+)?"
@@ -142,8 +138,7 @@ def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: s
 
 
 DAY = 86400.0
-MONTHS = dict(zip(["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"], range(1, 13)))
-MONTHS |= {"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
+MONTHS: dict[str, int] = WORDS["months"]
 
 _DATE = (
     r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{4}-\d{3}|\d{1,2}[-./]\d{1,2}[-./](?:\d{4}|\d\d)"
