@@ -155,7 +155,10 @@ def test_a_row_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert "near row 4: a row is longer than 5 MB" in refusal(tmp_path / "later.csv.gz")
 
 
-@pytest.mark.parametrize("encoding", ["idna", "rot13", "undefined", "base64", "no-such"])
+@pytest.mark.parametrize(
+    "encoding",
+    ["idna", "rot13", "undefined", "base64", "no-such", "unicode_escape", "raw_unicode_escape", "utf-7", "punycode"],
+)
 def test_encodings_that_are_no_text_encodings_are_refused(tmp_path: Path, capsys, encoding: str) -> None:
     (tmp_path / "fit.csv").write_text("time [s],x [m]\n0,0\n1,1\n")
     (tmp_path / "experiment.toml").write_text(

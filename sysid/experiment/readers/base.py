@@ -2,6 +2,7 @@
 
 import hashlib
 import stat
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,8 +16,10 @@ from sysid.experiment.toml_table import TomlTable, kind_of, quantity, shown
 DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
 """Characters between columns, and their names; any run of blanks and tabs is one delimiter for ' '."""
 
-SAMPLE = "0.5;-1e3\n"
-"""A row that an encoding of texts must be able to write and to read."""
+ASCII = "".join(map(chr, range(32, 127))) + "\\u0041\t\n"
+"""A text that the encoding of a text file writes with the bytes of ASCII, besides zeros and byte order marks."""
+
+OTHER_FORMATS = tomllib.loads(Path(__file__).with_name("other_formats.toml").read_text("utf-8"))["format"]
 
 REPEATED_TIME = ("first", "mean", "spread")
 
@@ -68,7 +71,8 @@ def read_format(table: TomlTable) -> Format:
     if "encoding" in table.data:
         encoding = table.text("encoding")
         try:
-            known = SAMPLE.encode(encoding).decode(encoding, "replace") == SAMPLE
+            data = ASCII.encode(encoding)
+            known = data.decode(encoding) == ASCII == data.translate(None, b"\0\xff\xfe\xef\xbb\xbf").decode("ascii")
         except (LookupError, ValueError):
             known = False
         if not known:
@@ -210,15 +214,6 @@ def check_finite(array: np.ndarray, file: str, label: str) -> None:
 
 
 def to_numpy(column: Any) -> np.ndarray:
-    """A chunked column of floats as one array, off its buffers: pyarrow's own conversion loads pandas, 0.3 s."""
-    values = np.empty(len(column))
-    start = 0
-    for chunk in column.chunks:
-        validity, data = chunk.buffers()
-        rows = slice(chunk.offset, chunk.offset + len(chunk))
-        part = values[start : start + len(chunk)]
-        part[:] = np.frombuffer(data, dtype=np.float64)[rows] if data is not None else np.nan
-        if validity is not None:
-            part[~np.unpackbits(np.frombuffer(validity, dtype=np.uint8), bitorder="little")[rows].astype(bool)] = np.nan
-        start += len(chunk)
-    return values
+    """A chunked column of floats as one array, off its buffer: pyarrow's own conversion loads pandas, 0.3 s."""
+    array = column.combine_chunks().fill_null(np.nan)
+    return np.frombuffer(array.buffers()[1] or b"", dtype=np.float64)[array.offset :][: len(array)].copy()

@@ -15,8 +15,25 @@ from typing import Any, BinaryIO, cast
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MOST_BYTES, MOST_ROWS, Column, Format, Header, shown_path, to_numpy
-from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, kind_of_cell, split, unit_of_cell
+from sysid.experiment.readers.base import (
+    MOST_BYTES,
+    MOST_ROWS,
+    OTHER_FORMATS,
+    Column,
+    Format,
+    Header,
+    shown_path,
+    to_numpy,
+)
+from sysid.experiment.readers.dialect import (
+    DIGITS,
+    Dialect,
+    find_dialect,
+    is_comment,
+    kind_of_cell,
+    split,
+    unit_of_cell,
+)
 from sysid.experiment.readers.numbers import SCPI_OVERLOAD, is_hexadecimal, respelled_column, seconds
 from sysid.experiment.toml_table import shown
 
@@ -97,8 +114,9 @@ def read_head(path: Path, name: str) -> tuple[bytes, bool]:
             more = bool(file.read(1))
     except (EOFError, gzip.BadGzipFile, zlib.error):
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
-    if data[:4] == b"PAR1":
-        raise InputError(f"{name}: is a Parquet file; give it the suffix .parquet")
+    for other in OTHER_FORMATS:
+        if "begins" in other and data.startswith(bytes.fromhex(other["begins"])):
+            raise InputError(f"{name}: is {other['is']}; {other['instead']}")
     if b"\x00" in data[:4096] and not data.startswith(tuple(mark for mark, _ in _MARKS)) and not _utf_16(data):
         raise InputError(f"{name}: holds binary data, no CSV text")
     if more and b"\n" not in data and b"\r" not in data:
@@ -147,7 +165,7 @@ def lines_of(path: Path, encoding: str, name: str) -> Iterator[str]:
         try:
             for line in text:
                 row += 1
-                yield line.rstrip("\n")
+                yield line.rstrip("\n").lstrip("\ufeff")
         except UnicodeError:
             raise InputError(
                 f"{name}: near row {row + 1}: a byte is not {encoding.upper()}; name the encoding: "
@@ -212,10 +230,7 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
     found = find_dialect(lines, encoding, settings, name, complete=not more)
     if found.header_row and not any(label.strip() for label in found.labels):
         raise InputError(f"{name}: row {found.header_row}: the header is empty; required: time [s], position [m], ...")
-    units = {}
-    for label, unit in zip(found.labels, found.units):
-        if unit:
-            units[label] = unit
+    units = {label: unit for label, unit in zip(found.labels, found.units) if unit}
     units |= {found.labels[k]: "s" for k in found.stamps}
     units |= {found.labels[k]: unit for k, unit in found.spelled.items() if unit}
     remarks = (*(["gzip"] if gzipped else []), *found.remarks)
@@ -376,6 +391,11 @@ def _data_rows(
                 words = {*filter(None, other)} if settings.sample_rate is None else {}
                 whole = not any(dialect.delimiter in cell for cell in other)
                 if whole and kinds <= {"text", "gap"} and (len(other) != dialect.width or len(words) > 1):
+                    if len(other) == dialect.width and all(
+                        cell or label in ("", *dialect.texts) for cell, label in zip(other, labels)
+                    ):
+                        seen = shown(", ".join(other)[:80])
+                        raise InputError(f"{name}: row {at}: {seen} is another header; split the file above it")
                     texts += 1
                     continue
                 if len(other) != dialect.width:
@@ -389,21 +409,25 @@ def _data_rows(
         notes.append(f"{wider} row{'s have' if wider > 1 else ' has'} cells beyond the last column; left out")
     if texts:
         notes.append(f"{texts} row{'s' * (texts > 1)} of text between the numbers; left out")
-    if held and len(held[0][1]) > dialect.width and not _is_text(held[0][1], dialect, settings):
-        raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
     if held:
         last = f"row {held[0][0]}" if len(held) == 1 else f"rows {held[0][0]} to {held[-1][0]}"
-        cut = len(held) == 1 and not _is_text(held[0][1], dialect, settings)
-        notes.append(f"{last} at the end {'is cut off' if cut else 'hold no numbers'}; left out")
+        numbers = [not _is_text(cells, dialect, settings) for _, cells in held]
+        if numbers[0] and (len(held) > 1 or len(held[0][1]) > dialect.width):
+            raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
+        why = "is cut off" if numbers[0] else "begin with text" if any(numbers) else "hold no numbers"
+        notes.append(f"{last} at the end {why}; left out")
 
 
 def _is_text(cells: Sequence[str], dialect: Dialect, settings: Format) -> bool:
-    """Whether no filled cell of a row is a number or a time, or the first one is a word in a column of numbers."""
+    """Whether no filled cell of a row is a number or a time, or the first one is a word in a column of numbers. Digits
+    without a letter are no text: a number that is written otherwise than those above it."""
+
+    def kind(cell: str) -> str:
+        return "number" if DIGITS.fullmatch(cell) else kind_of_cell(cell, dialect.form, settings)
+
     if dialect.form.value(cells[0]) is None and dialect.labels[0] not in dialect.texts:
-        return kind_of_cell(cells[0], dialect.form, settings) == "text"
-    if any(dialect.form.value(cell) is not None for cell in cells):
-        return False
-    return {kind_of_cell(cell, dialect.form, settings) for cell in cells} - {"gap"} == {"text"}
+        return kind(cells[0]) == "text"
+    return all(dialect.form.value(cell) is None for cell in cells) and {*map(kind, cells)} - {"gap"} == {"text"}
 
 
 def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -449,11 +473,11 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
     decimal, other = dialect.form.decimal, unit_of_cell(cell, dialect.form)
     if is_hexadecimal(cell):
         hint = "; counts in hexadecimal digits are not read: let the logger write decimal numbers"
-    elif re.fullmatch(r"[+-]?\d{1,3}([.,]\d{3})+", cell):
-        mark = "." if "." in cell else ","
-        hint = f"; if '{mark}' groups thousands: [format] thousands = \"{mark}\""
-    elif re.fullmatch(r"-?\d+,\d+", cell) and decimal == ".":
-        hint = '; a point is required as decimal sign, or [format] decimal = ","'
+    elif grouped := re.fullmatch(r"[+-]?\d{1,3}(?:([.,])\d{3})+(?:(?!\1)[.,]\d+)?", cell):
+        hint = f"; if '{grouped[1]}' groups thousands: [format] thousands = \"{grouped[1]}\""
+    elif re.fullmatch(r"-?\d+[.,]\d+", cell) and decimal not in cell:
+        required = "point" if decimal == "." else "comma"
+        hint = f'; a {required} is required as decimal sign, or [format] decimal = "{",."[decimal == ","]}"'
     elif _STAMP.search(cell):
         hint = '; if it is a time stamp, name its form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
     elif other and other != unit:

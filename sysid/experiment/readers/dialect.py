@@ -32,6 +32,9 @@ LEAST_ROWS = 3
 _QUANTITY = re.compile(r"(?P<number>.*?[\d.,])\s*(?P<unit>[A-Za-zµμ°Ω%][^\s,;]*)")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
+DIGITS = re.compile(r"[\W_]*\d[\W\d_]*")
+"""Digits without a letter: a number in another form, or a time stamp."""
+
 _UNIT_KEY = r"unit|einheit|unid|unità|unité"
 _TYPES = r"l?real\d*|float\d*|double|single|u?[sld]?int\d*|bool|byte|[dl]?word|w?string"
 """Types of data of IEC 61131-3 and C."""
@@ -87,7 +90,7 @@ def split(line: str, delimiter: str) -> list[str]:
     """The cells of a line, without blanks around them."""
     if delimiter == " ":
         # A unit in brackets belongs to the name before it. No-break blanks do not separate.
-        cells = re.findall(r'"[^"]*"|[^ \t\r\n]+(?:[ \t]+[\[(][^\])]*[\])])?', line)
+        cells = re.findall(r'"[^"]*"|[\[(][^\])\s]*[\])](?!\S)|[^ \t\r\n]+(?:[ \t]+[\[(][^\])]*[\])])?', line)
         return [cell.strip('"') for cell in cells]
     if '"' in line:
         # A line that is no CSV (a cell of more than 128 kB) is split at every delimiter.
@@ -132,12 +135,14 @@ def _has_format(cell: str, time_format: str) -> bool:
 
 
 class _Way(NamedTuple):
-    """A way to split the lines: share of the cells that are numbers, width, delimiter and form of the numbers."""
+    """A way to split the lines: share of the cells that are numbers, width, delimiter and form of the numbers, and how
+    often another delimiter is in a cell."""
 
     share: float
     width: int
     delimiter: str
     form: NumberForm
+    mixed: int
 
 
 def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: str, complete: bool) -> Dialect:
@@ -161,18 +166,23 @@ def _best_way(sample: Sequence[str], settings: Format) -> _Way:
             whole = [row for row in rows if len(row) == width]
             cells = [cell for row in whole for cell in row]
             form = _form(whole, cells, decimal, delimiter, settings)
-            kinds = Counter(kind_of_cell(cell, form, settings) for cell in cells)
-            filled = sum(cell != "" for row in rows for cell in row)
-            good = sum(kinds[kind] for kind in _VALUED)
-            ways.append(_Way(round(good / max(filled, 1), 3), width, delimiter, form))
+            valued = [sum(kind_of_cell(cell, form, settings) in _VALUED for cell in row) for row in whole]
+            filled = sum(cell != "" for row in rows if len(row) != width for cell in row)
+            filled += sum(cell != "" for row, count in zip(whole, valued) if count for cell in row)
+            good = sum(valued)
+            if delimiter == "\t" and 2 * valued.count(width) > len(rows):
+                # Blanks in cells between tabs stand in numbers and dates.
+                return _Way(1.0, width, delimiter, form, 0)
+            mixed = sum(other in cell for cell in cells for other in ";\t|")
+            ways.append(_Way(round(good / max(filled, 1), 3), width, delimiter, form, mixed))
     # Blanks are tried last: names in columns that tabs separate may have blanks, too.
     tabs = {way.width for way in ways if way.delimiter == "\t"}
     ways = [way for way in ways if way.delimiter != " " or way.width not in tabs]
-    best = max(ways, key=lambda way: way[:2], default=None)
+    best = max(ways, key=lambda way: (*way[:2], -way.mixed), default=None)
     if best is None or best.share == 0.0:
         # No row of numbers: the most columns, so that the message can say what the header has.
         ways = [way for way in ways if way.delimiter != " "] or ways
-        return max(ways, key=lambda way: way.width, default=_Way(0.0, 1, settings.delimiter or ",", NumberForm()))
+        return max(ways, key=lambda way: way.width, default=_Way(0.0, 1, settings.delimiter or ",", NumberForm(), 0))
     return best
 
 
@@ -260,7 +270,7 @@ def _layout(
             for k, kind in enumerate(columns)
             if kind == "text"
             for cells in reversed(data)
-            if kind_of_cell(cells[k], form, settings) == "text"
+            if not DIGITS.fullmatch(cells[k]) and kind_of_cell(cells[k], form, settings) == "text"
         },
         remarks=tuple(remarks),
     )

@@ -10,6 +10,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.readers import csv
 from sysid.experiment.readers.base import (
     MOST_COLUMNS,
+    OTHER_FORMATS,
     Column,
     Format,
     Header,
@@ -84,11 +85,11 @@ def record_suffix(name: str) -> str | None:
 def unknown_format(name: str) -> str:
     """Error of a file whose suffix is not known, with the suffixes that are allowed."""
     suffix = Path(name).suffix.lower()
-    instead = "; save the sheet as CSV" if suffix in (".xlsx", ".xls", ".ods", ".xlsm") else ""
-    instead = instead or ("; export it as CSV or MAT" if suffix in (".mf4", ".mdf") else "")
+    instead = next((f"; {f['instead']}" for f in OTHER_FORMATS if suffix in f.get("suffixes", ())), "")
+    found = f"'{suffix}'" if suffix else "a name without a suffix"
     return (
-        f"'{suffix}' is not a record format{instead}; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
-        ".parquet, .mat, .h5, .npz, .tdms, .json"
+        f"{found} is not a record format{instead}; allowed: "
+        f"{', '.join(TEXT_SUFFIXES[:4])} (also .gz), .parquet, .mat, .h5, .npz, .tdms, .json"
     )
 
 

@@ -61,12 +61,23 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
             raise MemoryError
         for place, data in sets:
             try:
-                found |= dict(vectors(data[()], place))
+                found |= dict(vectors(_unpacked(data), place))
             except OSError as error:
                 raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
     if any(key not in found for key in wanted):
         raise InputError(f"{name}: changed while it was read; run again")
     return columns_of([found[key] for key in wanted], name, header, indices)
+
+
+def _unpacked(data: Any) -> np.ndarray:
+    """The values of a data set, unpacked by its attributes (CF conventions 1.11, sections 2.5 and 8.1)."""
+    values = data[()]
+    if values.dtype.kind not in "iuf":
+        return values
+    gaps = [values == data.attrs[key] for key in ("_FillValue", "missing_value") if key in data.attrs]
+    if gaps or "scale_factor" in data.attrs or "add_offset" in data.attrs:
+        values = values * data.attrs.get("scale_factor", 1.0) + data.attrs.get("add_offset", 0.0)
+    return np.where(np.logical_or.reduce(gaps), np.nan, values) if gaps else values
 
 
 def _open(path: Path, name: str) -> Any:

@@ -22,6 +22,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
     """Columns of a Parquet file; see `Reader`."""
     import pyarrow
+    from pyarrow import compute
 
     file = _open(path, name)
     wanted = [header.labels[index] for index in indices]
@@ -42,9 +43,13 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
         kinds = pyarrow.types.is_integer, pyarrow.types.is_floating, pyarrow.types.is_decimal
         if not any(kind(column.type) for kind in kinds):
             raise InputError(f"{name}: column '{label}': holds {column.type}, numbers are required")
+        origin = column[0].as_py() if pyarrow.types.is_integer(column.type) and len(column) else 0
+        # Larger counts have more digits than a float.
+        origin = origin if origin and origin >= 2**53 and not column.null_count else 0
+        column = compute.subtract(column, origin) if origin else column  # type: ignore[attr-defined]
         values = to_numpy(column.cast(pyarrow.float64(), safe=False))
         check_finite(values, name, label)
-        found.append(Column(values))
+        found.append(Column(values, float(origin), f"'{label}' is counted from its first row" if origin else ""))
     return found
 
 

@@ -1,6 +1,7 @@
 """MAT 5 and 7.3, HDF5, NPZ, NPY, JSON, TDMS and Parquet give the record that the arrays were."""
 
 import json
+from datetime import datetime, timedelta
 from decimal import Decimal
 from pathlib import Path
 
@@ -178,3 +179,55 @@ def test_a_long_file_is_not_hashed_for_its_labels(tmp_path, monkeypatch):
     for label in ("first", "other"):
         path.write_text("".join(json.dumps({"t [s]": k, label: k}) + "\n" for k in range(3)))
         assert open_record_file(path, "a.jsonl").header.labels == ("t [s]", label)
+
+
+def test_json_of_texts(tmp_path: Path) -> None:
+    """Loggers write numbers and times as texts."""
+    stamps = [(datetime(2024, 3, 7, 14, 5, 59, 990_000) + timedelta(seconds=t)).isoformat() for t in TIME.tolist()]
+    rows = [{"time": s, "x": f"{x!r}", "note": "a"} for s, x in zip(stamps, POSITION.tolist())]
+    (tmp_path / "a.jsonl").write_text("".join(json.dumps(row) + "\n" for row in [*rows[:-1], {**rows[-1], "x": None}]))
+    opened = open_record_file(tmp_path / "a.jsonl", "a.jsonl")
+    assert opened.header.labels == ("time", "x") and opened.header.units == {"time": "s"}
+    time, x = (column.values for column in opened.columns([0, 1]))
+    np.testing.assert_allclose(time, TIME, atol=1e-9)
+    assert np.array_equal(x[:-1], POSITION[:-1]) and np.isnan(x[-1])
+
+
+def test_large_counts_of_parquet_keep_their_digits(tmp_path: Path) -> None:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    counts = 1_709_820_358_500_000_001 + 100 * np.arange(50)
+    parquet.write_table(pa.table({"time [ns]": counts, "x [m]": counts % 7}), tmp_path / "a.parquet")
+    time = open_record_file(tmp_path / "a.parquet", "a.parquet").columns([0])[0]
+    assert np.array_equal(time.values, 100.0 * np.arange(50)) and time.origin == float(counts[0])
+
+
+def test_packed_values_of_hdf5(tmp_path: Path) -> None:
+    """CF conventions, section 8.1, as netCDF and xarray write them."""
+    h5py = pytest.importorskip("h5py")
+    counts = np.array([[-9999, 100, 250]], dtype="i2")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        packed = file.create_dataset("position", data=counts)
+        packed.attrs.update({"_FillValue": np.int16(-9999), "scale_factor": 0.01, "add_offset": 2.0, "units": "mm"})
+    found = open_record_file(tmp_path / "a.h5", "a.h5").columns([0])[0].values
+    np.testing.assert_allclose(found, [np.nan, 3.0, 4.5])
+
+
+OTHER_FORMATS = {
+    "a.csv": (b"PK\x03\x04\x14" + bytes(99), "save the sheet as CSV"),
+    "b.csv": (b"\x89HDF\r\n\x1a\n" + bytes(99), "give it the suffix .h5"),
+    "a.dat": (b"MDF     3.30    " + bytes(99), "export it as CSV or MAT"),
+    "a.feather": (b"ARROW1", "save it as Parquet"),
+    "a.pkl": (b"\x80\x04", "may hold code; save the arrays"),
+    "a.tdm": (b"<?xml", "save it as TDMS or CSV"),
+    "noext": (b"t,x", "a name without a suffix is not a record format"),
+}
+
+
+@pytest.mark.parametrize("name", OTHER_FORMATS)
+def test_other_formats_are_refused_with_what_to_do(tmp_path: Path, name: str) -> None:
+    content, message = OTHER_FORMATS[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        open_record_file(tmp_path / name, name)

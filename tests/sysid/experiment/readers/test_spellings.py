@@ -12,6 +12,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.column_proposal import propose, read_numbers
 from sysid.experiment.column_settings import column_unit
 from sysid.experiment.experiment import load_experiment
+from sysid.experiment.readers import csv
 from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.numbers import NumberForm
 from sysid.experiment.readers.open import open_record_file
@@ -208,6 +209,68 @@ def test_a_row_of_another_width_among_the_others_is_named(tmp_path: Path) -> Non
     rows = [*_plain()[:10], *(f"{row};1;2" for row in _plain()[10:])]
     with pytest.raises(InputError, match=r"row 12: has 5 cells, the rows above have 3; .*first_row = 12"):
         open_record_file(_write(tmp_path, rows), "fit.csv")
+
+
+OTHERWISE = {
+    "other order": (["time [s];friction_force [N];position [mm]"], 0, "row 22: .* is another header"),
+    "other unit": (["time [s];position [um];friction_force [N]"], 0, "row 22: .* is another header"),
+    "second table": (["", "frequency [Hz];gain [dB];phase [deg]"], 0, "row 23: .* is another header"),
+    "decimal comma": ([], 1, "row 22, column 'time .*a point is required as decimal sign"),
+    "groups": ([], 2, "row 22, column 'time .*if ',' groups thousands"),
+    "lost column": ([], 3, "row 22: has 2 cells"),
+}
+
+
+@pytest.mark.parametrize("name", OTHERWISE)
+def test_rows_that_mean_something_else_than_those_above_are_refused(tmp_path, monkeypatch, name: str) -> None:
+    """Not left out as text, and not read as if they were of the columns above."""
+    monkeypatch.setattr(csv, "HEAD", 400)
+    between, way, message = OTHERWISE[name]
+    below = {
+        0: _plain()[20:],
+        1: [row.replace(".", ",") for row in _plain()[20:]],
+        2: [f"1,{row.replace('0.', '000.', 1)}" for row in _plain()[20:]],
+        3: [row.rpartition(";")[0] for row in _plain()[20:]],
+    }[way]
+    with pytest.raises(InputError, match=message):
+        _columns(_write(tmp_path, [*_plain()[:20], *between, *below]))
+
+
+def test_a_repeated_header_may_have_a_byte_order_mark(tmp_path: Path) -> None:
+    rows = [*_plain()[:20], "\ufefftime [s];position [mm];friction_force [N]", *_plain()[20:]]
+    np.testing.assert_allclose(_columns(_write(tmp_path, rows))[1], POSITION, atol=1e-4)
+
+
+def test_blanks_within_cells_between_tabs_do_not_separate(tmp_path: Path) -> None:
+    """The date of an export of LabVIEW has a blank and a decimal comma."""
+    stamps = [f"07.03.2024 14:05:{10.0 + t:06.3f}" for t in TIME]
+    rows = ["\t".join((s, f"{x:.6f}", f"{f:.6f}")).replace(".", ",") for s, x, f in zip(stamps, POSITION, FORCE)]
+    rows = [row.replace(",", ".", 2) for row in rows]
+    found = _columns(_write(tmp_path, rows, "delta t\t0,010000\t0,010000\n\ntime\tposition (mm)\tforce (N)"))
+    np.testing.assert_allclose(found[0], TIME, atol=1e-9)
+    np.testing.assert_allclose(found[1], POSITION, atol=1e-6)
+
+
+def test_units_in_brackets_below_names_between_blanks(tmp_path: Path) -> None:
+    rows = [f"{t:10.4f}{1e3 + x:12.4f}{f:10.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
+    file = _write(tmp_path, rows, "    time  position   force\n     [s]      [mm]     [N]")
+    assert open_record_file(file, file.name).header.units == {"time": "s", "position": "mm", "force": "N"}
+
+
+GROUPED = {"us": ("time [s],x [um],F [N]", '{t:.2f},"{x:,.0f}",{f:.4f}', ","), "de": ("Zeit [s];x [um];F [N]", "", ".")}
+
+
+@pytest.mark.parametrize("name", GROUPED)
+def test_a_column_whose_numbers_may_all_be_grouped_is_asked_for(tmp_path: Path, name: str) -> None:
+    """It is a column of numbers, not of texts or time stamps."""
+    header, row, mark = GROUPED[name]
+    rows = [(row or "{t:.2f};{x:,.0f};{f:.4f}").format(t=t, x=11e3 + x, f=f) for t, x, f in zip(TIME, POSITION, FORCE)]
+    rows = [one.translate({44: ".", 46: ","}) for one in rows] if name == "de" else rows
+    message = rf"'1\d\{mark}\d\d\d' is not a number; if '\{mark}' groups thousands: \[format\] thousands"
+    with pytest.raises(InputError, match=message):
+        _columns(_write(tmp_path, rows, header))
+    found = _columns(_write(tmp_path, rows, header), thousands=mark, decimal="," if name == "de" else ".")
+    np.testing.assert_allclose(found[1], 11e3 + POSITION, atol=0.51)
 
 
 def test_numbers_beyond_the_header_are_refused(tmp_path: Path) -> None:
