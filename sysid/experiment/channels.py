@@ -44,7 +44,7 @@ class Column:
 class Term:
     """A column and the conversion of its cells to the SI unit of a channel (value * factor + offset), with the
     relative standard deviation of the factor (infinite: it is fitted) and its text where it is uncertain. Cells that
-    are increments are summed from the first row on."""
+    are increments are summed from the first row on; those that begin anew after a `period`, SI, are continued."""
 
     column: Column
     unit: str
@@ -53,6 +53,7 @@ class Term:
     deviation: float = 0.0
     scale: str = ""
     increments: bool = False
+    period: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -283,7 +284,8 @@ def _term(
         factor, offset = conversion(unit, si_unit)
         if setting.increments:
             offset = 0.0
-        return Term(column, unit, sign * factor, sign * offset, increments=bool(setting.increments)), si_unit, is_rotary
+        summed, period = bool(setting.increments), factor * (setting.period or 0.0)
+        return Term(column, unit, sign * factor, sign * offset, 0.0, "", summed, period), si_unit, is_rotary
     try:
         dimension = tuple(a + b for a, b in zip(unit_dimension(unit), scale.dimension, strict=True))
     except InputError as error:
@@ -294,7 +296,8 @@ def _term(
             deviation = (scale.std or 0.0) / abs(scale.value)
             told = None if declared.unit == torque else is_rotary
             text, summed = scale.text if deviation else "", bool(setting.increments)
-            return Term(column, unit, factor, 0.0, deviation, text, summed), si_unit, told
+            period = abs(factor) * (setting.period or 0.0)
+            return Term(column, unit, factor, 0.0, deviation, text, summed, period), si_unit, told
     raise InputError(
         f"{setting.where or place}: '{unit}' times scale = '{scale.text}' is no '{declared.unit}'"
         + (f" or '{torque}'" if torque != declared.unit else "")

@@ -115,8 +115,9 @@ class Stated:
 class ColumnSetting:
     """Settings of one column of a channel in the experiment; None is left to the file.
 
-    The column is a name, or a number from 1; its cells may be `increments` from row to row, whose sum is the channel. A
-    quantity `stated` stands in place of a column. `where` is the place in the experiment file, for messages.
+    The column is a name, or a number from 1; its cells may be `increments` from row to row, whose sum is the channel,
+    or begin anew after a `period`, in their own unit. A quantity `stated` stands in place of a column. `where` is the
+    place in the experiment file, for messages.
     """
 
     column: str | int | None = None
@@ -125,13 +126,14 @@ class ColumnSetting:
     scale: Scale | None = None
     where: str = ""
     increments: bool | None = None
+    period: float | None = None
     stated: Stated | None = None
 
     def over(self, other: ColumnSetting) -> ColumnSetting:
         """These settings, and those of `other` where these have none."""
         own = {name: value for name, value in vars(self).items() if value not in (None, "")}
         if self.stated is not None or (other.stated is not None and self.column is None):
-            own = {"column": None, "unit": None, "scale": None, "increments": None, **own}
+            own = {"column": None, "unit": None, "scale": None, "increments": None, "period": None, **own}
         elif other.stated is not None:
             own = {"stated": None, **own}
         return replace(other, **own)
@@ -215,7 +217,7 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
             '{column = "NAME", unit = "A", scale = "0.113 N*m/A", sign = -1}'
         )
     inner = TomlTable(table.file, f"{table.name}.{channel}", value)
-    inner.allow(("column", "unit", "sign", "scale", "increments", *STATED))
+    inner.allow(("column", "unit", "sign", "scale", "increments", "period", *STATED))
     sign = _sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None
     if stated := _stated(inner, channel):
         return ColumnSetting(sign=sign, where=where, stated=stated)
@@ -233,6 +235,7 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
         scale=read_scale(inner) if "scale" in inner.data else None,
         where=where,
         increments=inner.flag("increments") if "increments" in inner.data else None,
+        period=_positive(inner, "period") if "period" in inner.data else None,
     )
 
 
@@ -253,10 +256,14 @@ def _stated(table: TomlTable, channel: str) -> Stated | None:
         raise InputError(f'{table.where(key)}: the time needs a column, or a rate: [format] sample_rate = "1 kHz"')
     if key != "pulses_per_turn":
         return Stated(table.text(key), key == "pitch")
-    pulses = table.data[key]
-    if isinstance(pulses, bool) or not isinstance(pulses, int | float) or not 0.0 < pulses < math.inf:
-        raise InputError(f"{table.where(key)}: {shown(pulses)} is not allowed; a number above zero is required")
-    return Stated(f"{2.0 * math.pi / pulses!r} rad", True)
+    return Stated(f"{2.0 * math.pi / _positive(table, key)!r} rad", True)
+
+
+def _positive(table: TomlTable, key: str) -> float:
+    value = table.data[key]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise InputError(f"{table.where(key)}: {shown(value)} is not allowed; a number above zero is required")
+    return float(value)
 
 
 def _column_number(value: int, where: str) -> int:

@@ -165,13 +165,41 @@ def _dropped(signal: np.ndarray) -> np.ndarray:
     return dropped
 
 
+def begins_anew(signal: np.ndarray) -> tuple[np.ndarray, float]:
+    """Rows at which a position (n,) may begin anew, as a counter or an angle within a turn does, and the period; none
+    else. It jumps by nearly its whole range against its motion, and its other steps are below a quarter of the range.
+    """
+    kept = np.flatnonzero(np.isfinite(signal))
+    steps = np.diff(signal[kept])
+    span = float(np.ptp(signal[kept])) if kept.size else 0.0
+    far = np.abs(steps) > 0.5 * span
+    jumps = np.flatnonzero(far[1:-1]) + 1
+    before, after = steps[jumps - 1], steps[jumps + 1]
+    periods = np.abs(steps[jumps]) + 0.5 * np.abs(before + after)
+    against = (before * steps[jumps] < 0.0) & (after * steps[jumps] < 0.0) & (periods > 0.99 * span)
+    if not jumps.size or not against.all() or np.abs(steps[~far]).max(initial=0.0) > 0.25 * span:
+        return kept[:0], 0.0
+    return kept[jumps + 1], float(np.median(periods))
+
+
 OTHER_SCALE = 100.0
 """Ratio of the ranges of a channel in two records from which a wrong unit is asked for."""
 
 
 def scale_warnings(records: Sequence[tuple[str, Mapping[str, np.ndarray], Mapping[str, str]]]) -> list[str]:
-    """Channels whose ranges in two records differ as units do; `records` are name, channels and units."""
+    """Channels whose ranges in two records differ as units do, and positions that begin anew at the end of their range;
+    `records` are name, channels and units."""
     found = []
+    for name, channel, signal, unit in (
+        (name, key, values[key], units[key]) for name, values, units in records for key in values if "position" in key
+    ):
+        rows, period = begins_anew(signal)
+        if rows.size:
+            found.append(
+                f"'{channel}' in '{name}' jumps {rows.size} times by its whole range against its motion: if it begins "
+                f"anew after {format_quantity(period, unit, 3)}, write that in the unit of its column: [channels] "
+                f"{channel} = {{column = ..., period = ...}}"
+            )
     for channel in sorted({channel for _, values, _ in records for channel in values}):
         ranges = {
             name: (float(np.nanpercentile(values[channel], 99) - np.nanpercentile(values[channel], 1)), units[channel])

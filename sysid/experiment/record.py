@@ -299,6 +299,7 @@ def _read_columns(
                 part = part if term.factor == 1.0 else part * term.factor
                 part = part + term.offset if term.offset else part
                 part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
+                part = _continued(part, term.period) if term.period else part
                 values[channel] = values[channel] + part if channel in values else part
             if channel == "time" and column.origin:
                 origin = column.origin * term.factor
@@ -330,6 +331,14 @@ def _check_size(values: np.ndarray, what: str) -> None:
     """Refuse values (n,), SI, with whose squares nothing can be computed."""
     largest = max(np.fmax.reduce(values, initial=0.0), -np.fmin.reduce(values, initial=0.0))
     check_size(float(largest), "its largest value", what)
+
+
+def _continued(values: np.ndarray, period: float) -> np.ndarray:
+    """Values (n,) that begin anew after a period, without its jumps; rows without a value stay gaps."""
+    known = np.isfinite(values)
+    result = values.copy()
+    result[known] = np.unwrap(values[known], period=period)
+    return result
 
 
 def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile, name: str) -> np.ndarray:

@@ -9,7 +9,7 @@ import pytest
 
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import load_experiment
-from sysid.experiment.quality import BESIDE, faults_of, scale_warnings, without_faults
+from sysid.experiment.quality import BESIDE, begins_anew, faults_of, scale_warnings, without_faults
 from sysid.experiment.record import load_whole_records
 from sysid.signals import dilated
 
@@ -151,3 +151,36 @@ def test_a_record_of_another_scale_is_named() -> None:
     lines = scale_warnings([("fit", one, UNITS), ("validate", other, UNITS)])
     assert len(lines) == 1 and "'position'" in lines[0] and "1e+03 times" in lines[0]
     assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])
+
+
+def test_a_counter_that_begins_anew_is_seen_and_a_motion_is_not() -> None:
+    time = 0.01 * np.arange(400)
+    turn = 2.0 * np.pi
+    for angle in (3.0 * time, 10.0 * np.sin(time), 1.0 - 4.0 * time):
+        rows, period = begins_anew(np.mod(angle, turn))
+        np.testing.assert_array_equal(rows, np.flatnonzero(np.diff(np.floor(angle / turn))) + 1)
+        assert rows.size and period == pytest.approx(turn, rel=0.01)
+        assert not begins_anew(angle)[0].size
+    noise = np.random.default_rng(3).standard_normal((20, 400))
+    assert not any(begins_anew(one)[0].size for one in [*noise, np.sign(np.sin(5.0 * time)), np.full(400, np.nan)])
+
+
+def test_an_angle_is_continued_by_its_period(tmp_path: Path) -> None:
+    time = 0.01 * np.arange(300)
+    angle = np.degrees(8.0 * np.sin(2.0 * time))
+    rows = [f"{t:.2f},{np.mod(a, 360.0):.6f},{np.sign(np.cos(2.0 * t)):.1f}" for t, a in zip(time, angle)]
+    rows[20] = rows[20].split(",")[0] + ",," + rows[20].split(",")[2]
+    (tmp_path / "fit.csv").write_text("time [s],angle [deg],torque [N*m]\n" + "\n".join(rows) + "\n")
+    text = (
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = []\n[channels]\nfriction_force = "torque"\n'
+        'position = {column = "angle"}\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    )
+    (tmp_path / "experiment.toml").write_text(text)
+    wrapped = load_whole_records(load_experiment(tmp_path))[0]
+    warned = scale_warnings([("fit", wrapped.channels, wrapped.units)])
+    assert len(warned) == 1 and "begins anew after 6.28 rad" in warned[0]
+    (tmp_path / "experiment.toml").write_text(text.replace('"angle"}', '"angle", period = 360}'))
+    whole = load_whole_records(load_experiment(tmp_path))[0]
+    assert np.isnan(whole.channels["position"][20]) and scale_warnings([("fit", whole.channels, whole.units)]) == []
+    found = np.delete(whole.channels["position"], 20)
+    np.testing.assert_allclose(found, np.delete(np.radians(angle), 20), atol=1e-7)

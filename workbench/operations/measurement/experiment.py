@@ -186,7 +186,7 @@ class Record:
         columns: column by channel, where the names differ.
         sign: 1 or -1 by channel.
         channels: what `[channels]` of a file says: by channel its column, a table with `column`, `unit`, `scale`,
-            `increments`, `pitch`, `pulses_per_turn` or `value`, or a list of those that are added.
+            `increments`, `period`, `pitch`, `pulses_per_turn` or `value`, or a list of those that are added.
         window: first and last instant, such as `("2 s", "20 s")`; None for an open end.
         continues: name of the record that this one continues.
         noise: standard deviation by channel, where it differs from that of the experiment.
