@@ -98,3 +98,10 @@ def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(caps
     assert ",P-1," in Path("build/parts/bill_of_materials.csv").read_text("utf-8")
     assert stagecad(["new", "hardware", "bolts"]) == 2
     assert "no such kind of table; allowed: materials, piezos, screws" in capsys.readouterr().err
+
+
+def test_the_words_on_an_example_fit_the_width(capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    assert stagecad(["new", "example", "own_rig"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "written: own_rig" and max(map(len, lines)) <= 60 and len(lines) > 2

@@ -79,11 +79,11 @@ class Run:
     def echo(self, text: str) -> None:
         """Print readable text."""
         stream = sys.stderr if self.json_target is not None else sys.stdout
-        click.echo(_folded(text, stream), file=stream)
+        click.echo(folded(text, stream), file=stream)
 
     def note(self, text: str) -> None:
         """Print a remark of one line to standard error; it may quote a file."""
-        click.echo(_folded(one_line(text), sys.stderr), err=True)
+        click.echo(folded(one_line(text), sys.stderr), err=True)
 
     def trust_files(self) -> None:
         """Store the consent to run the user's own checks and parts as they are now, and name them."""
@@ -151,7 +151,7 @@ def _width(stream: TextIO) -> int | None:
     return shutil.get_terminal_size().columns if stream.isatty() or os.environ.get("COLUMNS") else None
 
 
-def _folded(text: str, stream: TextIO) -> str:
+def folded(text: str, stream: TextIO) -> str:
     """Text of which lines that are longer than the stream is wide continue with an indent."""
     width, lines = _width(stream) or 10**6, text.split("\n")
     indents = [" " * (len(line) - len(line.lstrip()) + 2) for line in lines]
@@ -165,7 +165,7 @@ def _folded(text: str, stream: TextIO) -> str:
 def _remarks_shown() -> Iterator[None]:
     """Print the remarks of operations."""
     log, handler = logging.getLogger("stagecad"), logging.Handler()
-    handler.emit = lambda record: click.echo(_folded(record.getMessage(), sys.stderr), err=True)
+    handler.emit = lambda record: click.echo(folded(record.getMessage(), sys.stderr), err=True)
     log.addHandler(handler)
     log.propagate = False
     try:

@@ -1,12 +1,13 @@
 """`stagecad new KIND NAME`: templates of what a user makes."""
 
+import sys
 from pathlib import Path
 
 import click
 
 from workbench.cli.console import show
 from workbench.cli.dispatch import Group
-from workbench.cli.options import FILE, Run, common_options
+from workbench.cli.options import FILE, Run, common_options, folded
 from workbench.operations.templates import TEMPLATES, write_table_of, write_template
 
 
@@ -37,7 +38,7 @@ def _add_template(kind: str) -> None:
     @command.command(kind, help=TEMPLATES[kind])
     @click.argument("name")
     def write(name: str) -> None:
-        click.echo("\n".join(write_template(kind, name)))
+        click.echo(folded("\n".join(write_template(kind, name)), sys.stdout))
 
 
 for _kind in ("part", "check", "effect"):
