@@ -34,21 +34,6 @@ LONG_WORD = 5
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
 
-_UNITS = {
-    "s": "time",
-    "m": "position",
-    "rad": "position",
-    "m/s": "velocity",
-    "rad/s": "velocity",
-    "N": "force",
-    "N*m": "force",
-    "Pa": "normal_load",
-    "A": "drive_force",
-    "V": "voltage",
-    "degC": "temperature",
-}
-"""Channel of a column by its dimension, where its name gives no indication."""
-
 _SCALES = {("drive_force", "A"): "{si}/A", ("drive_force", "V"): "{si}/V", ("normal_load", "Pa"): "mm^2"}
 """Unit of the scale from a dimension to a channel of another one, `{si}` that of the channel."""
 
@@ -272,21 +257,11 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     by_unit = _by_dimension(unit)
     if not numbered:
         for meaning, spoken in WORDS["channels"].items():
-            fits = by_unit in (None, meaning) or {by_unit, meaning} in _ALIKE
+            fits = by_unit in (None, meaning) or sorted((by_unit, meaning)) in WORDS["alike"]
             if fits and _any(words, spoken):
                 certain = meaning == "time" and by_unit == "time"
                 return Guess(meaning, "" if certain else "by its name", unit, rank)
     return Guess(by_unit, "by its unit", unit, rank) if by_unit else Guess("", "", unit, rank)
-
-
-_ALIKE = (
-    {"force", "drive_force"},
-    {"force", "friction_force"},
-    {"force", "spring_force"},
-    {"force", "normal_load"},
-    {"position", "pull_position"},
-    {"voltage", "drive_force"},
-)
 
 
 def _unit_of_name(name: str) -> str | None:
@@ -302,7 +277,7 @@ def _unit_of_name(name: str) -> str | None:
 def _by_dimension(unit: str | None) -> str | None:
     if unit is None:
         return None
-    for si, meaning in _UNITS.items():
+    for si, meaning in WORDS["dimensions"].items():
         if same_dimension(unit, si):
             return meaning
     return None

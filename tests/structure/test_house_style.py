@@ -13,9 +13,9 @@ BUDGET = {
     "stagecad": 14725,
     "designcalc": 10491,
     "sim": 12477,
-    "sysid": 20695,
+    "sysid": 20737,
     "drawings": 12246,
-    "workbench": 15385,
+    "workbench": 15386,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
@@ -25,8 +25,9 @@ RAISED = (
     "tolerance chains of a machine of one's own",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
-    "sysid: records as loggers, instruments and drives write them; faults of sensors found before a fit; the ledger; "
-    "a true model whose friction changes within a row is found, and a dashpot beside a pulling spring",
+    "sysid: records as loggers, instruments and drives write them, with counters that begin anew; faults of sensors "
+    "found before a fit; the ledger; a true model whose friction changes within a row is found, and a dashpot beside a "
+    "pulling spring",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; on "
     "the page records before a fit, several models over one record, the best design of a running search",
 )
