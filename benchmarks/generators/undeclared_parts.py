@@ -491,6 +491,22 @@ def fine_plate() -> W:
     )
 
 
+def tapered_lever() -> W:
+    """Flanks that narrow to the smaller boss, and no flat outside beside its bottom."""
+    arm = W("XY").moveTo(0, 12).lineTo(70, 7).lineTo(70, -7).lineTo(0, -12).close().extrude(9)
+    body = W("XY").circle(16).extrude(20).union(W("XY").center(70, 0).circle(10).extrude(14)).union(arm)
+    body = body.cut(W("XY").circle(8).extrude(30)).cut(W("XY").center(70, 0).circle(4).extrude(30))
+    return body.cut(W("XY").center(0, 8).rect(5, 5.6).extrude(30))
+
+
+def gusseted_angle() -> W:
+    """Round holes as wide as the slots."""
+    foot, wall = W("XY").box(60, 50, 8, (True, False, False)), W("XY").box(60, 8, 55, (True, False, False))
+    rib = W("YZ").moveTo(8, 8).lineTo(40, 8).lineTo(8, 45).close().extrude(3, both=True)
+    body = foot.union(wall).union(rib).cut(W("XY").pushPoints([(-20, 32), (20, 32)]).slot2D(14, 6.6, 90).extrude(10))
+    return body.cut(W("XZ").pushPoints([(-20, 40), (20, 40)]).circle(3.3).extrude(-10))
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -503,6 +519,6 @@ PARTS: dict[str, Callable[[], W]] = {
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
         seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
-        fine_plate,
+        fine_plate, tapered_lever, gusseted_angle,
     )
 }  # fmt: skip

@@ -320,10 +320,12 @@ class _StatedPart(_Part):
                     self._sizes.setdefault(number, d.name)
         elif d.kind == "linear" and d.direction is not None:
             middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
-            for number, surface in enumerate(self._surfaces):
-                across = surface.is_round(d.value / 2) and abs(dot(surface.axis, d.direction)) < SQUARE
-                if across and (d.count > 1 or abs(dot(surface.origin, d.direction) - middle) < NEAR):
-                    self._sizes.setdefault(number, f"{d.name} (ends)")
+            for section in sections_of(s for s in self._surfaces if s.is_round(d.value / 2)):
+                # What goes around its axis has a diameter.
+                across = not section.whole and abs(dot(section.face.axis, d.direction)) < SQUARE
+                if across and (d.count > 1 or abs(dot(section.face.origin, d.direction) - middle) < NEAR):
+                    for face in section.faces:
+                        self._sizes.setdefault(self._number(face), f"{d.name} (ends)")
 
     def size_of(self, surface: Surface) -> str:
         number = self._number(surface)

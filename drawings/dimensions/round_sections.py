@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from drawings.dimensions.levels import NEAR
+from drawings.dimensions.levels import NEAR, WHOLE
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.verification import Surface
@@ -22,6 +22,12 @@ class Section:
     @property
     def face(self) -> Surface:
         return self.faces[0]
+
+    @property
+    def whole(self) -> bool:
+        """Whether it goes around its axis, on the mean of its length."""
+        spans = (face.span * (high - low) for face in self.faces for low, high in [face.extent(self.axis)])
+        return sum(spans) > WHOLE * (self.high - self.low)
 
     def along(self, axis: Point) -> "Section":
         """The section with its ends along an axis that may be opposite to its own."""

@@ -194,15 +194,7 @@ def visible_stretches(
 
 @numba.njit(cache=True)
 def _rasterise(points, triangles, owners, depth, front):  # pragma: no cover - compiled
-    """Draw triangles into a depth buffer.
-
-    Args:
-        points: (n, 3) column, row and depth of the vertices, in pixels.
-        triangles: (m, 3) indices of the vertices.
-        owners: (m,) number of the face of each triangle.
-        depth: (height, width) least depth so far; updated.
-        front: (height, width) number of the face at that depth; updated.
-    """
+    """Draw triangles of `points` (column, row, depth in pixels) and the numbers of their faces into a depth buffer."""
     height, width = depth.shape
     x, y = np.empty(3), np.empty(3)
     for t in range(triangles.shape[0]):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import combinations, starmap
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from drawings.recognition.visible import ProposedDatum
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
-from stagecad.solids.modelling.frame import cross
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
 from stagecad.solids.modelling.kernel import unlocated
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
@@ -23,6 +24,9 @@ TURNS = {"x": None, "y": ((0, 0, 1), -90.0), "z": ((0, 1, 0), 90.0)}
 """Rotation that brings an axis of the part to x."""
 UPRIGHT = {"x": ((0, 1, 0), -90.0), "y": ((1, 0, 0), 90.0), "z": None}
 """Rotation that brings an axis of the part to z."""
+
+ALIKE = 1e-3
+"""Relative difference of area up to which two faces may be mirror images."""
 
 PART = '''"""{name}: dimensions proposed for {source}; check them, then `stagecad drawings --part {name}_proposed.py`.
 
@@ -140,7 +144,7 @@ def _datum(one: ProposedDatum) -> str:
 
 
 def along_axes(solid: cq.Solid) -> cq.Solid:
-    """A solid turned so that the axes of the part are square to most of its faces."""
+    """A solid turned so that most of its faces are square to an axis or, as tapered flanks, mirrored about one."""
     import cadquery as cq
 
     areas: dict[Point, float] = {}
@@ -148,15 +152,25 @@ def along_axes(solid: cq.Solid) -> cq.Solid:
         if surface.kind in ("PLANE", "CYLINDER"):
             axis = next((one for one in areas if abs(dot(one, surface.axis)) > 1 - 1e-6), surface.axis)
             areas[axis] = areas.get(axis, 0.0) + surface.face.Area()
-    first = max(areas, key=areas.__getitem__, default=None)
-    second = max((one for one in areas if abs(dot(one, first or one)) < 1e-6), key=areas.__getitem__, default=None)
-    if first is None or second is None:
+
+    def aligned(frame: tuple[Point, ...]) -> float:
+        """Area of the faces that are square to an axis, or of which an axis has a mirror image."""
+        found = 0.0
+        for one, area in areas.items():
+            images = [subtract(one, scaled(axis, 2 * dot(one, axis))) for axis in frame]
+            like = [two for two, other in areas.items() if two is not one and math.isclose(area, other, rel_tol=ALIKE)]
+            square = any(dot(image, one) < 1e-6 - 1 for image in images)
+            found += area * (square or any(abs(dot(image, two)) > 1 - 1e-6 for image in images for two in like))
+        return found
+
+    first = max(areas, key=areas.__getitem__, default=(0.0, 0.0, 1.0))
+    beside = sorted((one for one in areas if abs(dot(one, first)) < 1e-6), key=areas.__getitem__, reverse=True)
+    pairs = (pair for pair in combinations(beside, 2) if math.isclose(*map(areas.__getitem__, pair), rel_tol=ALIKE))
+    between = [scaled(half, 1 / math.hypot(*half)) for half in starmap(add, pairs)]
+    frame = max(((first, one, cross(first, one)) for one in (*beside, *between)), key=aligned, default=None)
+    if frame is None or aligned(frame) < 1.01 * aligned(((1, 0, 0), (0, 1, 0), (0, 0, 1))):
         return solid
-    frame = (first, second, cross(first, second))
-    turned = sum(area for one, area in areas.items() if max(abs(dot(one, axis)) for axis in frame) > 1 - 1e-6)
-    if turned < 1.01 * sum(area for axis, area in areas.items() if along_of(axis)):
-        return solid
-    return solid.moved(cq.Location(cq.Plane((0, 0, 0), second, first)).inverse)
+    return solid.moved(cq.Location(cq.Plane((0, 0, 0), frame[1], first)).inverse)
 
 
 def in_position(solid: cq.Solid) -> cq.Solid:

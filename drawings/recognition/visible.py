@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drawings.dimensions.levels import AXES, along_of, outward_normal
+from drawings.dimensions.round_sections import Section
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
 from drawings.views.section import cut_shape
@@ -138,18 +139,14 @@ def proposed_datums(
     lines: VisibleLines,
 ) -> Iterator[ProposedDatum]:
     """The axis of a turned part and its largest end face; else the largest faces at right angles to each other.
-
-    Args:
-        shown: views of diameters that are dimensioned.
-    """
+    `shown`: views of diameters that are dimensioned."""
     used: list[Point] = []
     letters = iter("ABC")
 
     def side_views(axis: Point) -> list[str]:
         return [v for v in views if v in PROJECTIONS and abs(dot(PROJECTIONS[v].towards_eye, axis)) < 1e-6]
 
-    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
-    if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
+    def of_axis(shaft: Section) -> Iterator[ProposedDatum]:
         face, axis = shaft.face, positive(shaft.face.axis)
         at = moved(face.origin, shaft.axis, (shaft.low + shaft.high) / 2 - dot(face.origin, shaft.axis))
         rim = (moved(at, unit, side * shaft.radius) for unit in _across(axis) for side in (1.0, -1.0))
@@ -157,17 +154,23 @@ def proposed_datums(
         if touch and side_views(axis):
             view = shown.get(round(2 * shaft.radius, 9), side_views(axis)[0])
             yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)
-            used = _across(axis)
+            used.extend(_across(axis))
+
+    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
+    if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
+        yield from of_axis(shaft)
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
     low, high = verifier.box
 
-    def rank(surface: Surface) -> float:
+    def is_outer(surface: Surface) -> bool:
         number = max(range(3), key=lambda n: abs(surface.axis[n]))
-        outer = min(abs(surface.origin[number] - low[number]), abs(surface.origin[number] - high[number])) < NEAR
-        return -round((OUTER if outer else 1.0) * surface.face.Area(), 3)
+        return min(abs(surface.origin[number] - low[number]), abs(surface.origin[number] - high[number])) < NEAR
 
-    for surface in sorted(planes, key=rank):
+    for surface in sorted(planes, key=lambda one: -round((OUTER if is_outer(one) else 1.0) * one.face.Area(), 3)):
         normal = outward_normal(surface)
+        # A part without a flat outside in the plane of its largest face lies in it by its largest boss.
+        if len(used) == 1 and shaft and not is_outer(surface) and abs(dot(shaft.axis, used[0])) > 1 - 1e-6:
+            yield from of_axis(shaft)
         if any(abs(dot(normal, other)) > 0.5 for other in used):
             continue
         edges = sorted(surface.face.Edges(), key=lambda edge: -round(edge.Length(), 3))

@@ -287,15 +287,8 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
 
 
 def uncrossed(ends: Sequence[Point2], centres: Sequence[Point2]) -> list[int]:
-    """Which end each balloon of a column leads to, so that few leaders cross each other or another balloon.
-
-    Two balloons are exchanged as long as this reduces the number of conflicts, or the length of the leaders at an equal
-    number.
-
-    Args:
-        ends: of the leaders on the parts, in the order of their heights, mm on paper.
-        centres: of the balloons, in the same order.
-    """
+    """Which end each balloon of a column leads to, in the order of their heights: two are exchanged as long as this
+    reduces the number of leaders that cross another or a balloon, or at an equal number their length."""
     order = list(range(len(ends)))
 
     def conflicts(i: int, j: int) -> int:

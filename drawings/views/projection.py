@@ -45,14 +45,8 @@ def project(
 def hidden_lines(
     shapes: Sequence[TopoDS_Shape | None], projection: Projection, *, chord: float = CHORD, exact: bool = True
 ) -> list[tuple[Curve, ...]]:
-    """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None.
-
-    Args:
-        shapes: in place; faces that are never visible should have been left out (`drawings.pictures.picture`).
-        projection: direction of view.
-        chord: greatest distance of a polyline from its curve, mm.
-        exact: as for `project`.
-    """
+    """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None. Faces that
+    are never visible should have been left out (`drawings.pictures.picture`); `chord`, `exact` as for `project`."""
     drawn = [shape and with_simple_curves(shape) for shape in shapes] if exact else list(shapes)
     result = (_exactly if exact else _by_mesh)([shape for shape in drawn if shape is not None], projection)
     return [

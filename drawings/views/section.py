@@ -87,15 +87,8 @@ def hatch(
     pitch: float = HATCH_PITCH,
     covers: Sequence[np.ndarray] = (),
 ) -> tuple[Segment, ...]:
-    """Hatch lines on cut faces.
-
-    Args:
-        faces: in the cutting plane (`cut_faces`).
-        scale: of the view, paper over part.
-        falling: whether lines fall to the right, for contrast with a neighbouring part.
-        pitch: distance of the lines on the paper, mm.
-        covers: outlines (`in_plane`) of parts that are not cut, as of a screw in its hole (ISO 6410-1): no hatch there.
-    """
+    """Hatch lines on cut faces, `pitch` apart on the paper, mm; none on outlines `covers` of parts that are not cut, as
+    of a screw in its hole (ISO 6410-1)."""
     loops: list[list[Point2]] = []
     for face in faces:
         loops.extend(_loops(face, projection))

@@ -131,6 +131,23 @@ def test_a_datum_is_a_face_whose_line_its_view_shows() -> None:
     assert [(one.letter, one.view) for one in datums] == [("A", "front"), ("B", "bottom"), ("C", "front")]
 
 
+def test_a_part_lies_along_the_middle_between_its_flanks_and_by_its_boss() -> None:
+    """In any position in its file: along a flank its holes would be 69.8 mm and 5 mm apart."""
+    solid = PARTS["tapered_lever"]().solids().val()
+    for position in (solid, solid.rotate((0, 0, 0), (1, 2, 3), 31)):
+        verifier = DimensionVerifier(in_position(position))
+        holes = features_of(verifier).holes
+        apart = sorted(abs(a - b) for a, b in zip(holes[0].mouth, holes[1].mouth))
+        assert (apart[0], apart[2]) == pytest.approx((0.0, 70.0), abs=1e-6)
+        datums = propose(verifier).datums
+        assert [one.letter for one in datums] == ["A", "B"] and [one.round for one in datums] == [False, True]
+
+
+def test_a_round_hole_is_no_end_of_a_slot_of_its_width() -> None:
+    dimensions = proposed("gusseted_angle")[1].dimensions
+    assert [(one.value, one.fields["count"]) for one in dimensions if one.method == "diameter"] == [(6.6, 2)]
+
+
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
