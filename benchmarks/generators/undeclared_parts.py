@@ -507,6 +507,13 @@ def gusseted_angle() -> W:
     return body.cut(W("XZ").pushPoints([(-20, 40), (20, 40)]).circle(3.3).extrude(-10))
 
 
+def seal_cover() -> W:
+    """A groove in the face below, its inner wall seen from there alone."""
+    disc = W("XY").circle(40).extrude(5).faces(">Z").workplane().circle(25).extrude(9).faces(">Z").workplane().hole(12)
+    groove = W("XY").circle(32).circle(28.6).extrude(1.8)
+    return disc.cut(groove).cut(W("XY").circle(16).extrude(8))
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -519,6 +526,6 @@ PARTS: dict[str, Callable[[], W]] = {
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
         seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
-        fine_plate, tapered_lever, gusseted_angle,
+        fine_plate, tapered_lever, gusseted_angle, seal_cover,
     )
 }  # fmt: skip

@@ -346,7 +346,9 @@ class _Builder:
                 across = cross(eye, axis)
                 if all(self.lines.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
                     return view
-        return VIEW_OF.get(tidy(positive(axis)), "top")
+        # In a groove of an end face it is seen from the side of the groove.
+        beside = next((moved(at, unit, radius + 2e-3) for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6), at)
+        return self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
 
     def chamfers(self) -> None:
         """Legs of chamfers, equal ones together."""

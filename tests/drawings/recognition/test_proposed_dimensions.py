@@ -148,6 +148,11 @@ def test_a_round_hole_is_no_end_of_a_slot_of_its_width() -> None:
     assert [(one.value, one.fields["count"]) for one in dimensions if one.method == "diameter"] == [(6.6, 2)]
 
 
+def test_the_inner_wall_of_a_groove_has_its_diameter_where_the_groove_is_seen() -> None:
+    inner = next(one for one in proposed("seal_cover")[1].dimensions if one.value == pytest.approx(57.2))
+    assert inner.fields["view"] == "bottom"
+
+
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
