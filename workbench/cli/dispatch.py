@@ -76,9 +76,6 @@ class Group(click.Group):
             raise click.UsageError(self.refusal.format(args[0]) + nearest(args[0], known), ctx)
         return super().resolve_command(ctx, args)
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(self.commands)
-
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, " ".join((one.help or "").split())) for name, one in self.commands.items()])
