@@ -8,6 +8,8 @@ from typing import Any, cast
 
 from stagecad.friction_stage.assembly import CARRIED, MOVING, accessories, assemble, documents, machine_masses, masses
 from stagecad.friction_stage.parameters.derived import Derived
+from stagecad.friction_stage.parts import Definition
+from stagecad.friction_stage.purchased.catalogue import Purchased
 from stagecad.solids.modelling.part import (
     CONTACT,
     DRIVE,
@@ -38,7 +40,14 @@ MADE = (
 )
 """Parts that are made from a drawing."""
 
-CAP_SCREWS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "stop_screw")
+CAP_SCREWS = {
+    "way_screw": "screws.way",
+    "clamp_screw_long": "screws.clamp_long",
+    "clamp_screw_short": "screws.clamp_short",
+    "bar_screw": "screws.bar",
+    "stop_screw": "screws.stop",
+}
+"""Screws, with their tables in the parameter file."""
 PURCHASED = ("piezo", *CAP_SCREWS, "set_screw", "spring", "buffer", "lead_clip", "interferometer", "mirror")
 """Parts that are bought."""
 
@@ -114,14 +123,18 @@ def module_name(name: str) -> str:
 
 
 def part_definition(name: str) -> Part:
-    """The definition of a part: its module, or an entry in the `PARTS` of a module for several parts."""
+    """The definition of a part: of its module, or of an entry in the `PARTS` of a module for several parts."""
     module = import_module(module_name(name))
-    return cast(Part, getattr(module, "PARTS", {}).get(name, module))
+    if name in MADE:
+        return cast(Part, Definition(module, name))
+    return cast(Part, Purchased(getattr(module, "PARTS", {}).get(name, module), CAP_SCREWS.get(name, name)))
 
 
 def part_source(name: str) -> PartSource:
     """Where a part comes from."""
-    return PartSource(name, name, (module_name(name),), partial(part_definition, name), name in PURCHASED)
+    kind = Definition if name in MADE else Purchased
+    modules = (module_name(name), kind.__module__)
+    return PartSource(name, name, modules, partial(part_definition, name), name in PURCHASED)
 
 
 def sources(design: Any) -> Mapping[str, PartSource]:

@@ -379,11 +379,6 @@ def defined_by_note(design: Design, point: Point) -> str:
     return ""
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.base.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Seats of the ways, pockets, pin bores, springs, clamp screws and tooth bars."""
     base, way = design.base, design.bearing_way

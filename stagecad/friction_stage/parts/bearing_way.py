@@ -94,11 +94,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(body, repeated(hole, [(x, y, 0.0) for x, y in bolt_places(design)]))
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.bearing_way.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Bed, running face, and the seats of the screw heads."""
     way = design.bearing_way

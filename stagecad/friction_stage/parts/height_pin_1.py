@@ -83,11 +83,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(blank, [wedge, thread])
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.height_pin_1.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Axis and wedge face at mid-length, and both ends."""
     pin = design.height_pin_1

@@ -65,11 +65,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(blank, [cq.Solid.extrudeLinear(under, [], cq.Vector(0, 2 * reach, 0))])
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.height_pin_2.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Axis and sloping end, and the crown."""
     slope = design.height_pin_1.slope

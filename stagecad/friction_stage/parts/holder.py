@@ -111,11 +111,6 @@ def defined_by_note(design: Design, point: Point) -> str:
     return "note: index notches as deep radially" if at_root else ""
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.holder.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Bottom, top, and the floors under the piezos."""
     h = design.holder

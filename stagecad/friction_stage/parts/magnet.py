@@ -35,11 +35,6 @@ def build(design: Design) -> cq.Solid:
     return block.chamfer(m.edge_chamfer, None, block.Edges()).Solids()[0]
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.magnet.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """The face on the pocket's floor, and the opposite one."""
     return named(Datum("seat", (0.0, 0.0, 0.0), Z), Datum("face", (0.0, 0.0, -design.magnet.height), (0.0, 0.0, -1.0)))

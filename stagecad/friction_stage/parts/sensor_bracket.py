@@ -57,11 +57,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(block, [above, *holes, *repeated(optics, [(x, 0.0, 0.0) for x in optics_places(design)])])
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.sensor_bracket.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Face against the stop bar, seats of the screw heads and of the interferometer."""
     bracket, half = design.sensor_bracket, design.stop_bar.sensor_spacing / 2

@@ -156,11 +156,6 @@ def defined_by_note(design: Design, point: Point) -> str:
     return "note: at mid-thickness" if in_end and abs(point[2] - s.thickness / 2) < 1e-3 else ""
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.stage.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Crowns of the pads, payload face, drive surface, and the seats of irons and magnets."""
     s, down = design.stage, DOWN

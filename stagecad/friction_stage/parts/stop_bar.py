@@ -57,11 +57,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(block, [below, *holes, *repeated(tapped, [(0.0, y, 0.0) for y in (-half, half)])])
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.stop_bar.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Seat on the base, seats of the screw heads and of the buffers."""
     bar = design.stop_bar

@@ -98,11 +98,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(body, [*repeated(seat, [(x, y, 0.0) for x, y in Derived(design).piezo_places]), relief])
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.tip.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Apex, and the seats of the piezos' ends."""
     seats = [

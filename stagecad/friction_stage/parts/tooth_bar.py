@@ -105,11 +105,6 @@ def build(design: Design) -> cq.Solid:
     return cut_all(body, cutters)
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.tooth_bar.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Seat on the base, plane of the tooth crests, and the seats of the screw heads."""
     bar = design.tooth_bar

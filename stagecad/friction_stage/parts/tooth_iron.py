@@ -74,11 +74,6 @@ def build(design: Design) -> cq.Solid:
     )
 
 
-def material(design: Design) -> str:
-    """Name of its material."""
-    return design.tooth_iron.material
-
-
 def datums(design: Design) -> dict[str, Datum]:
     """Seat on the stage, and the plane of the tooth crests."""
     height = design.tooth_iron.height

@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.holes import plate
 
@@ -26,25 +25,8 @@ def build(design: Design) -> cq.Solid:
     return plate((0.0, 0.0, 0.0), buffer.width, buffer.height, buffer.length)
 
 
-def material(design: Design) -> str:
-    return design.buffer.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "buffer")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "buffer")
-
-
 def datums(design: Design) -> dict[str, Datum]:
     return {
         "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
         "face": Datum("face", (0.0, 0.0, design.buffer.length), Z, X),
     }
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

@@ -1,19 +1,28 @@
 """Numbers and descriptions of purchased parts: those of the catalogue are void where a size is not the catalogue's."""
 
+from typing import Any
+
+from stagecad.friction_stage.parts import Definition
 from stagecad.parameters.design import Design
+from stagecad.parameters.dimension import Dimension
 from stagecad.parameters.load import load_design
 
 
-def part_number(design: Design, table: str) -> str:
-    """Number in the catalogue; the sizes in its place where the packaged number stands beside other sizes."""
-    sizes = _changed(design, table)
-    return f"{', '.join(sizes)}: no catalogue number" if sizes else str(design.value(f"{table}.part_number"))
+class Purchased(Definition):
+    """A part that is bought; it has no dimensions."""
 
+    def dimensions(self, design: Any) -> tuple[Dimension, ...]:
+        return ()
 
-def description(design: Design, table: str) -> str:
-    """Description, without the sizes where they are not those of the catalogue."""
-    words = str(design.value(f"{table}.description"))
-    return words.partition(" x ")[0] if _changed(design, table) else words
+    def part_number(self, design: Any) -> str:
+        """Number in the catalogue; the sizes in its place where the packaged number stands beside other sizes."""
+        sizes = _changed(design, self.table)
+        return f"{', '.join(sizes)}: no catalogue number" if sizes else str(design.value(f"{self.table}.part_number"))
+
+    def description(self, design: Any) -> str:
+        """Description, without the sizes where they are not those of the catalogue."""
+        words = str(design.value(f"{self.table}.description"))
+        return words.partition(" x ")[0] if _changed(design, self.table) else words
 
 
 def _changed(design: Design, table: str) -> list[str]:

@@ -9,8 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.holes import plate
 
@@ -27,23 +26,6 @@ def build(design: Design) -> cq.Solid:
     return plate((optics.length / 2, 0.0, 0.0), optics.length, optics.width, optics.height)
 
 
-def material(design: Design) -> str:
-    return design.interferometer.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "interferometer")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "interferometer")
-
-
 def datums(design: Design) -> dict[str, Datum]:
     beam = (0.0, 0.0, design.interferometer.beam_height)
     return {"seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X), "beam": Datum("beam", beam, (-1.0, 0.0, 0.0), Z)}
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate
 
@@ -30,22 +29,5 @@ def build(design: Design) -> cq.Solid:
     return cut_all(block, [slot])
 
 
-def material(design: Design) -> str:
-    return design.lead_clip.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "lead_clip")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "lead_clip")
-
-
 def datums(design: Design) -> dict[str, Datum]:
     return {"seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X)}
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

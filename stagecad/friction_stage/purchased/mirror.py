@@ -9,8 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
 
@@ -30,25 +29,8 @@ def build(design: Design) -> cq.Solid:
     return cut_all(block, repeated(hole, [(-half, 0.0, 0.0), (half, 0.0, 0.0)]))
 
 
-def material(design: Design) -> str:
-    return design.mirror.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "mirror")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "mirror")
-
-
 def datums(design: Design) -> dict[str, Datum]:
     return {
         "seat": Datum("seat", (0.0, 0.0, 0.0), DOWN, X),
         "face": Datum("face", (0.0, 0.0, design.mirror.thickness), Z, X),
     }
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

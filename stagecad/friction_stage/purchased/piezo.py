@@ -10,8 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -42,25 +41,8 @@ def build(design: Design) -> cq.Solid:
     return outline.revolve(360.0, (0, 0), (0, 1)).solids().val()  # type: ignore[return-value]
 
 
-def material(design: Design) -> str:
-    return design.piezo.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "piezo")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "piezo")
-
-
 def datums(design: Design) -> dict[str, Datum]:
     return {
         "foot": Datum("foot", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         "end": Datum("end", (0.0, 0.0, design.piezo.length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     }
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SocketCapScrew:
-    """One kind of screw as a part (`stagecad.solids.modelling.part.Part`)."""
+    """One kind of screw."""
 
     NAME: str  # of the part
     key: str  # of its table below `screws` in the parameter file
@@ -50,15 +49,6 @@ class SocketCapScrew:
         socket = floor.polygon(6, across_corners).extrude(screw.head_height)
         return body.cut(socket).solids().val()  # type: ignore[return-value]
 
-    def material(self, design: Design) -> str:
-        return self._table(design).material
-
-    def part_number(self, design: Design) -> str:
-        return catalogue.part_number(design, f"screws.{self.key}")
-
-    def description(self, design: Design) -> str:
-        return catalogue.description(design, f"screws.{self.key}")
-
     def thread(self, design: Design) -> tuple[float, float]:
         """Major diameter and length of the thread, mm."""
         return self._table(design).diameter, self._table(design).length
@@ -68,10 +58,6 @@ class SocketCapScrew:
         levels = {"seat": 0.0, "head": 0.0, "end": -self._table(design).length}
         down, x = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
         return {name: Datum(name, (0.0, 0.0, level), down, x) for name, level in levels.items()}
-
-    def dimensions(self, design: Design) -> tuple[Dimension, ...]:
-        """None: it is purchased."""
-        return ()
 
 
 PARTS = {

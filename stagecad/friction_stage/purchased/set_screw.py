@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -31,18 +30,6 @@ def build(design: Design) -> cq.Solid:
     return body.cut(socket).solids().val()  # type: ignore[return-value]
 
 
-def material(design: Design) -> str:
-    return design.set_screw.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "set_screw")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "set_screw")
-
-
 def thread(design: Design) -> tuple[float, float]:
     """Major diameter and length of the thread, mm."""
     return design.set_screw.diameter, design.set_screw.length
@@ -53,8 +40,3 @@ def datums(design: Design) -> dict[str, Datum]:
         "end": Datum("end", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         "socket": Datum("socket", (0.0, 0.0, design.set_screw.length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     }
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

@@ -10,8 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
-from stagecad.friction_stage.purchased import catalogue
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -52,25 +51,8 @@ def build(design: Design, compression: float = 0.0) -> cq.Solid:
     return cq.Solid.sweep(circle, [], cq.Wire.assembleEdges(edges), True, True).Solids()[0]
 
 
-def material(design: Design) -> str:
-    return design.spring.material
-
-
-def part_number(design: Design) -> str:
-    return catalogue.part_number(design, "spring")
-
-
-def description(design: Design) -> str:
-    return catalogue.description(design, "spring")
-
-
 def datums(design: Design) -> dict[str, Datum]:
     return {
         "end_1": Datum("end_1", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
         "end_2": Datum("end_2", (0.0, 0.0, design.spring.installed_length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     }
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """None: it is bought."""
-    return ()

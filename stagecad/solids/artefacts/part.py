@@ -128,11 +128,11 @@ def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True)
             _require_solid(name, solid)
         material = part.material(tracked)
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
-        geometry, summary = geometry_of(solid), (part.__doc__ or "").strip().partition("\n")[0].rstrip(".")
+        geometry = geometry_of(solid)
         document = {
             "material": material,
-            "description": part.description(tracked) if hasattr(part, "description") else summary,
-            "part_number": part.part_number(tracked) if hasattr(part, "part_number") else "",
+            "description": part.description(tracked),
+            "part_number": part.part_number(tracked),
             "geometry": geometry.as_json(),
             "datums": datums,
             "face_areas": _face_areas(solid, datums),

@@ -4,7 +4,8 @@ A part is one module named after it (or an object in a module for several parts,
 
 - ``NAME``: the part's name everywhere (files, tables, command line).
 - ``build(design) -> cadquery.Solid``: the solid, one valid closed solid, millimetres, in part coordinates.
-- ``material(design) -> str``: name of its material in the parameter file's ``materials``.
+- ``material(design) -> str``: name of its material in the parameter file's ``materials``; for a part of the packaged
+  machine it is that of its table there.
 - ``datums(design) -> dict[str, Datum]``: named places others refer to (below).
 - ``dimensions(design) -> tuple[Dimension, ...]``: every dimension a maker needs (purchased parts have none).
 
@@ -12,8 +13,9 @@ A part that is manufactured also has, where its function needs them, ``requireme
 ...]``: datum letters, geometrical tolerances and surface texture of its faces; ``NOTES``, texts for its sheet, or
 ``notes(design)``; and ``TREATMENT``, its coating for the title block.
 
-A purchased part also has ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
-and may have ``mass(design)`` in kilograms where the catalogue's value is closer than that of the simplified solid.
+A part also has ``part_number(design)`` and ``description(design)`` as text for the bill of materials, which the
+packaged machine gives to each of its own; a purchased one may have ``mass(design)`` in kilograms where the catalogue's
+value is closer than that of the simplified solid.
 
 **Coordinates.** Millimetres; x along the travel, y across it, z up, as the part is oriented in the assembly; the part's
 origin is given in its docstring. A turned part that is used in more than one direction (screws, pins, spring) has its
