@@ -84,7 +84,7 @@ def is_designation(text: str) -> bool:
     return text.startswith("ISO ") or text.isdigit()
 
 
-def standard_part(name: str, text: str) -> StandardPart:
+def standard_part(text: str) -> StandardPart:
     """The part of a designation.
 
     Raises:
@@ -107,7 +107,7 @@ def standard_part(name: str, text: str) -> StandardPart:
         shown = f"its lengths: {', '.join(f'{one:g}' for one in lengths)} mm" if lengths else "it has no length"
         raise InputError(f"'{text}': no such length of {standard} {size}; {shown}")
     kind = StandardScrew if standard in (CAP, SUNK, SET) else StandardPart
-    return kind(name, standard, size, row, float(length or 0.0))
+    return kind(standard, size, row, float(length or 0.0))
 
 
 @cache
@@ -123,7 +123,6 @@ def _table() -> dict[tuple[str, str], dict[str, float]]:
 class StandardPart:
     """A standard part as a part (`stagecad.solids.modelling.part.Part`)."""
 
-    NAME: str
     standard: str
     size: str
     row: dict[str, float]  # its sizes, mm
@@ -242,7 +241,7 @@ def _source(declaration: MachineDeclaration, part: DeclaredPart, design: Any) ->
     place = f"{declaration.file}: machine.parts.{part.key}"
     if is_designation(part.part):
         try:
-            definition = partial(standard_part, part.key, part.part)
+            definition = partial(standard_part, part.part)
             definition()
         except InputError as error:
             raise InputError(f"{place}: {error}") from None

@@ -62,11 +62,6 @@ class OwnDefinition:
     module: Any  # that the file gives
     text: str = ""  # description for the list of parts; empty for the first line of the file
 
-    @property
-    def NAME(self) -> str:  # noqa: N802 - a word of the interface of parts
-        """Name of the part, and of the table with its parameters."""
-        return self.module.NAME
-
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from designcalc.checks.check import DesignInputs
 from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
@@ -18,12 +19,12 @@ if TYPE_CHECKING:
 
 
 def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., Figure | None]]:
-    """Decorator: draw on the axes of a new figure; the drawing returns its title, None for no figure."""
+    """Decorator: draw the numbers of a design on the axes of a new figure; the drawing returns its title, or None."""
 
     def decorate(draw: Callable[..., str | None]) -> Callable[..., Figure | None]:
         def drawn(design: Design, masses: Masses | None) -> Figure | None:
             figure, axes = _figure(width, height)
-            title = draw(axes, design, masses)
+            title = draw(axes, DesignInputs(design, masses))
             if title is None:
                 return None
             axes.set_title(title, fontsize=10)
@@ -64,15 +65,13 @@ def power_of_ten(value: float) -> str:
 
 
 @check_figure(6.4, 4.0)
-def rail_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
+def rail_figure(axes: Any, r: DesignInputs) -> str | None:
     """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
     from dataclasses import replace
 
     from designcalc.bearing.bolted_rail import best_spacing_ratio, total_stiffness
-    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.physics.pads import rail
 
-    r = DesignInputs(design, masses)
     way, diameter = rail(r), r("screws.way.diameter")
     here, tau = r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
     steel = replace(way, rail_modulus=207e9, bed_modulus=207e9, bolt_modulus=207e9, poisson=0.3)
@@ -88,13 +87,13 @@ def rail_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
 
 
 @check_figure(6.4, 4.4)
-def teeth_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
+def teeth_figure(axes: Any, r: DesignInputs) -> str | None:
     """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; none without teeth."""
-    if not design.teeth.fitted:
+    if not r.design.teeth.fitted:
         return None
     from designcalc.drive.magnetic_teeth import ratio_map
 
-    teeth = design.teeth
+    teeth = r.design.teeth
     widths, gaps = np.linspace(0.08, 0.9, 22), np.geomspace(0.04, 1.0, 20)
     ratio, _, _ = ratio_map(widths, gaps, teeth.groove_depth / teeth.pitch)
     shades = axes.contourf(widths, gaps, ratio, levels=16, cmap="viridis")
@@ -114,13 +113,11 @@ def teeth_figure(axes: Any, design: Design, masses: Masses | None) -> str | None
 
 
 @check_figure(6.4, 4.0)
-def speed_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
+def speed_figure(axes: Any, r: DesignInputs) -> str | None:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
-    from designcalc.checks.check import DesignInputs
     from designcalc.drive.tip_ellipse import speed_of
     from designcalc.friction_stage.physics.tip_dynamics import tip_resonance, usable_ellipse
 
-    r = DesignInputs(design, masses)
     travel, first, wanted = usable_ellipse(r)[0], tip_resonance(r), r("requirements.speed")
     frequency = np.linspace(0, 1.9 * first, 50)
     for (law, speed), colour in zip(speed_of(travel, frequency).items(), ("tab:blue", "tab:orange", "tab:green")):
@@ -139,14 +136,12 @@ def speed_figure(axes: Any, design: Design, masses: Masses | None) -> str | None
 
 
 @check_figure(6.4, 4.0)
-def travel_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
+def travel_figure(axes: Any, r: DesignInputs) -> str | None:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
-    from designcalc.checks.check import DesignInputs
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
     from designcalc.friction_stage.physics.loads import gravity, load_centre, preload_ratio
     from designcalc.friction_stage.physics.pads import pad_positions
 
-    r = DesignInputs(design, masses)
     half, places, centre = r("stage.travel") / 2, pad_positions(r), load_centre(r)
     x = np.linspace(-half, half, 161)
     # With the stage at x the tip acts at -x on it.
@@ -166,14 +161,12 @@ def travel_figure(axes: Any, design: Design, masses: Masses | None) -> str | Non
 
 
 @check_figure(6.4, 4.0)
-def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | None:
+def profile_figure(axes: Any, r: DesignInputs) -> str | None:
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.checks.smoothness import lapped_surface, spot
 
-    r = DesignInputs(design, masses)
     surface, side = lapped_surface(r), spot(r)
     profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, 1)
     height = averaged_profile(profiles[0], step, side)
@@ -190,7 +183,6 @@ def profile_figure(axes: Any, design: Design, masses: Masses | None) -> str | No
 
 def budget_figure(design: Design, masses: Masses | None) -> Figure:
     """Contributions to the error budgets at the payload."""
-    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.checks.budget import budgets
 
     r = DesignInputs(design, masses)
@@ -216,7 +208,6 @@ def budget_figure(design: Design, masses: Masses | None) -> Figure:
 
 def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
-    from designcalc.checks.check import DesignInputs
     from designcalc.friction_stage.checks.position_loop import limit_key
     from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 

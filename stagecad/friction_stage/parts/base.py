@@ -253,10 +253,7 @@ def _tooth_bar_holes(d: DimensionDeclarations, design: Design) -> None:
     top.linear("tooth bar spacing", "teeth.bar_spacing", (x, -high, mouth), (x, low, mouth))
 
 
-NAME = "base"
-
 SYMMETRIC = "xy"
-"""Axes whose middle plane is a plane of symmetry."""
 TOLERANCE = 1e-6
 
 

@@ -36,10 +36,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "bearing_way"
-
 SYMMETRIC = "x"
-"""Axes whose middle plane is a plane of symmetry."""
 
 
 def notes(design: Design) -> tuple[str, ...]:

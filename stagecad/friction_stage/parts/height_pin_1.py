@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "height_pin_1"
-
-
 TREATMENT = "hard anodise: see notes"
 
 

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "height_pin_2"
-
-
 TREATMENT = "hard anodise: see notes"
 
 

@@ -32,10 +32,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "holder"
-
 TURNED, SYMMETRIC = 3, "x"
-"""Number of equal sectors about z; axes whose middle plane is a plane of symmetry."""
 
 NOTES = (
     "Bores on an equilateral triangle about the axis; clamp holes in line with them, through to the bore.",

@@ -20,10 +20,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "magnet"
-
 SYMMETRIC = "xy"
-"""Axes whose middle plane is a plane of symmetry."""
 
 NOTES = ("Two off, alike. Dimensions after plating. Magnetised to saturation along the thickness; mark one pole face.",)
 

@@ -24,10 +24,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "sensor_bracket"
-
 SYMMETRIC = "y"
-"""Axes whose middle plane is a plane of symmetry."""
 
 NOTES = ("Symmetric about the middle of the width.",)
 

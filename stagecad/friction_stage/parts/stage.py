@@ -46,12 +46,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "stage"
-
 SYMMETRIC = "xy"
-"""Axes whose middle plane is a plane of symmetry."""
-
-
 TREATMENT = "anodise, PTFE: see notes"
 
 

@@ -25,10 +25,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "stop_bar"
-
 SYMMETRIC = "y"
-"""Axes whose middle plane is a plane of symmetry."""
 
 NOTES = ("Symmetric about the middle of the length. Two off, alike.",)
 

@@ -38,12 +38,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "tip"
-
 TURNED, SYMMETRIC = 3, "x"
-"""Number of equal sectors about z; axes whose middle plane is a plane of symmetry."""
-
-
 TREATMENT = "anodise the nose: see notes"
 
 

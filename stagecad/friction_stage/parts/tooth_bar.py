@@ -47,10 +47,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "tooth_bar"
-
 SYMMETRIC = "xy"
-"""Axes whose middle plane is a plane of symmetry."""
 
 NOTES = ("Symmetric about both centre planes: a group of teeth on either side of the channel. Two off, alike.",)
 

@@ -31,10 +31,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "tooth_iron"
-
 SYMMETRIC = "xy"
-"""Axes whose middle plane is a plane of symmetry."""
 
 NOTES = ("Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",)
 

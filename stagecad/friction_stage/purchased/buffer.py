@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "buffer"
-
-
 def build(design: Design) -> cq.Solid:
     """A block, mm."""
     buffer = design.buffer

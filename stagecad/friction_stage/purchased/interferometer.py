@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "interferometer"
-
-
 def build(design: Design) -> cq.Solid:
     """A block, mm."""
     optics = design.interferometer

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "lead_clip"
-
-
 def build(design: Design) -> cq.Solid:
     """A block that fills the channel, with its slot, mm."""
     clip, deep = design.lead_clip, design.base.lead_channel_depth

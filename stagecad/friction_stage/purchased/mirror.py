@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "mirror"
-
-
 def build(design: Design) -> cq.Solid:
     """A block with a clearance hole at either target hole, mm."""
     mirror = design.mirror

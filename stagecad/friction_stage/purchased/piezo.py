@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "piezo"
-
-
 def build(design: Design) -> cq.Solid:
     """A cylinder with a chamfered foot and a spherical end, turned from one outline, mm."""
 

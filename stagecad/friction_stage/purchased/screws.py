@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 class SocketCapScrew:
     """One kind of screw."""
 
-    NAME: str  # of the part
     key: str  # of its table below `screws` in the parameter file
 
     def _table(self, design: Design) -> Any:
@@ -61,11 +60,11 @@ class SocketCapScrew:
 
 
 PARTS = {
-    "way_screw": SocketCapScrew("way_screw", "way"),
-    "clamp_screw_long": SocketCapScrew("clamp_screw_long", "clamp_long"),
-    "clamp_screw_short": SocketCapScrew("clamp_screw_short", "clamp_short"),
-    "bar_screw": SocketCapScrew("bar_screw", "bar"),
-    "stop_screw": SocketCapScrew("stop_screw", "stop"),
+    "way_screw": SocketCapScrew("way"),
+    "clamp_screw_long": SocketCapScrew("clamp_long"),
+    "clamp_screw_short": SocketCapScrew("clamp_short"),
+    "bar_screw": SocketCapScrew("bar"),
+    "stop_screw": SocketCapScrew("stop"),
 }
 """Screws of a bearing way (3/8"-16 x 1"), of the clamp slot at actuator 1 (6") and at 2 and 3 (4.5"), of a tooth bar
 and the sensor bracket, of a stop bar."""

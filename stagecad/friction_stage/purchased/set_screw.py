@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "set_screw"
-
-
 def build(design: Design) -> cq.Solid:
     """A cylinder of the major diameter, chamfered at both ends, with a hexagon socket half its length deep, mm."""
     import cadquery as cq

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-NAME = "spring"
-
-
 def build(design: Design, compression: float = 0.0) -> cq.Solid:
     """Half turns of a torus that join without a kink; the first and last lie flat, as closed ends do.
 

@@ -1,8 +1,8 @@
 """Interface of a part definition: the contract between the parts, their cache, the assembly and the drawings.
 
-A part is one module named after it (or an object in a module for several parts, as the screws), that has
+A part is one module named after it (or an object in a module for several parts, as the screws); a file of the user's
+own states its ``NAME``. It has
 
-- ``NAME``: the part's name everywhere (files, tables, command line).
 - ``build(design) -> cadquery.Solid``: the solid, one valid closed solid, millimetres, in part coordinates.
 - ``material(design) -> str``: name of its material in the parameter file's ``materials``; for a part of the packaged
   machine it is that of its table there.
@@ -11,7 +11,8 @@ A part is one module named after it (or an object in a module for several parts,
 
 A part that is manufactured also has, where its function needs them, ``requirements(design) -> tuple[FaceRequirement,
 ...]``: datum letters, geometrical tolerances and surface texture of its faces; ``NOTES``, texts for its sheet, or
-``notes(design)``; and ``TREATMENT``, its coating for the title block.
+``notes(design)``; ``TREATMENT``, its coating for the title block; ``SYMMETRIC``, the axes whose middle plane is a plane
+of symmetry; and ``TURNED``, its number of equal sectors about z.
 
 A part also has ``part_number(design)`` and ``description(design)`` as text for the bill of materials, which the
 packaged machine gives to each of its own; a purchased one may have ``mass(design)`` in kilograms where the catalogue's
@@ -93,9 +94,6 @@ if TYPE_CHECKING:
 @runtime_checkable
 class Part(Protocol):
     """A part definition that follows the contract above. `design` is a `Design` or a `TrackedDesign` of one."""
-
-    @property
-    def NAME(self) -> str: ...  # noqa: N802 - a word of the interface
 
     def build(self, design: Any) -> cq.Solid: ...
 

@@ -63,7 +63,7 @@ PACKAGED = 'bar_screw", parameters = {"screws.bar.length" = "12 mm"}, descriptio
 
 @pytest.mark.parametrize(("text", "grams"), [("608", 12.0), ("6204", 106.0), ("6001", 21.0), ("6305", 230.0)])
 def test_bearings_have_the_mass_of_the_catalogues(text: str, grams: float) -> None:
-    solid = standard_part("bearing", text).build(None)
+    solid = standard_part(text).build(None)
     assert solid.Volume() * STEEL == pytest.approx(grams, rel=0.08)
 
 
@@ -81,7 +81,7 @@ def test_bearings_have_the_mass_of_the_catalogues(text: str, grams: float) -> No
     ],
 )
 def test_number_and_size_follow_the_designation(text: str, number: str, size: tuple[float, ...]) -> None:
-    part = standard_part("part", text)
+    part = standard_part(text)
     box = part.build(None).BoundingBox()
     assert part.part_number(None) == number
     assert (box.xlen, box.ylen, box.zlen) == pytest.approx(size, abs=1e-3)
@@ -100,7 +100,7 @@ def test_number_and_size_follow_the_designation(text: str, number: str, size: tu
 )
 def test_what_cannot_be_ordered_is_refused_in_one_line(text: str, says: str) -> None:
     with pytest.raises(InputError, match=says) as caught:
-        standard_part("part", text)
+        standard_part(text)
     assert "\n" not in str(caught.value)
 
 
