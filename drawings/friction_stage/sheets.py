@@ -68,16 +68,6 @@ def _detail(letter: str, projection: str, at: Point, radius: float, scale: float
     return ViewPlan(f"detail {letter}", projection, detail=(at, radius), letter=letter, scale=scale)
 
 
-def _tip(design: Any) -> tuple[SheetPlan, ...]:
-    views = (TOP, FRONT, BOTTOM, _section("A", "right", (0.0, 0.0, 0.0), "front"), ISO)
-    return (SheetPlan("tip", ("A3", "A2"), 1.0, views),)
-
-
-def _holder(design: Any) -> tuple[SheetPlan, ...]:
-    views = (TOP, FRONT, _section("A", "right", (0.0, 0.0, 0.0), "front"), ViewPlan("back", "back", "front"), ISO)
-    return (SheetPlan("holder", ("A3", "A2"), 1.0, views),)
-
-
 def _stage(design: Any) -> tuple[SheetPlan, ...]:
     sea, (_, y) = design.sea, Derived(design).pad_places[0]
     reach = design.pads.width / 2 + 3.0
@@ -138,10 +128,6 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
     return (one, two, three)
 
 
-def _height_pin(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
-    return lambda design: (SheetPlan(name, ("A3", "A2"), 2.0, _PIN_VIEWS),)
-
-
 _PIN_VIEWS = (
     ViewPlan("front", "front", hidden=True, symmetry="v"),
     ViewPlan("top", "top", "front"),
@@ -158,33 +144,32 @@ _SMALL_VIEWS = (
 """Views of a part that is drawn enlarged."""
 
 
-def _small(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
-    return lambda design: (SheetPlan(name, ("A3", "A2"), 5.0, _SMALL_VIEWS),)
+def _one(part: str, scale: float, *views: ViewPlan) -> Callable[[Any], tuple[SheetPlan, ...]]:
+    """One sheet whose views do not depend on the design."""
+    return lambda design: (SheetPlan(part, ("A3", "A2"), scale, views),)
 
 
-def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:
-    views = (ViewPlan("top", "top", symmetry="uv"), FRONT, _section("A", "right", (0.0, 0.0, 0.0), "front", 2.0), ISO)
-    return (SheetPlan("tooth_bar", ("A3", "A2"), 0.5, views),)
-
-
-def _stop_bar(design: Any) -> tuple[SheetPlan, ...]:
-    views = (TOP, FRONT, RIGHT, _section("A", "right", (0.0, 0.0, 0.0), ""), ISO)
-    return (SheetPlan("stop_bar", ("A3", "A2"), 1.0, views),)
-
-
+_THROUGH = _section("A", "right", (0.0, 0.0, 0.0), "front")
 _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
-    "tip": _tip,
-    "holder": _holder,
+    "tip": _one("tip", 1.0, TOP, FRONT, BOTTOM, _THROUGH, ISO),
+    "holder": _one("holder", 1.0, TOP, FRONT, _THROUGH, ViewPlan("back", "back", "front"), ISO),
     "stage": _stage,
     "bearing_way": _bearing_way,
     "base": _base,
-    "height_pin_1": _height_pin("height_pin_1"),
-    "height_pin_2": _height_pin("height_pin_2"),
-    "magnet": _small("magnet"),
-    "tooth_iron": _small("tooth_iron"),
-    "tooth_bar": _tooth_bar,
-    "stop_bar": _stop_bar,
-    "sensor_bracket": lambda design: (SheetPlan("sensor_bracket", ("A3", "A2"), 1.0, (TOP, FRONT, RIGHT, ISO)),),
+    "height_pin_1": _one("height_pin_1", 2.0, *_PIN_VIEWS),
+    "height_pin_2": _one("height_pin_2", 2.0, *_PIN_VIEWS),
+    "magnet": _one("magnet", 5.0, *_SMALL_VIEWS),
+    "tooth_iron": _one("tooth_iron", 5.0, *_SMALL_VIEWS),
+    "tooth_bar": _one(
+        "tooth_bar",
+        0.5,
+        ViewPlan("top", "top", symmetry="uv"),
+        FRONT,
+        _section("A", "right", (0.0, 0.0, 0.0), "front", 2.0),
+        ISO,
+    ),
+    "stop_bar": _one("stop_bar", 1.0, TOP, FRONT, RIGHT, _section("A", "right", (0.0, 0.0, 0.0), ""), ISO),
+    "sensor_bracket": _one("sensor_bracket", 1.0, TOP, FRONT, RIGHT, ISO),
 }
 
 

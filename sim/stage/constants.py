@@ -116,18 +116,12 @@ def _tip_constants(machine: StageMachine) -> dict[str, Any]:
 def _piezo_constants(machine: StageMachine) -> dict[str, Any]:
     """Limits of the amplifier and the response of the stacks."""
     piezo = machine.piezo
-    response = piezo_response(piezo)
     return {
         "amplifier_rate": 2.0 * math.pi * piezo.bandwidth,
         "voltage_rate": piezo.voltage_rate,
         "voltage_high": piezo.highest_voltage,
         "bias": piezo.bias,
-        "gain": response.gain,
-        "strength": response.strength,
-        "thresholds": response.thresholds,
-        "weights": response.weights,
-        "creep_weights": response.creep_weights,
-        "creep_rates": response.creep_rates,
+        **vars(piezo_response(piezo)),
     }
 
 
