@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from sim.stage.machine import StageMachine
-from sim.stage.run import ELEMENTS, TIP_FREEDOMS
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
-from sim.stage.state import LAGS, PLAYS, Constants, State, piezo_response
+from sim.stage.state import ELEMENTS, LAGS, PLAYS, TIP_FREEDOMS, Constants, State, piezo_response
 from sim.stage.statics import Rest, contact_depth, preload_places
 from stagecad.parameters.errors import InputError
 

@@ -34,14 +34,13 @@ from sim.integration.simulate import SimulationError
 from sim.numerics.compilation import INLINED, compile_function
 from sim.stage import slip_elements, state
 from sim.stage import state as state_module
+from sim.stage.constants import make_constants, make_state
 from sim.stage.machine import StageMachine
-from sim.stage.state import Constants, State
+from sim.stage.state import TIP_FREEDOMS, Constants, State
 from sim.stage.statics import Rest
 
-ELEMENTS = 4
 HEAD, PER_ACTUATOR, PER_PAD = 18, 13, 5
 """Columns of a row: time, position (6), velocity (6), energy and works (5); then of each actuator, of each pad."""
-TIP_FREEDOMS = 5
 # Not Python's integers: numba compiles a function once more for each of those that it is called with.
 X, Y = np.int64(0), np.int64(1)
 SHAPES_EVERY = 16
@@ -499,8 +498,6 @@ class StageSimulation:
     """
 
     def __init__(self, machine: StageMachine, rest: Rest, step: float, velocity: float = 0.0) -> None:
-        from sim.stage.constants import make_constants, make_state
-
         self.machine, self.rest, self.step = machine, rest, step
         self.constants, self.state = make_constants(machine, rest, step), make_state(machine, rest)
         self.state.velocity[0] = velocity

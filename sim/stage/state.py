@@ -106,6 +106,8 @@ class State(NamedTuple):
     clock: np.ndarray  # (1,) s
 
 
+ELEMENTS, TIP_FREEDOMS = 4, 5
+"""Slip elements of a contact, and degrees of freedom of a tip."""
 PLAYS = 8
 CREEP_START = 0.1
 CREEP_DECADES = 3.0
