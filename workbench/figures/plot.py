@@ -97,8 +97,3 @@ def save(figure: Figure, path: Path) -> None:
     """Write a figure as PNG."""
     with atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=150, format="png", metadata={"Software": None})
-
-
-def style() -> Any:
-    """Context in which artists take the style."""
-    return rc_context(STYLE)
