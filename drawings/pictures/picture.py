@@ -305,7 +305,6 @@ def picture(
     name: str, projection: Projection, pieces: Sequence[Piece], scale: float = SCALE, *, exact: bool = True
 ) -> Picture:
     """The visible lines of an assembly."""
-
     chord = CHORD / scale
     faces = visible_faces([(piece.shape, piece.frame) for piece in pieces], projection)
     lines = hidden_lines(faces, projection, chord=chord, exact=exact)

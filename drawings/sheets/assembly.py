@@ -316,7 +316,6 @@ def uncrossed(ends: Sequence[Point2], centres: Sequence[Point2]) -> list[int]:
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
     """Middles of the long straight lines of a piece, or if it has none, middle points of its curves."""
-
     straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
     if straight:
         yield from (((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2) for c in straight)

@@ -178,7 +178,6 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
 
 
 def _record() -> Axis:
-
     t = np.arange(ROWS) * 0.01
     x = 1e-3 * np.sin(7.0 * t + 0.1)
     v = 7e-3 * np.cos(40.0 * t + 0.1)
@@ -216,7 +215,6 @@ def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Call
 
 def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) -> bool:
     """Evaluate a law for a record and for one instant; whether it returns one number for a record."""
-
     if not callable(law):
         raise InputError(f"{where}: must be a function of (axis, p), not {type(law).__name__}")
     record, p = _record(), effect.values()
@@ -233,7 +231,6 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
 
 
 def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effect) -> None:
-
     value = _number(where, _call(path, where, signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
     if value.shape != (ROWS,):
         raise InputError(f"{where}: gives shape {value.shape} for a signal of {ROWS} rows; must be ({ROWS},)")
@@ -241,7 +238,6 @@ def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effe
 
 
 def _number(where: str, value: Any) -> Any:
-
     if value is None:
         raise InputError(f"{where}: gives None; must give numbers (is its 'return' missing?)")
     try:

@@ -468,19 +468,16 @@ class StageRun:
         return np.diff(self.position[ends], axis=0)[0] / float(np.diff(self.time[ends])[0])
 
     def _actuator(self, actuator: int) -> np.ndarray:
-
         at = HEAD + PER_ACTUATOR * actuator
         return self.rows[:, at : at + PER_ACTUATOR]
 
     def _pad(self, pad: int) -> np.ndarray:
-
         at = HEAD + PER_ACTUATOR * len(self.machine.actuators) + PER_PAD * pad
         return self.rows[:, at : at + PER_PAD]
 
 
 def columns(machine: StageMachine) -> int:
     """Number of columns of a row."""
-
     return HEAD + PER_ACTUATOR * len(machine.actuators) + PER_PAD * len(machine.pads.places)
 
 
@@ -529,7 +526,6 @@ class StageSimulation:
         Returns:
             the rows written, shape (steps / stride, columns); `record` has all of them by name.
         """
-
         rows = np.empty((commands.shape[0] // stride, columns(self.machine)))
         advance(self.constants, self.state, np.ascontiguousarray(commands, dtype=float), rows, stride)
         if not np.isfinite(self.state.position).all():

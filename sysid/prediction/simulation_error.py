@@ -192,7 +192,6 @@ def _driven_mass_runs(
 def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> Callable[[int], Start]:
     """State of a driven mass at a row: filtered motion, and the friction state that gives the friction of the force
     balance, or follows from the motion where there are several elements."""
-
     axis, _ = friction_axis(balance, effects, values)
     assert balance.full_filter is not None and balance.raw_position is not None and balance.acceleration is not None
     smooth, path = balance.full_filter, balance.raw_position

@@ -67,7 +67,6 @@ def procedure_values(store: ArtefactStore, values: Values) -> dict[str, float | 
 
 def stored_values(store: ArtefactStore, values: Values, masses: Masses) -> dict[str, float | None]:
     """The values from the store, or computed if they are not there; the field between the teeth takes a second."""
-
     calculated = subjects_of(values).procedure_values
 
     def calculate(tracked: Any, folder: Path) -> None:
@@ -296,7 +295,6 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     """Write sheet, definition, STEP AP242 and mass properties of a part from its Python file (`sheets.toml` beside it
     changes the sheet); their document. `design` gives materials and title block; without the consent of `trust`, or an
     earlier one, the file is refused."""
-
     if trust:
         give_consent((path,))
     values, store = part_design(design.file, design.overrides, path), ArtefactStore()

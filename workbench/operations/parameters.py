@@ -56,7 +56,6 @@ def is_named(key: str, names: Sequence[str]) -> bool:
 
 def require_known(names: Sequence[str], values: Values) -> None:
     """Refuse names of tables and keys that the design does not have."""
-
     known = [entry.key for entry in values.entries]
     for name in names:
         if not any(is_named(key, [name]) for key in known):

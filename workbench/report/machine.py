@@ -83,7 +83,6 @@ def write_check_files(
     figures: Mapping[str, Path] | None = None,
 ) -> None:
     """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`."""
-
     subjects, lowest = subjects_of(design), 1 / design.loop.observation
     found = subjects.studies(DesignInputs(design, masses))
     stated = subjects.requirements
@@ -195,7 +194,6 @@ def _parts(parts: Mapping[str, Any], pictures: Mapping[str, Path], page: Path) -
 
 def versions() -> dict[str, str]:
     """Versions of what made the page, read without importing it."""
-
     found = {"stagecad": __version__}
     for name in ("cadquery", "cadquery-ocp", "ezdxf", "numpy", "scipy", "numba", "trimesh", "matplotlib"):
         try:

@@ -88,11 +88,9 @@ def check_files(store: ArtefactStore, source: StatedDesign, design: Design, mass
 
     For a design without a project's own checks (`stored_checks`).
     """
-
     figures = {title: check_figure(store, design, masses, title) for title in figures_of(design)}
 
     def make(_: Any, folder: Path) -> None:
-
         drawn = {title: entry.path(name) for title, entry in figures.items() for name in entry.hashes}
         write_check_files(stored_checks(store, source, design, masses), design, masses, folder, drawn)
 

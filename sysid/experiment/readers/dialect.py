@@ -126,7 +126,6 @@ def unit_of_cell(cell: str, form: NumberForm) -> str:
 
 
 def _has_format(cell: str, time_format: str) -> bool:
-
     try:
         datetime.strptime(cell, time_format)
     except ValueError:

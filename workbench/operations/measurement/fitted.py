@@ -313,7 +313,6 @@ class FittedResult(Reported):
 
     def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Plot:
         """A figure of one or two models on the records."""
-
         kinds = ("overlay", "residual", "maps", "loops")
         if kind not in kinds:
             raise InputError(f"plot: no figure '{kind}'{nearest(kind, kinds)}")

@@ -268,7 +268,6 @@ def run_monte_carlo(
 
 def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
     """Results of the machines with the values of each row, (k, parameters)."""
-
     found = []
     for row in rows:
         overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(common.parameters, row.tolist())]
