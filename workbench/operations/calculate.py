@@ -18,32 +18,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 CALCULATORS: dict[str, type] = {
-    command_name(calculator): calculator
-    for calculator in (
-        contact.Hertz,
-        contact.Rail,
-        contact.Teeth,
-        drive.Drive,
-        drive.Stack,
-        drive.TipOver,
-        drive.Clamp,
-        drive.Pads,
-        drive.Wedge,
-        drive.Screw,
-        drive.Probe,
-        bearing.Wear,
-        bearing.Smoothness,
-        bearing.AirBearing,
-        bearing.Levitation,
-        bearing.Suspensions,
-        errors.Bow,
-        errors.Vibration,
-        errors.Alignment,
-        errors.DynamicBudget,
-        errors.Budget,
-    )
+    command_name(one): one
+    for module in (contact, drive, bearing, errors)
+    for one in vars(module).values()
+    if isinstance(one, type) and one.__module__ == module.__name__
 }
-"""All calculators by their name."""
+"""All calculators by their name: the classes of these modules."""
 
 
 class Calculation(Result):
