@@ -10,10 +10,7 @@ from typing import Any, Concatenate, Literal, ParamSpec, SupportsFloat, TypeVar
 from stagecad.parameters.design import Design
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.mass_properties import Masses, PartMasses
-from stagecad.parameters.units import as_json, format_quantity, unit_dimension
-
-_SI = {"mm": "m", "deg": "rad"}
-"""SI of the units that geometry is kept in; every other unit of a design is SI already."""
+from stagecad.parameters.units import as_json, format_quantity, si_of, unit_dimension
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ class DesignInputs:
         found = self.memory.get(key)
         if found is None:
             entry = self.design.entry(key)
-            found = self.memory[key] = Input(self.design.si(key), _SI.get(entry.unit, entry.unit), entry.origin)
+            found = self.memory[key] = Input(self.design.si(key), si_of(entry.unit), entry.origin)
         self.inputs[key] = found
         return found.value
 

@@ -20,7 +20,7 @@ from designcalc.checks.run import run_checks
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, PartError, require
 from stagecad.parameters.mass_properties import BodyMasses, Masses, MassProperties, PartMasses
-from stagecad.parameters.units import as_json, from_si, parse_quantity, to_si
+from stagecad.parameters.units import as_json, from_si, parse_quantity, si_of, to_si
 
 Array = NDArray[np.float64]
 
@@ -124,7 +124,7 @@ class Range:
 
     @property
     def si_unit(self) -> str:
-        return {"mm": "m", "deg": "rad"}.get(self.unit, self.unit)
+        return si_of(self.unit)
 
     def override(self, value: float) -> str:
         """`KEY=VALUE` as `--set` takes it."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.units import to_si
+from stagecad.parameters.units import si_of, to_si
 
 SIGNIFICANCE = 0.01
 """Probability that the largest of the rank correlations with independent parameters exceeds the limit."""
@@ -39,7 +39,7 @@ class UncertainParameter:
 
     @property
     def si_unit(self) -> str:
-        return {"mm": "m", "deg": "rad"}.get(self.unit, self.unit) or "1"
+        return si_of(self.unit) or "1"
 
     def as_json(self) -> dict[str, Any]:
         """Value and width of the distribution in SI."""

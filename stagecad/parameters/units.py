@@ -235,6 +235,11 @@ def unit_dimension(unit: str) -> Dimension:
     return _unit(unit)[1]
 
 
+def si_of(unit: str) -> str:
+    """SI unit of a quantity that a design keeps in `unit`: geometry in mm and deg, all else in SI already."""
+    return {"mm": "m", "deg": "rad"}.get(unit, unit)
+
+
 def to_si(value: float, unit: str) -> float:
     """`value` in `unit` as SI. A temperature in degC stays in degC."""
     size = _unit(unit)[0]

@@ -11,7 +11,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
 from stagecad.parameters.load import Difference, diff, load_design
 from stagecad.parameters.schema import Declaration
-from stagecad.parameters.units import as_json, to_si
+from stagecad.parameters.units import as_json, si_of, to_si
 from workbench.operations.result import Line, Table, plain_table
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?:\+-\s*\S+\s*)?(.*)$")
@@ -32,7 +32,7 @@ def entry_json(entry: Entry) -> dict[str, Any]:
 def _si(entry: Entry) -> dict[str, Any]:
     if isinstance(entry.value, bool | str):
         return {"value": entry.value}
-    unit = {"mm": "m", "deg": "rad"}.get(entry.unit, entry.unit)
+    unit = si_of(entry.unit)
     if unit == entry.unit:
         return as_json(entry.value, unit, entry.std)
     std = None if entry.std is None else to_si(entry.std, entry.unit)

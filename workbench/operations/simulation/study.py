@@ -51,7 +51,7 @@ class Sweep:
     @property
     def unit(self) -> str:
         """SI unit of the parameter."""
-        return {"mm": "m", "deg": "rad"}.get(self.swept.unit, self.swept.unit) or "1"
+        return self.swept.si_unit or "1"
 
     def to_json(self) -> dict[str, Any]:
         """The document: values, and at each what `simulate` gives there (null where it was refused)."""
