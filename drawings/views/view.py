@@ -11,6 +11,7 @@ from functools import cache
 from typing import Literal
 
 from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.frame import dot as dot
 
 Point2 = tuple[float, float]
 Box2 = tuple[float, float, float, float]
@@ -22,11 +23,6 @@ Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH", "PHANTOM", "T
 `SECTION` is the cutting line of a section in another view; the outline of the section is `VISIBLE`. `PHANTOM` is the
 range of a moving part, `THREAD` the major diameter of a tapped hole.
 """
-
-
-def dot(a: Point, b: Point) -> float:
-    """Scalar product of two vectors."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def degrees_of(vector: Point2) -> float:

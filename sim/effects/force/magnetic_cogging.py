@@ -6,27 +6,17 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Axis, Effect, Parameter, Scan
-from sim.effects.friction.position_dependent_friction import SECOND_HARMONIC
+from sim.effects.friction.position_dependent_friction import SECOND_HARMONIC, two_harmonics_slope, wave_slope
 
 
 def force(axis: Axis, p: Any) -> Any:
     return p.amplitude * np.sin(2.0 * np.pi * axis.position / p.pitch + p.phase)
 
 
-def force_position(axis: Axis, p: Any) -> Any:
-    return p.amplitude * 2.0 * np.pi / p.pitch * np.cos(2.0 * np.pi * axis.position / p.pitch + p.phase)
-
-
 def _two_harmonics_force(axis: Axis, p: Any) -> Any:
     angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
     overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
     return p.amplitude * (np.sin(angle) + overtone)
-
-
-def _two_harmonics_force_position(axis: Axis, p: Any) -> Any:
-    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
-    overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
-    return p.amplitude * 2.0 * np.pi / p.pitch * (np.cos(angle) + overtone)
 
 
 _SINE = Effect(
@@ -45,7 +35,7 @@ _SINE = Effect(
     ),
     coordinates=("position",),
     force=force,
-    slopes={"force.position": force_position},
+    slopes={"force.position": wave_slope},
     acts_on="axis",
 )
 
@@ -58,7 +48,7 @@ _OVERTONE = replace(
     # A second harmonic above the first would be found as a wave of half the pitch.
     parameters=(*_SINE.parameters, *(replace(part, low=-1.0, high=1.0) for part in SECOND_HARMONIC)),
     force=_two_harmonics_force,
-    slopes={"force.position": _two_harmonics_force_position},
+    slopes={"force.position": two_harmonics_slope},
 )
 
 EFFECT = replace(_SINE, variants=(_OVERTONE,))

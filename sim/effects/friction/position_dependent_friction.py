@@ -22,7 +22,7 @@ def _factor(axis: Axis, p: Any) -> Any:
     return 1.0 + p.amplitude * np.sin(2.0 * np.pi * axis.position / p.pitch + p.phase)
 
 
-def _factor_position(axis: Axis, p: Any) -> Any:
+def wave_slope(axis: Axis, p: Any) -> Any:
     return p.amplitude * 2.0 * np.pi / p.pitch * np.cos(2.0 * np.pi * axis.position / p.pitch + p.phase)
 
 
@@ -40,7 +40,7 @@ def _two_harmonics_factor(axis: Axis, p: Any) -> Any:
     return 1.0 + p.amplitude * (np.sin(angle) + overtone)
 
 
-def _two_harmonics_factor_position(axis: Axis, p: Any) -> Any:
+def two_harmonics_slope(axis: Axis, p: Any) -> Any:
     angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
     overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
     return p.amplitude * 2.0 * np.pi / p.pitch * (np.cos(angle) + overtone)
@@ -62,7 +62,7 @@ _SINE = Effect(
         Parameter("phase", "rad", 0.0, -50.0, 50.0, "angle at x = 0", "full circle", role="phase"),
     ),
     factor=_factor,
-    slopes={"factor.position": _factor_position},
+    slopes={"factor.position": wave_slope},
 )
 
 _GRADIENT = replace(
@@ -85,7 +85,7 @@ _OVERTONE = replace(
     equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
     parameters=(*(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters), *SECOND_HARMONIC),
     factor=_two_harmonics_factor,
-    slopes={"factor.position": _two_harmonics_factor_position},
+    slopes={"factor.position": two_harmonics_slope},
 )
 
 EFFECT = replace(_SINE, variants=(_GRADIENT, _OVERTONE))
