@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14725,
-    "designcalc": 10491,
-    "sim": 12477,
+    "stagecad": 14516,
+    "designcalc": 10488,
+    "sim": 12451,
     "sysid": 20737,
-    "drawings": 12246,
-    "workbench": 15386,
+    "drawings": 12224,
+    "workbench": 15339,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
