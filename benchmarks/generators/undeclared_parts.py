@@ -514,6 +514,13 @@ def seal_cover() -> W:
     return disc.cut(groove).cut(W("XY").circle(16).extrude(8))
 
 
+def hexagon_adapter() -> W:
+    """A collar whose flat ring no view but the section shows."""
+    body = W("XY").polygon(6, 27.713).extrude(12).faces(">Z").workplane().circle(10.5).extrude(3)
+    body = body.faces(">Z").workplane().circle(9).extrude(16).faces(">Z").workplane().hole(8)
+    return body.faces("<Z").workplane().hole(14.5, 11)
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -526,6 +533,6 @@ PARTS: dict[str, Callable[[], W]] = {
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
         seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
-        fine_plate, tapered_lever, gusseted_angle, seal_cover,
+        fine_plate, tapered_lever, gusseted_angle, seal_cover, hexagon_adapter,
     )
 }  # fmt: skip

@@ -321,7 +321,6 @@ class _StatedPart(_Part):
         elif d.kind == "linear" and d.direction is not None:
             middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
             for section in sections_of(s for s in self._surfaces if s.is_round(d.value / 2)):
-                # What goes around its axis has a diameter.
                 across = not section.whole and abs(dot(section.face.axis, d.direction)) < SQUARE
                 if across and (d.count > 1 or abs(dot(section.face.origin, d.direction) - middle) < NEAR):
                     for face in section.faces:
@@ -528,9 +527,11 @@ def _turned(vector: Point, angle: float) -> Point:
 
 
 def _is_shown(surface: Surface, view: View, lines: SegmentIndex) -> bool:
-    """Whether the middle of an edge of a face is drawn in a view."""
+    """Whether the middle of an edge of a face is drawn in a view, or a point of it in the plane of a section."""
     for edge in surface.face.Edges():
-        u, v = view.projection.to_view(edge.positionAt(0.37).toTuple())  # pyright: ignore[reportAttributeAccessIssue]
-        if lines.count_in((u - IN_VIEW, v - IN_VIEW, u + IN_VIEW, v + IN_VIEW)):
-            return True
+        points = [edge.positionAt(part).toTuple() for part in (0.37, 0.0, 0.25, 0.5, 0.75)]  # pyright: ignore[reportAttributeAccessIssue]
+        cut = [point for point in points[1:] if view.cut and view.cut.holds(point, NEAR)]
+        for u, v in map(view.projection.to_view, (points[0], *cut)):
+            if lines.count_in((u - IN_VIEW, v - IN_VIEW, u + IN_VIEW, v + IN_VIEW)):
+                return True
     return False

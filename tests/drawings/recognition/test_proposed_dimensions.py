@@ -153,6 +153,12 @@ def test_the_inner_wall_of_a_groove_has_its_diameter_where_the_groove_is_seen() 
     assert inner.fields["view"] == "bottom"
 
 
+def test_a_flat_ring_that_a_section_cuts_is_seen(tmp_path: Path) -> None:
+    solid = PARTS["hexagon_adapter"]().solids().val()
+    document = propose_sheet("adapter", solid, "adapter.step", Design(), tmp_path)
+    assert not [hit for sheet in document["sheets"] for hit in sheet["hits"]]
+
+
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
