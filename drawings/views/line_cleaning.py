@@ -33,12 +33,8 @@ Kind = TypeVar("Kind")
 def cleaned(
     visible: Iterable[Curve], hidden: Iterable[Curve] = (), chord: float = CHORD
 ) -> tuple[tuple[Curve, ...], tuple[Curve, ...]]:
-    """Visible and hidden curves without coincident ones, sorted by position.
-
-    Args:
-        visible, hidden: in one coordinate system, mm.
-        chord: greatest distance of the polylines from their curves, mm.
-    """
+    """Visible and hidden curves of one coordinate system without coincident ones, sorted by position; `chord`: greatest
+    distance of the polylines from their curves, mm."""
     seen, behind = list(visible), list(hidden)
     lines = _segments(_of(Segment, seen), _of(Segment, behind))
     arcs = _arcs(_of(Arc, seen), _of(Arc, behind))
