@@ -44,7 +44,7 @@ def test_part_is_drawn_after_consent(capsys: pytest.CaptureFixture[str]) -> None
 def test_check_of_a_project_runs_after_consent(capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
     assert stagecad(["new", "machine", "mill"]) == 0
     monkeypatch.chdir("mill")
-    capsys.readouterr()
+    assert capsys.readouterr().out.splitlines()[-1] == "next: cd mill, then: stagecad check --trust"
     assert stagecad(["check", "--no-solids"]) == 2
     assert "mill_check.py" in capsys.readouterr().err
     try:

@@ -85,7 +85,7 @@ def write_template(kind: str, name: str) -> list[str]:
         folder = copy_example(name, Path(name))
         return [f"written: {folder}", f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'"]
     if kind == "machine":
-        return [f"written: {file}" for file in write_machine(name)]
+        return [*(f"written: {file}" for file in write_machine(name)), f"next: cd {name}, then: stagecad check --trust"]
     return [f"written: {write_new(Path('checks' if kind == 'check' else '', f'{name}.py'), template(kind, name))}"]
 
 
