@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14516,
     "designcalc": 10488,
     "sim": 12451,
-    "sysid": 20737,
+    "sysid": 20743,
     "drawings": 12224,
     "workbench": 15339,
 }

@@ -30,7 +30,6 @@ LEAST_ROWS = 3
 """Rows of numbers of another width above the first row of the columns that are no preamble."""
 
 _QUANTITY = re.compile(r"(?P<number>.*?[\d.,])\s*(?P<unit>[A-Za-zµμ°Ω%][^\s,;]*)")
-_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
 DIGITS = re.compile(r"[\W_]*\d[\W\d_]*")
 """Digits without a letter: a number in another form, or a time stamp."""
@@ -226,8 +225,8 @@ def _layout(
         len(rows),
     )
     data = [cells for _, cells in rows[first : first + ROWS] if len(cells) == width]
-    if settings.decimal is None and settings.thousands is None and form.decimal == ",":
-        _refuse_grouped(data, form, name)
+    if settings.decimal is None and settings.thousands is None and not form.thousands:
+        _refuse_grouped([*data, *(cells for _, cells in rows[-ROWS:] if len(cells) == width)], form, name)
     header, units = _header(lines, rows, first, columns, way, settings)
     labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
     last = max(header[0], units[0])
@@ -486,13 +485,22 @@ def _bare(cell: str) -> str:
 
 
 def _refuse_grouped(rows: Sequence[Sequence[str]], form: NumberForm, name: str) -> None:
-    """Refuse numbers with commas that may all group thousands."""
-    cells = [cell for row in rows for cell in row if "," in cell and form.value(cell) is not None]
-    if cells and all(_GROUPED.fullmatch(cell) for cell in cells):
-        raise InputError(
-            f"{name}: '{cells[0]}': is the comma a decimal sign, or does it group thousands? If it is a decimal sign, "
-            'write [format] decimal = ","; if it groups thousands, [format] thousands = ","'
-        )
+    """Refuse numbers whose mark may group thousands: where all commas of a file may, and where a column has whole
+    numbers of up to three digits beside numbers of which each point may: with decimals, those would have them, too."""
+    numbers = [[cell for cell in column if form.value(cell) is not None] for column in zip(*rows)]
+    if form.decimal == ",":
+        numbers = [[cell for column in numbers for cell in column if "," in cell]]
+    else:
+        numbers = [column for column in numbers if any(re.fullmatch(r"[+-]?\d{1,3}", cell) for cell in column)]
+    grouped = re.compile(rf"[+-]?[1-9]\d{{0,2}}({re.escape(form.decimal)}\d{{3}})+")
+    for column in numbers:
+        marked = [cell for cell in column if form.decimal in cell]
+        if marked and all(grouped.fullmatch(cell) for cell in marked):
+            mark, word = form.decimal, "comma" if form.decimal == "," else "point"
+            raise InputError(
+                f"{name}: '{marked[0]}': is the {word} a decimal sign, or does it group thousands? If it is a decimal "
+                f'sign, write [format] decimal = "{mark}"; if it groups thousands, [format] thousands = "{mark}"'
+            )
 
 
 def _remarks(way: _Way, encoding: str, header: int, units: int, first: int, plain: int) -> list[str]:

@@ -273,6 +273,19 @@ def test_a_column_whose_numbers_may_all_be_grouped_is_asked_for(tmp_path: Path, 
     np.testing.assert_allclose(found[1], 11e3 + POSITION, atol=0.51)
 
 
+def test_whole_numbers_with_points_between_groups_are_not_taken_for_fractions(tmp_path: Path) -> None:
+    rows = [f"{900 + 10 * k:,};{1e3 + 9.0 * x:,.0f};{100.0 * f:.0f}" for k, (x, f) in enumerate(zip(POSITION, FORCE))]
+    rows = [row.replace(",", ".") for row in rows]
+    with pytest.raises(InputError, match=r"'1.000': is the point a decimal sign, or does it group thousands"):
+        _columns(_write(tmp_path, rows))
+    assert _columns(_write(tmp_path, rows), thousands=".", decimal=",")[0].tolist() == [
+        900 + 10 * k for k in range(ROWS)
+    ]
+    # Fractions of three digits, some with a zero before the point, and whole numbers in another column, are as written.
+    rows = [f"{k};{0.9 + 0.01 * k:.3f};{1e2 * f:.0f}" for k, f in enumerate(FORCE)]
+    np.testing.assert_allclose(_columns(_write(tmp_path, rows))[1], 0.9 + 0.01 * np.arange(ROWS))
+
+
 def test_numbers_beyond_the_header_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="row 2: has 4 cells, the header 3; name the columns by their numbers"):
         open_record_file(_write(tmp_path, [f"{row};1" for row in _plain()]), "fit.csv")
