@@ -521,6 +521,13 @@ def hexagon_adapter() -> W:
     return body.faces("<Z").workplane().hole(14.5, 11)
 
 
+def flanged_bush() -> W:
+    """Three holes on a circle, one of them on the vertical centre line."""
+    body = W("XY").circle(22).extrude(6).union(W("XY").circle(15).extrude(40)).cut(W("XY").circle(9).extrude(40))
+    body = body.cut(W("XZ").center(0, 22).circle(2).extrude(-30))
+    return body.cut(W("XY").polarArray(18.5, 90, 360, 3).circle(1.7).extrude(6))
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -533,6 +540,6 @@ PARTS: dict[str, Callable[[], W]] = {
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
         seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
-        fine_plate, tapered_lever, gusseted_angle, seal_cover, hexagon_adapter,
+        fine_plate, tapered_lever, gusseted_angle, seal_cover, hexagon_adapter, flanged_bush,
     )
 }  # fmt: skip

@@ -358,8 +358,10 @@ class _StatedPart(_Part):
                 placed = all(self.levels[name].located_by(dot(centre, AXES[name])) for name in across)
                 # No angle is needed where the holes are mirror images about an axis of the part.
                 u, v = (dot(surface.origin, AXES[name]) - dot(centre, AXES[name]) for name in across[:2])
-                off, step = math.degrees(math.atan2(v, u)) % (180.0 / d.count), 180.0 / d.count
-                on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and min(off, step - off) < 1e-3
+                step = 180.0 / d.count
+                offs = [(math.degrees(math.atan2(v, u)) - axis) % step for axis in (0.0, 90.0)]
+                mirrored = min(min(off, step - off) for off in offs) < 1e-3
+                on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and mirrored
                 if placed and on:
                     return f"{d.name}, equally spaced"
         return ""

@@ -159,6 +159,11 @@ def test_a_flat_ring_that_a_section_cuts_is_seen(tmp_path: Path) -> None:
     assert not [hit for sheet in document["sheets"] for hit in sheet["hits"]]
 
 
+def test_an_odd_number_of_holes_may_be_symmetric_about_the_vertical_centre_line() -> None:
+    found = proposed("flanged_bush")[1]
+    assert not found.open and [one.value for one in found.dimensions if one.method == "pitch_circle"] == [37.0]
+
+
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
