@@ -4,7 +4,9 @@ A set S of effects is found by forward selection: the effect that lowers the hel
 refitted, and again, until no effect gains significantly. With L0 the loss of the stated model, L that of the model with
 S, L- that of the model without the effect e of S, refitted, and n the loss of noise,
 
-    gain g = L- - L,   share = g / (L0 - n),   own share q = g / (L- - n),   explained T = (L0 - L) / (L0 - n).
+    gain g = L- - L,   share = g / (L0 - n),   own share q = g / (L- - n),   explained T = (L0 - L) / (L0 - n),
+
+L0 in T that of the model before any effect was added.
 
 q is what the effect removes of what is left without it: a true effect of one percent of the misfit removes most of what
 is left, once the others are in S; a mimic does not. The evidence of an effect (`Evidence`) is compared with the limits
@@ -227,9 +229,17 @@ class _Set:
 
     @cached_property
     def explained(self) -> float:
-        """T, the part of the excess that the set removes."""
-        before, after = self.held(self.search.reference).loss, self.whole.loss
-        return (before - after) / max(before - min(self.noise, after), 1e-9)
+        """The part of the excess of the stated model that the set removes."""
+        return self._part_of(self.held(self.search.reference).loss)
+
+    @cached_property
+    def known(self) -> float:
+        """T, the part of the excess of the model before any addition that the effects added before and the set remove:
+        the state of an effect does not depend on whether another one was added before it or is found with it."""
+        return max(self.explained, self._part_of(self.search.before(self.added).at(self._held_rows).loss))
+
+    def _part_of(self, before: float) -> float:
+        return (before - self.whole.loss) / max(before - min(self.noise, self.whole.loss), 1e-9)
 
     @cached_property
     def refuted_by(self) -> str:
@@ -239,7 +249,7 @@ class _Set:
         for curve in self.search.curves:
             name = curve.added[0].coordinates[0]
             gain = self.whole.gain_of(self.held(curve))
-            rival = name in self.recurring and (self.explained < WELL_EXPLAINED or name not in own)
+            rival = name in self.recurring and (self.known < WELL_EXPLAINED or name not in own)
             if rival and gain.loss > CURVE_MARGIN * excess and gain.z >= CERTAIN_Z:
                 return f"a free curve of {name} explains more than all effects found"
         return ""
@@ -429,13 +439,13 @@ def _judged_on(whole: _Set, effect: Effect) -> Entry | None:
     evidence = whole.evidence(effect)
     if evidence is None:
         return None
-    state, reason = judge(evidence, whole.explained, whole.refuted_by)
+    state, reason = judge(evidence, whole.known, whole.refuted_by)
     tied: tuple[str, ...] = ()
-    if state == "established" and (evidence.share >= LEAST_OWN_SHARE or whole.explained < 0.5):
+    if state == "established" and (evidence.share >= LEAST_OWN_SHARE or whole.known < 0.5):
         rivals = whole.rivals(effect)
         behind = [(whole.held(c).loss - whole.whole.loss) / evidence.gain for c in rivals]
         evidence = replace(evidence, margin=min(behind, default=np.inf))
-        state, reason = judge(evidence, whole.explained, whole.refuted_by)
+        state, reason = judge(evidence, whole.known, whole.refuted_by)
         tied = ties(rivals, whole.model, evidence.gain)
     if whole.channel and state == "established":
         reason += f" on {whole.channel.replace('_', ' ')}"

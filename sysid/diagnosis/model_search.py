@@ -213,6 +213,18 @@ class ModelSearch:
             self._without[key] = self.reference.evaluate(fitted, kept, removed)
         return self._without[key]
 
+    def before(self, added: Collection[str]) -> HeldOut:
+        """Held-out residual of the stated model without effects that were added to it before, by name, refitted."""
+        base = self.base.fitted
+        present = [effect.name for effect in base.model.effects if effect.name in added]
+        if not present:
+            return self.reference.held_out
+        start = base.model
+        for name in present:
+            start = without_added(start, name, base.model, self.problem.scales)
+        fitted = fit_model(start, self.problem.fit_records, base.weights)
+        return held_out(fitted, self.problem.validate_records, self.base.weights, base.model)
+
     def converged(self, model: Candidate) -> Candidate:
         """A model with its fit continued until it converges, in the lowest minimum nearby, and the variants and shapes
         of the stated effects searched again."""
