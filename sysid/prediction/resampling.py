@@ -4,12 +4,16 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
-from sysid.signals import filled
+from sysid.signals import dilated, filled, longer_than
 
 MOST_SAMPLES = 1_000_000
 MOST_PER_ROW = 100
 """Largest number of samples of the uniform grid, and largest number per row."""
 
+
+FEWEST, RINGING = 4, 6
+"""Rows through which a cubic is drawn, at least, and rows in which its oscillation beside a jump of the acceleration
+falls to a thousandth: by 2 - sqrt 3 in each."""
 
 ON_ROW = 0.02
 """Part of a step by which a sample may differ from a row and count as this row."""
@@ -74,7 +78,7 @@ def _between(grid: np.ndarray, time: np.ndarray, values: np.ndarray, smooth: boo
     """Values (k,) at the times `grid` (k,) of a channel known at `time` (n,): along lines, or smooth cubics. Those with
     a continuous second derivative are exact under a force that is linear between rows, but oscillate where noise is
     larger than the curvature, and beside the missing rows of a regular log."""
-    if not smooth or time.size < 4:
+    if not smooth or time.size < FEWEST:
         return np.interp(grid, time, values)
     from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
@@ -82,7 +86,15 @@ def _between(grid: np.ndarray, time: np.ndarray, values: np.ndarray, smooth: boo
     change = np.diff(np.diff(np.diff(values) / steps) / (steps[1:] + steps[:-1]))
     # Of white noise neighbouring third differences have the correlation -3/4.
     curved = not regular and change[1:] @ change[:-1] > 0.0
-    return (CubicSpline if curved else Akima1DInterpolator)(time, values)(np.clip(grid, time[0], time[-1]))
+    at = np.clip(grid, time[0], time[-1])
+    if not curved:
+        return Akima1DInterpolator(time, values)(at)
+    # Where a body stops its acceleration jumps: beside a rest a cubic would turn back, and with it the friction.
+    near = dilated(longer_than(np.diff(values) == 0.0, 1.0), RINGING)
+    row = np.clip(np.searchsorted(time, at, "right") - 1, 0, near.size - 1)
+    ends = np.sort(np.stack([values[row], values[row + 1]]), axis=0)
+    out = CubicSpline(time, values)(at)
+    return np.where(near[row], np.clip(out, *ends), out)
 
 
 def mean_of_held(record: Record, name: str, grid: np.ndarray, step: float) -> np.ndarray:

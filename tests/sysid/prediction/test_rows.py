@@ -176,6 +176,32 @@ def test_direction_at_a_row_after_a_turning_point_between_two_rows(even: bool) -
     assert np.sum(np.abs(residuals) > 10.0 * NOISE) == 0
 
 
+def _resting(seed: int) -> pd.DataFrame:
+    """Moves with half a cosine of velocity, and rests of the same length, at which friction keeps its last direction."""
+    random = np.random.default_rng(seed)
+    time = MEAN_STEP * (np.arange(4000) + random.uniform(-0.1, 0.1, 4000))
+    phase = np.clip(time * 2.1 + 0.1 * seed, 0.0, None)
+    k, part = np.floor(phase), np.minimum(2.0 * (phase % 1.0), 1.0)
+    share = 0.5 - 0.5 * np.cos(np.pi * part)
+    forth = k % 2.0 == 0.0
+    position = 0.004 * np.where(forth, share, 1.0 - share)
+    force = COULOMB * np.where(forth, 1.0, -1.0) + NOISE * random.standard_normal(time.size)
+    return pd.DataFrame({"time [s]": time, "position [m]": position, "friction_force [N]": force})
+
+
+def test_direction_at_rest_after_uneven_rows_is_that_of_the_motion_before() -> None:
+    """A cubic through the rows would turn back by a nanometre where the body stops."""
+    experiment = stagecad.Experiment.from_dataframes(
+        {"fit": _resting(1), "validate": _resting(2)},
+        rig="velocity-drive",
+        model=["coulomb"],
+        noise={"friction_force": "0.02 N"},
+        validate=["validate"],
+    )
+    residuals = stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+    assert np.mean(np.abs(residuals) > 10.0 * NOISE) < 0.02
+
+
 SCALE, INERTIA = 0.12, 0.02
 """Torque constant, N*m/A, and inertia, kg*m^2, of the rig."""
 
