@@ -140,16 +140,15 @@ class Reference:
         )
 
     def _follows_force(self, fitted: FittedModel, added: Sequence[Effect]) -> str | None:
-        """Reason why a friction state model compares nothing, as text: where friction holds a driven mass it is the
-        measured force, whose noise cancels in the residual. In half of the rows less than half of its variance, as it
-        is without the effect, is left."""
+        """Reason why a friction state model compares nothing, as text: friction that holds a driven mass is the force
+        measured, whose noise cancels in the residual. Less than half of its variance without the effect is left."""
         records = self.problem.validate_records
         if not any(e.friction_state is not None for e in added) or all(r.acceleration is None for r in records):
             return None
         own = residual_weights(fitted.model, records)
         parts = zip(own.scored_std, self.base.weights.scored_std, strict=True)
         ratio = [mine[channel] / std for mine, stated in parts for channel, std in stated.items()]
-        follows = bool(ratio) and float(np.median(np.concatenate(ratio))) ** 2 < 0.5
+        follows = bool(ratio) and float(np.mean(np.minimum(np.concatenate(ratio) ** 2, 1.0))) < 0.5
         return "its friction follows the measured force, with which it is compared" if follows else None
 
     def _with_held_rig(self, fitted: FittedModel, found: HeldOut) -> tuple[FittedModel, HeldOut]:

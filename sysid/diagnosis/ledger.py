@@ -376,20 +376,23 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
     return whole, entries
 
 
-def _selected(whole: _Set, first: Sequence[Candidate]) -> Candidate:
-    """The model with the set of effects found by forward selection, which begins with one of the candidates `first`.
+def _selected(whole: _Set, begin: Sequence[Candidate]) -> Candidate:
+    """The model with the set of effects found by forward selection, which begins with one of the candidates `begin`.
 
     After each step an effect is exchanged as long as that is a step too: an effect, or its variant, that was the best
     one while others were missing may not be so beside them (floating search, Pudil, Novovicova and Kittler 1994).
     """
     search, model = whole.search, whole.search.stated
     while len(model.added) < MOST_EFFECTS and model.held_out.loss > near_noise_loss(search):
-        options = [c for c in (search.step(model) if model.added else first) if is_step(model, c)]
+        options = [c for c in (search.step(model) if model.added else begin) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
-        if not options:
-            break
-        found = search.converged(simplest(model, options))
-        if found.held_out.loss >= model.held_out.loss:
+        while options:
+            # At its minimum an effect may have implausible values that its first steps have not.
+            found = search.converged(option := simplest(model, options))
+            if found.implausible is None:
+                break
+            options.remove(option)
+        if not options or found.held_out.loss >= model.held_out.loss:
             break
         model = exchanged(search, found)
     return model

@@ -177,7 +177,7 @@ def test_direction_at_a_row_after_a_turning_point_between_two_rows(even: bool) -
 
 
 def _resting(seed: int) -> pd.DataFrame:
-    """Moves with half a cosine of velocity, and rests of the same length, at which friction keeps its last direction."""
+    """Moves with half a cosine of velocity, and rests as long, at which friction keeps its last direction."""
     random = np.random.default_rng(seed)
     time = MEAN_STEP * (np.arange(4000) + random.uniform(-0.1, 0.1, 4000))
     phase = np.clip(time * 2.1 + 0.1 * seed, 0.0, None)
