@@ -132,6 +132,18 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
 
 
 @pytest.mark.slow
+def test_solids_that_arrive_while_they_are_hidden_are_seen(browser: Browser) -> None:
+    page = browser.page
+    browser.with_solids()
+    page.reload()
+    page.get_by_role("button", name="Drawings").click()
+    page.locator("canvas[data-state=current]").wait_for(state="attached")
+    page.get_by_role("button", name="Solids").click()
+    page.wait_for_timeout(500)
+    assert _drawn(_picture(browser)) > 0.2
+
+
+@pytest.mark.slow
 def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     page = browser.page
     browser.with_solids()

@@ -345,6 +345,8 @@ export class View3d {
 
   look(view) {
     if (!this.box || this.box.isEmpty()) return;
+    // A hidden view has no size, hence no distance: it is taken when the view is shown.
+    if (!this.place.clientHeight) { this.awaited = view || this.awaited || ''; return; }
     const sphere = this.extent().getBoundingSphere(new THREE.Sphere());
     const half = (this.camera.fov / 2) * Math.PI / 180;
     const across = 2 * Math.min(half, Math.atan((Math.tan(half) * (this.place.clientWidth - this.inset)) / this.place.clientHeight));
@@ -366,6 +368,11 @@ export class View3d {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.setViewOffset(width, height, -this.inset / 2, 0, width, height);
+    if (this.awaited !== undefined) {
+      const view = this.awaited;
+      this.awaited = undefined;
+      this.look(view);
+    }
     this.render();
   }
 
