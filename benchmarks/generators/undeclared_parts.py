@@ -528,6 +528,14 @@ def flanged_bush() -> W:
     return body.cut(W("XY").polarArray(18.5, 90, 360, 3).circle(1.7).extrude(6))
 
 
+def index_disc() -> W:
+    """Slots that divide the rim."""
+    body = W("XY").circle(35).extrude(8).cut(W("XY").circle(10).extrude(8))
+    for number in range(6):
+        body = body.cut(W("XY").transformed(rotate=(0, 0, 60 * number)).center(32, 0).rect(12, 5).extrude(8))
+    return body
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -540,6 +548,6 @@ PARTS: dict[str, Callable[[], W]] = {
         eccentric, keyway_hub, slotted_angle, lofted_adapter, swept_handle, truncated_pyramid, hollow_box,
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
         seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
-        fine_plate, tapered_lever, gusseted_angle, seal_cover, hexagon_adapter, flanged_bush,
+        fine_plate, tapered_lever, gusseted_angle, seal_cover, hexagon_adapter, flanged_bush, index_disc,
     )
 }  # fmt: skip

@@ -150,7 +150,7 @@ def proposed_datums(
         face, axis = shaft.face, positive(shaft.face.axis)
         at = moved(face.origin, shaft.axis, (shaft.low + shaft.high) / 2 - dot(face.origin, shaft.axis))
         rim = (moved(at, unit, side * shaft.radius) for unit in _across(axis) for side in (1.0, -1.0))
-        touch = next((point for point in rim if face.holds(tidy(point))), None)
+        touch = next((point for point in rim if any(one.holds(tidy(point)) for one in shaft.faces)), None)
         if touch and side_views(axis):
             view = shown.get(round(2 * shaft.radius, 9), side_views(axis)[0])
             yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)

@@ -164,6 +164,10 @@ def test_an_odd_number_of_holes_may_be_symmetric_about_the_vertical_centre_line(
     assert not found.open and [one.value for one in found.dimensions if one.method == "pitch_circle"] == [37.0]
 
 
+def test_the_axis_of_a_divided_rim_is_a_datum() -> None:
+    assert [(one.letter, one.round) for one in proposed("index_disc")[1].datums] == [("A", True), ("B", False)]
+
+
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
