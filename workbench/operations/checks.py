@@ -447,7 +447,7 @@ class Chains(Result):
                 sign = "-" if link.coefficient < 0 else "+"
                 ends = f"{shown(link.low, 'm')} / {shown(link.high, 'm')}"
                 rows.append([f"  {sign} {link.key}", shown(link.nominal, "m"), ends, ""])
-        return [plain_table("", "tolerance chain|nominal|worst case|99.73 %", rows)]
+        return [plain_table("", "tolerance chain|nominal|worst case|99.73 %, sizes uniform", rows)]
 
     def __repr__(self) -> str:
         return f"<Chains: {len(self.chains)} tolerance chains>"

@@ -184,6 +184,11 @@ def test_a_pickled_result_is_the_same(results: dict[str, Result], name: str) -> 
     assert len(other.to_dataframe()) == len(result.to_dataframe()) > 0
 
 
+def test_chains_state_the_distribution_and_sizes_that_cancel_are_zero(results: dict[str, Result]) -> None:
+    text = repr(results["chains"])
+    assert "99.73 %, sizes uniform" in text and "e-09" not in text
+
+
 def test_a_pickled_design_needs_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "stage.toml"
     file.write_text('extends = "thesis"\n[stage]\nthickness = {value = "14 mm", origin = "assumed: stiffer"}\n')
