@@ -185,7 +185,8 @@ def test_a_pickled_result_is_the_same(results: dict[str, Result], name: str) -> 
 
 
 def test_chains_state_the_distribution_and_sizes_that_cancel_are_zero(results: dict[str, Result]) -> None:
-    text = repr(results["chains"])
+    (table,) = results["chains"].lines()
+    text = repr(table)
     assert "99.73 %, sizes uniform" in text and "e-09" not in text
 
 
