@@ -321,7 +321,7 @@ class _Set:
         for other in below.fitted.model.effects:
             if other.name not in (*below.names, *self.added):
                 continue
-            shared = explained_variance(change, records, weights, other.coordinates)
+            shared = explained_variance(change, records, weights, other)
             rest = search.without(known, other.name) if shared > 0.0 else None
             if rest is not None:
                 error = FORM_ERROR * (rest.held_out.residual - known.held_out.residual)[rows]

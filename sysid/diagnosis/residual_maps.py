@@ -17,6 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from sim.effects.effect import Effect
 from sysid.estimation.misfit import ResidualWeights, misfit
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -276,15 +277,22 @@ def _share(residual: np.ndarray, predicted: np.ndarray) -> float:
 
 
 def explained_variance(
-    change: np.ndarray, records: Sequence[PreparedRecord], weights: ResidualWeights, coordinates: Sequence[str]
+    change: np.ndarray, records: Sequence[PreparedRecord], weights: ResidualWeights, effect: Effect
 ) -> float:
-    """Largest share of the square of a change (n,) of the residual that is a function of one of the coordinates."""
+    """Largest share of the square of a change (n,) of the residual that is a force, or, of an effect that multiplies
+    the friction, a friction level, that is a function of one of the effect's coordinates."""
     known = [coordinates_of(record) for record in records]
+
+    def scored(name: str) -> np.ndarray:
+        return np.concatenate([of[name][pick] for of, s in zip(known, weights.samples) for pick in s.values()])
+
+    if effect.factor is not None:
+        change = np.where(scored("direction") < 0.0, -change, change)
     total, best = float(change @ change), 0.0
-    for name in coordinates:
+    for name in effect.coordinates:
         if total <= 0.0 or not all(name in of_record for of_record in known):
             continue
-        values = np.concatenate([of[name][pick] for of, s in zip(known, weights.samples) for pick in s.values()])
+        values = scored(name)
         edges = edges_of(values, name, DRAWN_BINS)
         cells = cells_of(values, np.ones(values.size), edges)
         count = np.maximum(np.bincount(cells, minlength=edges.size - 1), 1)

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14516,
     "designcalc": 10488,
     "sim": 12451,
-    "sysid": 20779,
+    "sysid": 20787,
     "drawings": 12223,
     "workbench": 15339,
 }

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from sim.effects.catalogue import find
 from sysid.diagnosis.residual_maps import (
     ResidualMap,
     compared_with_time,
     coordinates_of,
+    explained_variance,
     order_maps,
     residual_maps,
     standard_errors,
@@ -166,3 +168,17 @@ def test_standard_errors_count_correlated_samples_once():
         means.append(own)
         errors.append(standard_errors(cells, residual - own[cells], block, 5))
     np.testing.assert_allclose(np.mean(errors, axis=0), np.std(means, axis=0), rtol=0.1)
+
+
+def test_change_of_a_friction_level_is_a_function_of_the_position_times_the_direction(tmp_path: Path) -> None:
+    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', held_out=True)
+    records = problem.validate_records
+    weights = residual_weights(problem.start, records)
+    pick, known = weights.samples[0]["friction_force"], coordinates_of(records[0])
+    factor, force = find("position_dependent_friction"), find("gravity_torque")
+    level = (known["position"] * np.sign(known["velocity"]))[pick]
+    assert explained_variance(level, records, weights, factor) > 0.9
+    assert explained_variance(level, records, weights, force) < 0.5
+    # A force of one sign is no friction level, though it is a constant function of any coordinate.
+    assert explained_variance(np.ones(pick.size), records, weights, factor) < 0.1
+    assert explained_variance(np.ones(pick.size), records, weights, force) == pytest.approx(1.0)
