@@ -43,6 +43,9 @@ class Value:
     dimension: Dimension
 
 
+_ONE = Value(1.0, DIMENSIONLESS)
+
+
 def _same(values: tuple[Value, ...], what: str) -> Dimension:
     dimension = values[0].dimension
     for other in values[1:]:
@@ -89,9 +92,7 @@ def _inverse(function: Callable[[float], float]) -> Callable[..., Value]:
 
 
 def _rounding(function: Callable[[float], float]) -> Callable[..., Value]:
-    def apply(number: Value, step: Value | None = None) -> Value:
-        if step is None:
-            step = Value(1.0, DIMENSIONLESS)
+    def apply(number: Value, step: Value = _ONE) -> Value:
         dimension = _same((number, step), "rounding")
         # The small number keeps rounding errors of the quotient from costing a whole step.
         return Value(function(round(number.si / step.si, 9)) * step.si, dimension)
@@ -190,7 +191,7 @@ class FormulaError(InputError):
     """What is wrong with a formula, without its place."""
 
 
-def _named(function: Callable[..., Value], *values: Value) -> Value:
+def _named(function: Callable[..., Value], *values: Value | str) -> Value:
     try:
         return function(*values)
     except InputError as error:
@@ -232,12 +233,9 @@ def parse_formula(written: str) -> Formula:
             source += f" k{keys.index(key)} "
             position = match.end()
         elif match := _NUMBER.match(text, position):
-            position = match.end()
-            unit = _unit_at(text, position)
-            name = f"q{len(constants)}"
-            constants[name] = _constant(match[0], unit.strip())
-            source += f" {name} "
-            position += len(unit)
+            unit = _unit_at(text, match.end())
+            source, position = f"{source} q{len(constants)} ", match.end() + len(unit)
+            constants[f"q{len(constants)}"] = _named(_quantity, match[0], unit.strip())
         elif match := re.compile(r"[A-Za-z_]\w*").match(text, position):
             if match[0] == "pi":
                 constants["pi"] = Value(math.pi, DIMENSIONLESS)
@@ -264,24 +262,24 @@ def _unit_at(text: str, position: int) -> str:
     match = _UNIT.match(text, position)
     if match is None:
         return ""
-    found, end = "", position
+    found = ""
     for factor in re.finditer(rf"\s*[*/]?({_SYMBOL})", match[0]):
-        symbol = re.match(r"[A-Za-z]+|%", factor[1])
+        symbol, _, power = factor[1].partition("^")
         after = text[position + factor.end() : position + factor.end() + 1]
-        if symbol is None or symbol[0] not in SYMBOLS or re.match(r"[\w.(]", after):
+        if symbol in SYMBOLS and power and after == ".":
+            raise FormulaError(f"the exponent of a unit is a whole number; write (2 {symbol})^0.5")
+        if symbol not in SYMBOLS or re.match(r"[\w.(]", after):
             break
-        found, end = text[position : position + factor.end()], position + factor.end()
-    if not found and end == position:
+        found = text[position : position + factor.end()]
+    if not found:
         word = match[1]
         if not re.match(r"[\w.(]", text[match.end() : match.end() + 1]) and word.split("^")[0] not in FUNCTIONS:
             raise FormulaError(f"unknown unit '{word}'; did you mean '{nearest_symbol(word)}'?")
     return found
 
 
-def _constant(number: str, unit: str) -> Value:
-    if not unit:
-        return Value(float(number), DIMENSIONLESS)
-    return Value(parse_quantity(f"{number} {unit}", unit) if unit != "%" else float(number) / 100, unit_dimension(unit))
+def _quantity(number: str, unit: str) -> Value:
+    return Value(parse_quantity(f"{number} {unit}", unit), unit_dimension(unit))
 
 
 def _accept(node: ast.expr) -> None:

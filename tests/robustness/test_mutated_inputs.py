@@ -3,6 +3,7 @@
 import gzip
 import json
 import os
+import re
 import select
 import signal
 import subprocess
@@ -26,6 +27,7 @@ from scipy.io import savemat
 
 from stagecad.parameters.errors import LONGEST, InputError
 from stagecad.parameters.file import packaged_text
+from stagecad.parameters.formula import SIGN
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
 from sysid.experiment.experiment import load_experiment
@@ -115,6 +117,38 @@ def parameter_files(folder: Path, number: int, seed: int) -> Counter[str]:
     return found
 
 
+def formulas(number: int, seed: int) -> Counter[str]:
+    """Counts of random formulas in place of a parameter's value, half of them mutated."""
+    random, found = np.random.default_rng(seed), Counter[str]()
+    lengths = [key for key, entry in packaged_machine().schema().items() if entry.unit == "mm"]
+    for _ in range(number):
+        text = _formula(lengths, random, int(random.integers(0, 6)))
+        if random.random() < 0.5:
+            text = mutated(text, random).decode("utf-8", "replace")
+        found[outcome(partial(load_design, None, [f"{random.choice(lengths)}={SIGN}{text}"]))] += 1
+    return found
+
+
+def _formula(keys: list[str], random: np.random.Generator, depth: int, length: bool = True) -> str:
+    """A length, or a number, of the elements of formulas; one part in thirty has the wrong unit."""
+    if random.random() < 0.03:
+        length = not length
+    if not depth or random.random() < 0.1:
+        number = f"{10.0 ** (random.normal() if random.random() < 0.95 else random.uniform(-320, 308)):.3g}"
+        return str(random.choice([str(random.choice(keys)), f"{number} mm"] if length else [number, "0", "2", "pi"]))
+    form = str(random.choice(_LENGTHS if length else _NUMBERS))
+    return re.sub("[LN]", lambda kind: _formula(keys, random, depth - 1, kind[0] == "L"), form)
+
+
+_LENGTHS = ("(L + L)", "L - L", "L*N", "L/N", "sqrt(L*L + L^2)", "L^3/(L*L)", "-abs(L)", "(L^0.5)^2") + tuple(
+    f"{name}(L, L)" for name in ("min", "max", "floor", "ceil", "round")
+)
+_NUMBERS = ("(N - N)", "L/L", "N^N", "+N", "round(N)") + tuple(
+    f"{name}(N)" for name in ("sin", "cos", "tan", "sqrt", "asin", "acos", "atan")
+)
+"""Expressions that are a length, and that are a number, of lengths L and numbers N."""
+
+
 def experiments(folder: Path, number: int, seed: int, binary: float) -> Counter[str]:
     """Counts of mutated experiments and records; `binary` is the share of formats that another process reads."""
     random, found, whole = np.random.default_rng(seed), Counter[str](), _binary_records(folder)
@@ -169,6 +203,11 @@ def test_parameter_files(tmp_path: Path) -> None:
     assert found["refused"] > 20 and found["accepted"] > 0
 
 
+def test_formulas() -> None:
+    found = formulas(60, 3)
+    assert found["refused"] > 20 and found["accepted"] > 0
+
+
 def test_experiments_and_records(tmp_path: Path) -> None:
     found = experiments(tmp_path, 80, 2, 0.0)
     assert found["refused"] > 20 and found["accepted"] > 0
@@ -203,6 +242,13 @@ def test_many_parameter_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     found = parameter_files(tmp_path, count(100_000 // PARTS), seed)
     with capsys.disabled():
         print(f"\nparameter files and overrides, seed {seed}: {sum(found.values())}: {dict(found)}")  # noqa: T201
+
+
+@pytest.mark.slow
+def test_many_formulas(capsys: pytest.CaptureFixture[str]) -> None:
+    found = formulas(count(6_000), 4)
+    with capsys.disabled():
+        print(f"\nformulas: {sum(found.values())}: {dict(found)}")  # noqa: T201
 
 
 @pytest.mark.slow
