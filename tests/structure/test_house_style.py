@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12451,
     "sysid": 20787,
     "drawings": 12223,
-    "workbench": 15339,
+    "workbench": 15338,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

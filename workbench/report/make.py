@@ -21,7 +21,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
-from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, kernel_errors
+from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object, write_stored
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import BuiltMachine, assemble, build_assembly
@@ -237,8 +237,7 @@ class Making:
             case Kind.PART:
                 build_part(store, name, design)
             case Kind.SHAPES:
-                with kernel_errors(ASSEMBLY, design):
-                    build_assembly(store, self.parts, design)
+                build_assembly(store, self.parts, design)
             case Kind.CONTACTS:
                 stored_interferences(store, self.parts, design)
             case Kind.VIEW:

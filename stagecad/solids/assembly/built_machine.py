@@ -76,6 +76,7 @@ def find_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: 
 def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly:
     """The assembly of `parts` (all parts of the design), from the cache or built now."""
 
+    @kernel_errors(ASSEMBLY, design)
     def make(tracked: Any, folder: Path) -> None:
         from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
 
@@ -224,8 +225,7 @@ def _build(folder: Path, design: Any, name: str) -> None:
     store = ArtefactStore(folder)
     if name == ASSEMBLY:
         parts = {part: build_part(store, part, design) for part in part_names(design)}
-        with kernel_errors(ASSEMBLY, design):
-            build_assembly(store, parts, design)
+        build_assembly(store, parts, design)
     else:
         build_part(store, name, design)
 

@@ -62,6 +62,12 @@ def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
     assert [task for task in done if task in higher] == [tip]
 
 
+def test_a_store_that_has_the_parts_but_no_assembly_lacks_it(tmp_path: Path) -> None:
+    whole = making(tmp_path)
+    whole.__dict__["parts"] = {}
+    assert not whole.has(Task(Kind.SHAPES))
+
+
 @pytest.mark.parametrize(
     "error", [PartError("buffer", None, "no solid"), LostProcessError("", Task(Kind.PART, "buffer"))]
 )
