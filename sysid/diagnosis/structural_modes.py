@@ -177,6 +177,9 @@ def with_mode_above_band(search: ModelSearch, ledger: Ledger) -> Ledger:
     loss = below.held_out.loss
     if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(loss):
         return ledger
+    if fitted.model.values[f"{effect.name}.mass_ratio"] < LEAST_PART:
+        # A line that the balance does not contain is no motion of the mass: hum of a sensor.
+        return ledger
     if found is not None and prefers_balance_fit(ledger.model.fitted, fitted):
         return ledger
     if loss > NOISE_FACTOR and loss - candidate.held_out.loss < LEAST_GAIN * loss:

@@ -8,8 +8,10 @@ from scipy.signal import cont2discrete
 
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate import Reference
+from sysid.diagnosis.ledger import Ledger
+from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.quantised_channel import quantised_channel
-from sysid.diagnosis.structural_modes import detect_structural_mode
+from sysid.diagnosis.structural_modes import StructuralMode, detect_structural_mode, with_mode_above_band
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.experiment.experiment import load_experiment
 from sysid.ladder import add_effects
@@ -75,6 +77,16 @@ def test_modal_parameters_are_estimated(tmp_path: Path) -> None:
     assert found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
     assert found.values["mass_ratio"] == pytest.approx(0.15, rel=0.1)
     assert found.values["damping"] == pytest.approx(DAMPING, rel=0.2)
+
+
+def test_line_that_moves_no_mass_is_no_mode(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, base = _fitted(_write(tmp_path / "rig", 0.0))
+    search = ModelSearch(problem, base)
+    values = {"frequency": 50.0, "damping": 0.001, "mass_ratio": 0.001}
+    hum = StructuralMode(values, {name: 0.3 * value for name, value in values.items()}, 13.0, 22.0, 40.0)
+    monkeypatch.setattr("sysid.diagnosis.structural_modes.detect_structural_mode", lambda *_: hum)
+    ledger = Ledger((), search.stated)
+    assert with_mode_above_band(search, ledger) is ledger
 
 
 @pytest.mark.parametrize("vibration", [0.0, 0.05])
