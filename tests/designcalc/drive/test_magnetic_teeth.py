@@ -108,6 +108,14 @@ def test_more_functions_only_lower_the_energy_and_the_error_covers_the_rest():
     assert abs(rough.lateral_stiffness / fine.lateral_stiffness - 1) < rough.error
 
 
+def test_normal_stiffness_is_that_of_the_chord():
+    """Packaged teeth at unit potential: 586.0 N/m^3/A^2 from the attraction, of five digits, at gaps of 0.98 and 1.02
+    mm."""
+    near, middle, far = (teeth_field(5e-3, 2e-3, gap, 2.5e-3) for gap in (0.98e-3, 1e-3, 1.02e-3))
+    assert (near.attraction - far.attraction) / 0.04e-3 == pytest.approx(586.0, abs=0.3)
+    assert middle.normal_stiffness == pytest.approx(585.7, abs=0.05)
+
+
 def test_scales_with_size():
     small, large = teeth_field(1e-3, 4e-4, 2e-4, 5e-4), teeth_field(1.0, 0.4, 0.2, 0.5)
     assert small.coenergy == pytest.approx(large.coenergy * 1e3)

@@ -261,6 +261,15 @@ def test_what_is_compiled_before_the_laws_are_laid_out_is_what_the_model_needs(e
     assert len(kinds) == 4 and len(set(kinds)) == 1
 
 
+def test_a_coast_of_ten_metres_a_second_and_a_pull_of_a_nanometre():
+    """v^2/(2 a) = 50 m; a spring of 1e6 N/m against bristles of 1e5 N/m moves the mass by 1e6/1.1e6 of the pull."""
+    coast = simulate(compose(["coulomb"]), drive.force([0.0, 12.0], [0.0, 0.0]), [0.0, 12.0], velocity=10.0)
+    assert coast.position[-1] == pytest.approx(50.0, abs=1e-3)
+    pull = drive.pulled_spring([0.0, 0.1, 1.0], [0.0, 1e-9, 1e-9], 1e6)
+    held = simulate(compose(["lugre"], {"lugre.stiffness": 1e5}), pull, [0.0, 1.0], tolerance=1e-9)
+    assert held.position[-1] / 1e-9 == pytest.approx(0.9091, abs=1e-4)
+
+
 @pytest.mark.parametrize("given, words", [({"temperature": -300.0}, "temperature"), ({"load": -5.0}, "load")])
 def test_a_load_or_temperature_that_cannot_be_is_refused(given, words):
     with pytest.raises(InputError, match=f"{words} = -"):

@@ -71,6 +71,16 @@ def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_el
     )
 
 
+@pytest.mark.slow
+def test_a_seed_gives_the_same_bytes(capsys, tmp_path):
+    words = ("presliding", "--model", "lugre", "--draws", "4", "--seed", "7", "--no-figures")
+    found = []
+    for name in ("first", "second"):
+        document = drawn(capsys, tmp_path / name, *words, "--set", "friction.coulomb=1 +- 0.01 N")
+        found.append((document["features"], (tmp_path / name / "simulate" / "draws.csv").read_bytes()))
+    assert found[0] == found[1]
+
+
 def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(capsys, tmp_path):
     words = ("presliding", "--model", "lugre", "--draws", "8", "--no-figures", "--format", "none")
     status = run(["simulate", *words, "--set", "friction.breakaway=1.05 +- 0.05 N", "--out", str(tmp_path), "--json"])
