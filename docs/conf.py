@@ -39,12 +39,31 @@ CONTENTS: dict[str, tuple[str, ...]] = {
         "notebooks/new_friction_law",
         "notebooks/compensation",
     ),
-    "How to": ("workbench", "checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
+    "How to": (
+        "records",
+        "rig_kinds",
+        "workbench",
+        "export",
+        "parts_and_parameters",
+        "design_changes",
+        "checks",
+        "drawings",
+        "step_ap242",
+        "stage_simulation",
+    ),
     "Reference": ("reference_python", "reference_commands", "reference_parameters", "effects"),
     "Theory": ("theory", "diagnosis_step_by_step", "physical_model", "simulation", "causal_friction_model"),
     "Project": ("glossary", "decisions"),
 }
 """Pages by part of the site; pages that are not listed are put under "More"."""
+HEAD = """<link rel="icon" href="data:,">
+<style>
+.cell_output, .output { overflow-x: auto; }
+table.dataframe { border: 0; border-collapse: collapse; font-size: 0.8rem; }
+table.dataframe th, table.dataframe td { border: 0; border-bottom: 1px solid var(--color-background-border); }
+</style>
+"""
+"""In each page: no output of a notebook is wider than its column, and its tables have the colours of the theme."""
 BESIDE = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
 """Files beside README.md that are no pages of the site."""
 LINK = re.compile(r"(?P<text>\[[^\]\n]*\])\((?P<target>[^)\s]+)\)")
@@ -55,6 +74,7 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", write_reference)
     app.connect("env-get-outdated", lambda *_: ["index"])
     app.connect("source-read", read_page)
+    app.connect("html-page-context", add_to_head)
 
 
 def write_reference(app: Any) -> None:
@@ -72,6 +92,10 @@ def read_page(app: Any, name: str, source: list[str]) -> None:
         source[0] = site_links(source[0])
     if name == "index":
         source[0] += contents(set(app.env.found_docs) - {"index"})
+
+
+def add_to_head(app: Any, name: str, template: str, context: dict[str, Any], document: Any) -> None:
+    context["metatags"] = context.get("metatags", "") + HEAD
 
 
 def contents(pages: set[str]) -> str:

@@ -61,6 +61,21 @@ def test_the_reference_has_every_name_with_its_members(site: Path) -> None:
         assert f'id="stagecad.{member}"' in page, member
 
 
+def test_what_a_user_looks_up_first_stands_under_how_to_and_tables_of_notebooks_stay_in_their_column() -> None:
+    assert {"records", "rig_kinds", "design_changes", "export"} <= set(conf.CONTENTS["How to"])
+    context = {"metatags": "<meta>"}
+    conf.add_to_head(None, "index", "page.html", context, None)
+    assert context["metatags"].startswith("<meta>") and ".output { overflow-x: auto; }" in context["metatags"]
+    assert (DOCS / "index.md").read_text("utf-8").index("images/stagecad.png") < 100
+
+
+@pytest.mark.slow
+def test_the_start_page_has_its_picture_and_each_page_the_style(site: Path) -> None:
+    assert "stagecad.png" in (site / "index.html").read_text("utf-8")
+    for page in site.glob("*/*.html"):
+        assert "overflow-x: auto" in page.read_text("utf-8"), page.name
+
+
 def test_reference_pages_of_commands_and_parameters() -> None:
     assert sorted(name for names in conf.GROUPS.values() for name in names) == list(stagecad.__all__)
     page = conf.commands_page(group)
