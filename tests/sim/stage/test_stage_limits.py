@@ -171,7 +171,7 @@ def test_energy_balances_to_second_order_and_every_heat_grows(driven):
         left.append(np.abs(balance).max() / energy["drive"][-1])
         for heat in heats:
             assert np.diff(heat).min() > -1e-15
-    # The packaged machine left 1.4e-3, 3.9e-4 and 1.2e-4 of the drive's work at the same steps.
+    # A separate program left 1.4e-3, 3.9e-4 and 1.2e-4 of the work of the drive at the same steps, with a larger plate.
     assert np.all(np.array(left) < [1.4e-3, 3.9e-4, 1.2e-4])
     assert [left[0] / left[1], left[1] / left[2]] == pytest.approx([3.6, 3.25], rel=0.03)
 
