@@ -48,6 +48,11 @@ def packaged():
     return values()
 
 
+def test_edge_tension_of_an_uncoated_body_under_the_peak_force():
+    r = inputs("tip.coating_material=al_6061_t6")
+    assert coating(r.design)(r).value == pytest.approx(351.1e6, rel=1e-3)
+
+
 def test_edge_tension_of_body_and_coating_with_traction(monkeypatch):
     """180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force."""
     monkeypatch.setitem(QUANTITIES, "load.peak_of_tip", (33.2, "N"))
