@@ -214,6 +214,11 @@ def check_finite(array: np.ndarray, file: str, label: str) -> None:
 
 
 def to_numpy(column: Any) -> np.ndarray:
-    """A chunked column of floats as one array, off its buffer: pyarrow's own conversion loads pandas, 0.3 s."""
-    array = column.combine_chunks().fill_null(np.nan)
-    return np.frombuffer(array.buffers()[1] or b"", dtype=np.float64)[array.offset :][: len(array)].copy()
+    """A chunked column of floats as one array, off its buffers: pyarrow's own conversion loads pandas, 0.3 s."""
+    array = column.combine_chunks()
+    validity, data = array.buffers()
+    rows = slice(array.offset, array.offset + len(array))
+    out = np.full(len(array), np.nan) if data is None else np.frombuffer(data, dtype=np.float64)[rows].copy()
+    if validity is not None:
+        out[np.unpackbits(np.frombuffer(validity, dtype=np.uint8), bitorder="little")[rows] == 0] = np.nan
+    return out
