@@ -115,6 +115,7 @@ def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, caps
     assert stagecad(["params", "--set", "screws.bar.length=5mm", "screws.bar.length"]) == 0
     with Path("stage.toml").open("a", encoding="utf-8") as file:
         file.write('\n[machine.parts.bolt]\npart = "bar_screw"\nparameters = {"screws.bar.length" = "25 mm"}\n')
+        file.write('\n[machine.mates.bolt]\ndatum = "head"\non = "bed.top"\n')
     assert _document(capsys, "params", "screws.bar.length")
     packaged = 'extends = "thesis"\n[screws.bar]\nlength = "5 mm"\n'
     Path("packaged.toml").write_text(packaged, "utf-8")
