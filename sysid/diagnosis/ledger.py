@@ -200,6 +200,7 @@ class _Set:
     added: tuple[str, ...]  # names of the effects of the stated model that were added to it before
     model: Candidate  # the model with the set
     recurring: frozenset[Coordinate]  # coordinates whose values recur
+    first: HeldOut  # residual of the stated model without the effects that were added to it before
     channel: str = ""  # channel on which it is judged; empty for all
 
     @cached_property
@@ -220,7 +221,7 @@ class _Set:
 
     def held(self, candidate: Candidate | Reference) -> HeldOut:
         """Held-out residual of a model on the channel."""
-        return candidate.held_out.at(self._held_rows)
+        return candidate.held_out.at(self._held_rows) if self.channel else candidate.held_out
 
     @cached_property
     def whole(self) -> HeldOut:
@@ -236,7 +237,7 @@ class _Set:
     def known(self) -> float:
         """T, the part of the excess of the model before any addition that the effects added before and the set remove:
         the state of an effect does not depend on whether another one was added before it or is found with it."""
-        return max(self.explained, self._part_of(self.search.before(self.added).at(self._held_rows).loss))
+        return max(self.explained, self._part_of(self.first.at(self._held_rows).loss))
 
     def _part_of(self, before: float) -> float:
         return (before - self.whole.loss) / max(before - min(self.noise, self.whole.loss), 1e-9)
@@ -338,8 +339,8 @@ class _Set:
 
 
 def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
-    """The ledger of a stated model; the arguments are the fields of `_Set`."""
-    whole = _Set(search, noise, tuple(added), search.stated, recurring)
+    """The ledger of a stated model; the arguments are fields of `_Set`."""
+    whole = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
     whole, entries = _judged_set(whole, _selected(whole, search.ranked))
     if not whole.model.added and search.reference.held_out.loss > near_noise_loss(search):
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14514,
     "designcalc": 10488,
     "sim": 12451,
-    "sysid": 20795,
+    "sysid": 20796,
     "drawings": 12223,
     "workbench": 15338,
 }
