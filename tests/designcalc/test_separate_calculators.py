@@ -141,3 +141,4 @@ def test_motions_with_a_result_by_hand() -> None:
     time = np.linspace(0.0, 5e-4, 20_001)
     run = simulate(Friction().model("lugre_causal"), wave, time, tolerance=1e-9, most_steps=2_000_000)
     assert np.abs(run.friction).max() < 1.1
+    assert np.abs(run.friction[time > 4.9e-4]).max() == pytest.approx(1.064, rel=1e-3)

@@ -273,6 +273,7 @@ def test_contacts_age_while_they_only_stretch():
     """Ten seconds of 0.1 um at 10 Hz, slip from 10 um: the age of ten seconds at rest, 1 + 0.015 ln(1001), where the
     ageing by the velocity of the body would leave 1.083."""
     aged = 1.0 + 0.015 * math.log(1001.0)
+    assert aged == pytest.approx(1.1036, abs=5e-5)
     model, rate = compose(["rate_and_state"]), 2.0 * math.pi * 10.0
     time, zero = np.linspace(0.0, 10.0, 20_001), np.zeros(1)
     wave = (0.1e-6 * rate**2, rate, math.pi)
@@ -308,6 +309,36 @@ def test_rate_and_state_friction_is_that_of_another_integrator():
     assert np.abs(run.position - x).max() < 1e-10
     assert np.abs(run.bristle[:, 0] - z).max() < 1e-11
     assert np.abs(run.level - force * (1.0 + b * np.log(1.0 + v_0 * age / length))).max() < 1e-6
+
+
+def test_presliding_of_three_cores_by_closed_form_another_integrator_and_many_elements():
+    """Out and back: Dahl's curve, the elasto-plastic law by Radau's method, 400 elements in place of twelve."""
+    time, rate = np.linspace(0.0, math.pi / 2.0, 2001), 4.0
+    motion = drive.sinusoidal_velocity(1e-4, rate, 0.0)
+    runs = {
+        n: simulate(compose([n]), motion, time, tolerance=1e-11) for n in ("dahl", "elasto_plastic", "maxwell_slip")
+    }
+    x = 1e-4 / rate * (1.0 - np.cos(rate * time))
+    out = x[: time.size // 2]
+    assert np.abs(runs["dahl"].core_force[: out.size] - (1.0 - np.exp(-1e5 * out))).max() < 1e-9
+    p = values("elasto_plastic")
+
+    def flow(t: float, z: np.ndarray) -> np.ndarray:
+        v = 1e-4 * math.sin(rate * t)
+        u = p.stiffness * z * math.copysign(1.0, v)
+        part = np.clip((u - p.breakaway) / (1.0 - p.breakaway), 0.0, 1.0)
+        return v * (1.0 - 0.5 * (1.0 - np.cos(math.pi * part)) * u)
+
+    sol = solve_ivp(flow, (0.0, time[-1]), [0.0], "Radau", time, rtol=1e-9, atol=1e-14, max_step=5e-3)
+    bristles = [p.stiffness * z + p.damping * float(flow(t, z)) for t, z in zip(time, sol.y[0], strict=True)]
+    assert np.abs(runs["elasto_plastic"].core_force - bristles).max() < 2e-3
+    # Of 1 - (1 - x/s)^2 each element yields at its own share of s, all of one stiffness.
+    yields, force = 1e-5 * (np.arange(400) + 0.5) / 400, np.zeros(time.size)
+    stretch, stiffness = np.zeros(400), 2.0 / 1e-5 / 400
+    for n, step in enumerate(np.diff(x), 1):
+        stretch = np.clip(stretch + step, -yields, yields)
+        force[n] = stiffness * stretch.sum()
+    assert np.abs(runs["maxwell_slip"].core_force - force).max() < 5e-3
 
 
 def test_coulomb_holds_its_last_force_in_a_dwell():

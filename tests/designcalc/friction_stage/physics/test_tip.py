@@ -98,7 +98,10 @@ def test_tension_is_at_the_frequency_of_heat_and_current():
     assert len(names) == 3
     assert all("9.567 kHz" in found[name].substituted for name in names)
     # 104.5 N at 5 kHz.
-    assert "382.5 N of inertia" in found["tension of a piezo by the tip's inertia and drive force"].note
+    assert (
+        "382.5 N of inertia and 32.23 N of drive"
+        in found["tension of a piezo by the tip's inertia and drive force"].note
+    )
 
 
 def test_a_larger_side_force_does_not_turn_the_check_of_the_stack():
