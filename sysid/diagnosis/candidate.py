@@ -12,7 +12,7 @@ from sim.effects.effect import Effect
 from sysid.diagnosis.held_out import Gain, HeldOut, held_out
 from sysid.estimation.covariance import implausible, rig_values_at_bound
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights
+from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem
@@ -135,21 +135,8 @@ class Reference:
             predicted_reduction=predicted_reduction,
             blocked_reduction=blocked_reduction,
             implausible=implausible(fitted, [effect.name for effect in added])
-            or _same_pitch(self.problem, fitted, added)
-            or self._follows_force(fitted, added),
+            or _same_pitch(self.problem, fitted, added),
         )
-
-    def _follows_force(self, fitted: FittedModel, added: Sequence[Effect]) -> str | None:
-        """Reason why a friction state model compares nothing, as text: friction that holds a driven mass is the force
-        measured, whose noise cancels in the residual. Less than half of its variance without the effect is left."""
-        records = self.problem.validate_records
-        if not any(e.friction_state is not None for e in added) or all(r.acceleration is None for r in records):
-            return None
-        own = residual_weights(fitted.model, records)
-        parts = zip(own.scored_std, self.base.weights.scored_std, strict=True)
-        ratio = [mine[channel] / std for mine, stated in parts for channel, std in stated.items()]
-        follows = bool(ratio) and float(np.mean(np.minimum(np.concatenate(ratio) ** 2, 1.0))) < 0.5
-        return "its friction follows the measured force, with which it is compared" if follows else None
 
     def _with_held_rig(self, fitted: FittedModel, found: HeldOut) -> tuple[FittedModel, HeldOut]:
         """The fit and its residual, refitted with the values of the rig at a bound held fixed; unchanged without a

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14514,
     "designcalc": 10488,
     "sim": 12451,
-    "sysid": 20796,
+    "sysid": 20802,
     "drawings": 12223,
     "workbench": 15338,
 }

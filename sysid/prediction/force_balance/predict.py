@@ -195,7 +195,8 @@ def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p
     """Part of a bristle's force, 0 to 1, that is taken from the force balance since the motion does not show it.
 
     Bristles of stiffness k are known along the motion to the noise k s_x and the blur by the filter; from the balance
-    to the noise s_F and the error of its events. The two are weighted by their variances.
+    to the noise s_F and the error of its events. The two are weighted by their variances. The blur is at most what the
+    filter takes from the measured motion: bristles that stretch by more are seen.
     """
     if balance.stick_fraction is None or not core.has_presliding:
         return 0.0
@@ -204,7 +205,8 @@ def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p
         own *= balance.pull_stiffness
     stiffness = usual / max(_stretch_of(usual, p), 1e-300)
     phase = balance.prefilter_samples * balance.step * float(np.sqrt(stiffness / max(mass, 1e-300)))
-    along = stiffness**2 * balance.prefiltered_noise**2 + (BLUR * usual * phase**3) ** 2
+    blur = min(BLUR * usual * phase**3, stiffness * balance.largest_blur)
+    along = stiffness**2 * balance.prefiltered_noise**2 + blur**2
     return along / (along + own**2 + (EVENT_ERROR * usual) ** 2)
 
 

@@ -7,6 +7,7 @@ mass times acceleration is no noisier than the force.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -105,6 +106,12 @@ class ForceBalanceRecord(PreparedRecord):
     @property
     def size(self) -> int:
         return self.axis.time.size
+
+    @cached_property
+    def largest_blur(self) -> float:
+        """Largest difference of the filtered motion from the measured one, m; infinite where that is not known."""
+        raw = self.raw_position
+        return np.inf if raw is None else float(np.max(np.abs(raw - self.axis.position)))
 
     @property
     def settled_from(self) -> int:

@@ -123,8 +123,8 @@ def test_every_fitted_value_stays_within_the_declared_bounds(tmp_path: Path) -> 
             assert declared[u.key].low <= u.low <= u.start <= u.high <= declared[u.key].high
 
 
-def test_bristles_that_follow_a_force_unrelated_to_the_motion_are_implausible(tmp_path: Path) -> None:
-    """A ramp: bristles as long as the travel hold a body of hardly any mass against it, whatever the motion."""
+def test_bristles_do_not_follow_a_force_unrelated_to_the_motion(tmp_path: Path) -> None:
+    """A ramp. The measured motion shows bristles as long as the travel: they cannot hold a body against it."""
     text = 'schema = 1\n[rig]\nkind = "force-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
     text += '[noise]\ndrive_force = "0.01 N"\nposition = "1 um"\n'
     for phase, role in ((0.4, "fit"), (2.0, "validate")):
@@ -138,6 +138,4 @@ def test_bristles_that_follow_a_force_unrelated_to_the_motion_are_implausible(tm
     (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
     problem = load_problem(tmp_path)
     search = ModelSearch(problem, fit_stated_model(problem), options=[find("presliding")])
-    best = search.ranked[0]
-    assert best.held_out.loss < 0.2 * search.reference.held_out.loss
-    assert best.implausible == "its friction follows the measured force, with which it is compared"
+    assert search.converged(search.ranked[0]).held_out.loss > 0.9 * search.reference.held_out.loss
