@@ -15,7 +15,7 @@ from sysid.estimation import variant_selection
 from sysid.estimation.driven_stage_search import synchronised_starts
 from sysid.estimation.fit import fit_model, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit
-from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.reference_fit import fit_stated_model, reference_fit, reported_fit
 from sysid.estimation.screening import RefittedEffect, search_lower_minimum
 from sysid.estimation.variant_selection import select_variants, without_effect
 from sysid.ladder import add_effects
@@ -169,6 +169,20 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_ma
     assert values["rig.contact_stiffness"] == pytest.approx(truth["stiffness"], rel=0.02)
     assert values["coulomb.force"] == pytest.approx(truth["pads"], rel=0.02)
     assert values["rig.gain"] == pytest.approx(truth["gain"], rel=1e-3)
+
+
+def test_values_are_reported_with_an_uncertain_mass(tmp_path):
+    truth = write_case(tmp_path, "nothing", "lift", 1, 500)
+    file = tmp_path / "experiment.toml"
+    text = file.read_text()
+    (stated,) = (line for line in text.splitlines() if line.startswith("mass = "))
+    file.write_text(text.replace(stated, f'mass = "{1.02 * truth["mass"]} +- {0.03 * truth["mass"]} kg"'))
+    problem = load_problem(tmp_path)
+    near = {"gain": "gain", "contact_stiffness": "stiffness", "contact_damping": "damping", "mass": "mass"}
+    known = {f"rig.{key}": truth[name] for key, name in near.items()} | {"coulomb.force": truth["pads"]}
+    _, base = reported_fit(problem, reference_fit(problem, fit_model(problem.start.at(known), problem.fit_records)))
+    assert "rig.mass" in base.fitted.fit.keys
+    assert misfit(base.fitted.model, problem.validate_records)["position"].over_noise < 1.1
 
 
 @pytest.mark.parametrize(
