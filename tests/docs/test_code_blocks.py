@@ -22,8 +22,10 @@ from drawings.sheets.overrides import read_overrides
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine_declaration import read_machine
 from sysid.experiment.column_settings import read_channel_settings
+from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.base import read_format
 from sysid.experiment.rig_kinds.declaration import declared_rig, find_rig
+from sysid.experiment.rigs import RIGS
 from sysid.experiment.toml_table import TomlTable
 from workbench.operations.templates import fresh_copy
 
@@ -48,6 +50,12 @@ def _records(text: str, folder: Path) -> None:
 
 
 def _rig_kinds(text: str, folder: Path) -> None:
+    if "schema" in text:
+        (folder / "experiment.toml").write_text(text)
+        for file in re.findall(r'file = "(.*?)"', text):
+            (folder / file).write_text(re.findall(r"# (time .*)$", text, re.M)[0] + "\n0,0,0,0\n0.1,1,1,0\n")
+        assert load_experiment(folder).rig.kind == "friction-drive"
+        return
     kind = declared_rig(TomlTable("rig_kinds.md", "", tomllib.loads(text)), "coil")
     assert kind.base == "force-drive" and list(kind.own) == ["coil_current"]
 
@@ -74,6 +82,16 @@ READERS: dict[str, Callable[[str, Path], None]] = {
     "design_changes.md": _design_changes,
     "parts_and_parameters.md": _parameters,
 }
+
+
+def test_the_table_of_built_in_kinds_is_that_of_the_program() -> None:
+    rows = re.findall(r"^\| `([a-z-]+)` \|(.*)\|$", (ROOT / "docs" / "rig_kinds.md").read_text("utf-8"), re.M)
+    table = {name: [set(re.findall(r"`(\w+)`", cell)) for cell in text.split("|")] for name, text in rows}
+    for name, rig in RIGS.items():
+        imposed, measured, known = table[name]
+        assert (imposed, measured) == ({*rig.input_channels}, {*rig.measured_channels})
+        missing = {*rig.known} - known - {"inertia"}
+        assert missing == ({"piezo_spacing", "tip_height", "bias_voltage"} if name == "friction-drive" else set())
 
 
 def test_every_page_with_toml_has_its_reader() -> None:
