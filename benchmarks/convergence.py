@@ -14,16 +14,18 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks import convergence_of_studies as of
 from designcalc.bearing.plate import SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.physics import stage_plate as vibration
 from designcalc.friction_stage.physics.loads import CIRCUITS, circuit, tip_load
-from designcalc.friction_stage.physics.stage_plate import DRIVEN_MODES, TIP, payload_places, stage_plate
+from designcalc.friction_stage.physics.stage_plate import DRIVEN_MODES, MODES, TIP, payload_places, stage_plate
 from sim.effects.catalogue import compose
 from sim.experiments.friction_models import Friction
 from sim.experiments.limit_cycles import cycle
 from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, flexible_machine
+from sim.friction_stage.studies import stage_drive
 from sim.integration import drive
 from sim.integration.simulate import simulate
 from sim.stage.constants import STEP
@@ -31,7 +33,9 @@ from sim.stage.drive_setting import ellipse_wave, step_times, two_piezo_ellipse
 from sim.stage.machine import StageMachine
 from sim.stage.run import drive_stage
 from sim.stage.statics import over_drive_surface
+from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
+from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.solids.assembly.built_machine import body_masses
 
 TEETH = ("pitch", "width", "gap", "groove_depth")
@@ -139,14 +143,17 @@ def page() -> str:
         "# Convergence\n",
         "Written by `python -m benchmarks.convergence`. Each table varies one number of the discretisation; the row in "
         "bold is used. The last column is the largest difference from the last, finest row. A column has the digits in "
-        "which the row in use and the finest one agree, five at most.\n",
+        "which the row in use and the finest one agree, five at most. The calculators `hertz`, `rail`, `drive`, "
+        "`stack`, `tip-over`, `pads`, `wedge`, `screw`, `probe`, `wear`, `smoothness` (of a given profile), "
+        "`levitation`, `suspensions`, `bow`, `vibration`, `alignment` and `budget` are sums, closed forms, and "
+        "roots to rounding.\n",
         "## Plate of the stage on its pads, by the number of elements along its shorter side\n",
         table("elements", 20, (10, 14, 20, 30, 40), ("mode 1 (Hz)", "mode 3", "mode 15", "compliance (nm/N)"), plate),
         "\n## Vibration of the stage by the pulses of the tip, by the number of modes on its pads\n",
         table("modes on pads", DRIVEN_MODES, (10, 20, 40, 80), ("above the tip (nm)", "worst foot (nm)"), pulses),
         "\n## Magnets over their bars, by the refinement of the grid\n",
         table("refinement", 1.0, (0.5, 1.0, 2.0, 4.0), ("attraction (N)", "gap field (mT)"), attraction),
-        "\n## Field of the teeth, by the number of functions at a mouth\n",
+        "\n## Field of the teeth, `calc teeth`, by the number of functions at a mouth\n",
         table("functions", 14, (6, 10, 14, 20, 28), ("normal stiffness", "lateral over normal"), teeth),
         "\n## Driven stage, by the number of natural bending modes\n",
         "Ideal amplifiers, 3 kHz and 6 kHz, the tip raised by half an amplitude; last, high: 6 kHz, raised by a whole "
@@ -172,8 +179,45 @@ def page() -> str:
         table("tolerance", 1e-8, (1e-4, 1e-6, 1e-8, 1e-10, 1e-12), ("position (m)", "heat (J)"), energy_error),
         "\n## Limit cycle of stick-slip at 3.5 mm/s and 2 N/m, by the tolerance\n",
         table("tolerance of the cycle", 1e-8, (1e-4, 1e-6, 1e-8, 1e-10), ("size (N)", "break-away (N)"), limit_cycle),
+        *of_studies(design, masses),
     ]
     return "\n".join(parts) + "\n"
+
+
+def of_studies(design: Design, masses: BodyMasses) -> list[str]:
+    """Tables of the experiments, the studies of the stage, the budgets and the calculators by quadrature."""
+    drive, r = stage_drive(design, masses), DesignInputs(design, masses)
+    forces = "end of presliding (nm)", "peak of hysteresis (N)", "period of stick-slip (s)", "its peak (N)"
+    steps = "step of 10 nm (nm)", "reach (nm)", "rate (1/s)", "tracking, gain (nm)", "with friction (nm)", "cycle (nm)"
+    speeds = "ellipse at 5 kHz (mm/s)", "coupling, along (mm)", "plane (deg)", "lift-off (1)"
+    budgets = "floor, along (nm)", "sensor, along (nm)", "floor, normal (nm)", "amplifiers (nm)"
+    return [
+        "\n## Experiments `presliding`, `hysteresis`, `stick-slip`, `passivity`, causal friction, by the tolerance\n",
+        "`tip` is a closed form, `limit-cycles` the cycle above at other speeds and springs.\n",
+        table(
+            "tolerance of a run",
+            1e-10,
+            (1e-6, 1e-8, 1e-10, 1e-12),
+            (*forces, "heat of a start (uJ)", "peak of a tip (N)"),
+            of.experiments(design),
+        ),
+        "\n## Studies `steps`, `positioning` and `hunting` of the driven stage, by the step\n",
+        table("step, held (us)", 1.0, (1.0, 0.5, 0.25), steps, of.fine(drive)),
+        "\n## Studies `ellipse`, `coupling`, `planar` and `travel_map` of the driven stage, by the step\n",
+        "At 5 kHz, beside a bending mode, impacts alternate and the speed scatters. Of `speed` and `tip_motion` see "
+        "the driven stage above.\n",
+        table("step, moving (us)", 1.0, (1.0, 0.5, 0.25), speeds, of.moves(drive)),
+        "\n## Dynamic error budgets, `calc dynamic-budget`, by the parts of an interval of frequency\n",
+        table("parts", 1.0, (1.0, 2.0, 4.0), budgets, of.budget(design, masses)),
+        "\n## The same normal to the surface, by the number of modes on pads and tip\n",
+        table("modes held", MODES, (10, 20, 40, 80), (*budgets[2:], "ring-down (s)"), of.held_modes(design, masses)),
+        "\n## `calc clamp`, by the points through its depth\n",
+        table("points", 121, (61, 121, 241, 2401), ("neck (MPa)", "without actuator (MPa)"), of.neck(design, masses)),
+        "\n## `calc air-bearing` and the pulses of the tip, by the points of Gauss's rule\n",
+        table("points of the rule", 80, (20, 40, 80, 160), ("starved (N)", "rich (N)"), of.rule),
+        "\n",
+        table("points of a pulse", 24, (12, 24, 48), ("peak (N)",), of.pulse(r)),
+    ]
 
 
 if __name__ == "__main__":

@@ -109,23 +109,20 @@ class ClampFinger:
         return np.cosh(decay * near) * np.cosh(decay * (H - far)) / (stiffness * decay * np.sinh(decay * H))
 
     @cached_property
-    def _depths(self) -> tuple[Array, Array]:
-        """Depths over the whole finger, and over the part on which the holder presses."""
-        middles = (np.arange(_POINTS) + 0.5) / _POINTS
-        return self.depth * middles, self.press_depth * middles
+    def _pressed(self) -> Array:
+        """Depths within the part on which the holder presses."""
+        return self.press_depth * (np.arange(_POINTS) + 0.5) / _POINTS
 
     @property
     def closure(self) -> float:
         """Mean inward movement of the wall where the holder will press, by a unit force of the screw, m/N."""
-        _, pressed = self._depths
-        turned = self.turn(pressed, np.array(self.screw_depth)).mean()
+        turned = self.turn(self._pressed, np.array(self.screw_depth)).mean()
         return float(self.screw_lever * self.press_lever * turned)
 
     @property
     def give(self) -> float:
         """Movement of the same wall by a unit force that the holder presses on it with, m/N."""
-        _, pressed = self._depths
-        turned = self.turn(pressed[:, None], pressed[None, :]).mean()
+        turned = self.turn(self._pressed[:, None], self._pressed[None, :]).mean()
         return float(self.press_lever**2 * turned) + self._wedge
 
     @property
@@ -143,10 +140,10 @@ class ClampFinger:
         return float((bending + 1.2 / (shear_modulus * tan) * np.log(S / p)) / self.press_depth)
 
     def moment(self, screw_force: float, press_force: float) -> float:
-        """Largest moment of the neck per depth, N, where screw and holder press."""
-        every, pressed = self._depths
+        """Largest moment of the neck per depth, N, where screw and holder press; often at an end of it."""
+        every = np.linspace(0.0, self.depth, _POINTS)
         by_screw = self.screw_lever * self.turn(every, np.array(self.screw_depth))
-        by_holder = self.press_lever * self.turn(every[:, None], pressed[None, :]).mean(axis=1)
+        by_holder = self.press_lever * self.turn(every[:, None], self._pressed[None, :]).mean(axis=1)
         return float(self.hinge_stiffness * np.abs(screw_force * by_screw - press_force * by_holder).max())
 
     def stress(self, screw_force: float, press_force: float = 0.0) -> float:

@@ -11,9 +11,12 @@ from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.stage_plate import stage_plate
 from sim.effects.catalogue import library
 from sim.effects.effect import Effect
+from sim.friction_stage.studies import STUDIES
 from stagecad.parameters.load import load_design
 from tests.docs.scripts import script
 from workbench.cli.dispatch import COMMANDS
+from workbench.operations.calculate import CALCULATORS
+from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -51,6 +54,14 @@ LIMITS = {
     "modes on pads": 1e-2,
     "refinement": 1e-3,
     "functions": 1e-6,
+    "tolerance of a run": 1e-6,
+    "step, held (us)": 1e-2,
+    "step, moving (us)": 3e-2,
+    "parts": 1e-3,
+    "modes held": 1e-3,
+    "points": 1e-4,
+    "points of the rule": 1e-6,
+    "points of a pulse": 1e-6,
 }
 """Largest difference of the rows in use; peaks of impacts and pulses converge slowest."""
 
@@ -62,6 +73,14 @@ def test_every_digit_printed_of_the_rows_in_use_has_converged(heading: str) -> N
     used = [row for row in cells if row[0].startswith("**")]
     assert len(used) == 1 and float(used[0][-1]) < LIMITS[heading]
     assert used[0][1:-1] == cells[-1][1:-1], "digits of the finest row"
+
+
+def test_every_experiment_study_and_calculator_is_in_the_page() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| ([a-z][^|]*?) \| .*\| largest difference \|$", text, re.MULTILINE)) == set(LIMITS)
+    names = [*({*EXPERIMENTS, *EXTRA} - {"stage"}), *STUDIES]
+    calculators = [f"calc {name}" if f"`calc {name}`" in text else name for name in CALCULATORS]
+    assert [name for name in (*names, *calculators) if f"`{name}`" not in text] == []
 
 
 def test_digits_are_those_in_which_two_numbers_agree() -> None:
