@@ -5,6 +5,7 @@ import os
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
@@ -123,6 +124,17 @@ class TestHdf5:
         with self.file(tmp_path) as file:
             file.create_dataset("x", shape=(64, 10**7), dtype="u1", chunks=True)
         assert "takes more than 4 GB of memory" in refusal(tmp_path / "a.h5")
+
+    def test_a_channel_of_a_file_of_5_gigabytes_is_read_by_itself(self, tmp_path: Path) -> None:
+        """The file is sparse: a camera of 5 GB beside two channels."""
+        with self.file(tmp_path) as file:
+            file["time"], file["x"] = np.arange(1000) * 1e-3, np.ones(1000)
+            file.create_dataset("camera", shape=(1000, 1000, 625), dtype="f8")[-1, -1, -1] = 1.0
+        if (tmp_path / "a.h5").stat().st_blocks * 512 > 10**8:
+            pytest.skip("this file system has no sparse files")
+        table = open_record_file(tmp_path / "a.h5", "a.h5")
+        found = table.columns([table.header.labels.index(label) for label in ("time", "x")])
+        assert [column.values[-1] for column in found] == [0.999, 1.0]
 
 
 def test_a_reader_that_waits_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -111,9 +111,9 @@ def _row(table: TomlTable, key: str, absent: bool = False) -> int | None:
 
 
 MOST_BYTES = 2 * 1024**3
-"""Largest record file, bytes."""
+"""Largest text file, bytes. Of a binary one, which may hold what is not read, the reader's memory is limited."""
 MEMORY = 4 * 1024**3
-"""Largest memory that the reader of a binary file takes beyond the file's size, bytes."""
+"""Largest memory that the reader of a binary file takes beyond the file's size, or twice `MOST_BYTES`, bytes."""
 MOST_COLUMNS = 10_000
 """Largest number of columns of a record file."""
 MOST_ROWS = 20_000_000
@@ -161,8 +161,8 @@ class Reader(Protocol):
         ...
 
 
-def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
-    """Refuse a path that is not a file with something in it; `suffixes` are those of record files."""
+def check_file(path: Path, name: str, suffixes: Sequence[str], is_text: bool) -> None:
+    """Refuse a path that is not a file with something in it, or a large text; `suffixes` are those of record files."""
     if is_folder(path):
         raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is required")
     try:
@@ -179,7 +179,7 @@ def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
         raise InputError(f"{shown_path(name)}: cannot be read: {reason}") from None
     if not stat.S_ISREG(found.st_mode):
         raise InputError(f"{shown_path(name)}: is not a regular file; a CSV, Parquet or MAT file is required")
-    if found.st_size > MOST_BYTES:
+    if is_text and found.st_size > MOST_BYTES:
         most = f"{MOST_BYTES / 1024**3:g} GB"
         raise InputError(f"{shown_path(name)}: is larger than {most}; split it, or keep every n-th row")
     require(start.strip(), f"{name}: the file is empty; one header row and at least two rows of numbers are required")

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MEMORY, MOST_ROWS, Column, Format, Header
+from sysid.experiment.readers.base import MEMORY, MOST_BYTES, MOST_ROWS, Column, Format, Header
 from sysid.experiment.readers.formats.arrays import damaged
 
 SECONDS = 60
@@ -103,7 +103,7 @@ def answer() -> None:
 
     module, path, name, settings, indices = json.loads(sys.argv[1])
     end_with_parent(sys.stdin.fileno())
-    _limit(MEMORY + 2 * Path(path).stat().st_size)
+    _limit(MEMORY + 2 * min(Path(path).stat().st_size, MOST_BYTES))
     try:
         head, columns = _read(module, Path(path), name, Format(**settings), indices)
     except InputError as error:

@@ -101,8 +101,8 @@ def open_record_file(path: Path | MemoryTable, name: str, settings: Format | Non
     suffix = record_suffix(path.name)
     if suffix is None and not is_folder(path):
         raise InputError(f"{shown_path(name)}: {unknown_format(path.name)}")
-    check_file(path, name, tuple(READERS))
     module = READERS.get(suffix or "", "csv")
+    check_file(path, name, tuple(READERS), module == "csv")
     reader = cast(Reader, csv) if module == "csv" else IsolatedReader(module)
     header = reader.read_header(path, name, settings)
     if len(header.labels) > MOST_COLUMNS:
