@@ -1,6 +1,7 @@
 """What reaches the routes, what the page may touch, and what its code may import."""
 
 import ast
+import os
 import re
 import socket
 from collections.abc import Iterator
@@ -16,6 +17,8 @@ from starlette.testclient import TestClient
 
 import workbench.page
 from stagecad.parameters.errors import InputError
+from workbench.cli import run
+from workbench.operations.page_token import LEAST
 from workbench.page.project import Project
 from workbench.page.security import COOKIE, Guard, allowed_hosts
 from workbench.page.server import serve
@@ -76,6 +79,19 @@ def test_a_token_is_wanted_once_and_becomes_a_cookie() -> None:
     assert "HttpOnly" in entered.headers["set-cookie"] and "samesite=strict" in entered.headers["set-cookie"].lower()
     client.cookies.set(COOKIE, TOKEN)
     assert client.get("/").status_code == 200
+
+
+def test_without_a_given_token_one_is_chosen_once_for_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    given: list[str] = []
+    monkeypatch.setattr("workbench.page.server.serve", lambda _project, _host, _port, token, *_: given.append(token))
+    for _ in range(2):
+        assert run(["workbench", "--no-browser"]) == 0
+    assert given[0] == given[1] and len(given[0]) >= LEAST
+    file = tmp_path / "stagecad" / "workbench" / "token"
+    assert file.read_text() == given[0] and (os.name == "nt" or file.parent.stat().st_mode & 0o077 == 0)
+    assert run(["workbench", "--token", "short"]) == 2
 
 
 def test_a_body_that_is_too_large_is_refused_while_it_comes() -> None:

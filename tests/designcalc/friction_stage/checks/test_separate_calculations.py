@@ -14,6 +14,7 @@ from designcalc.bearing.plate import StandingBody, SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz import peak_mises
+from designcalc.friction_stage.checks.chains import chains
 from designcalc.friction_stage.checks.contact import coating
 from designcalc.friction_stage.physics.loads import attraction, load, tip_load
 from designcalc.friction_stage.physics.pads import rail
@@ -184,8 +185,10 @@ def test_feet_with_inertia_of_their_own_have_the_modes_of_a_separate_plate_progr
     np.testing.assert_allclose(free[[2, 4, 6]], [1180, 1698, 2332], rtol=2e-3)
 
 
-def test_stroke_and_thermal_loop_of_the_tip_by_hand():
+def test_stroke_and_thermal_loop_of_the_tip_and_play_of_the_holder_by_hand():
     r = inputs()
+    low, high = next(one for one in chains(r.design) if one.name == "holder in pocket").statistical
+    assert 0.5 * (high - low) == pytest.approx(19.0e-6, rel=5e-3)
     assert usable_ellipse(r) == pytest.approx((10.453e-6, 12.021e-6), rel=1e-4)
     check = next(c for c in run_checks(r.design, r.masses) if c.name == "drift of the tip against the stage")
     assert check.value == pytest.approx((254.8 - 105.6) * 1e-9, rel=1e-3)
