@@ -37,9 +37,8 @@ def steps_figure(study: StepStudy) -> Plot:
         panel.plot(run.time, run.position[:, 0] * 1e9, color=INK[0], linewidth=0.9, label="stage")
         panel.set(xlabel="time (s)", ylabel="x (nm)")
         size = "one count" if name == "1_count" else name.replace("nm", " nm")
-        panel.set_title(
-            f"{size} ({stairs.commanded_step * 1e9:.3g} nm commanded): {stairs.mean_step * 1e9:.3g} nm a step"
-        )
+        asked, made = stairs.commanded_step * 1e9, stairs.mean_step * 1e9
+        panel.set_title(f"{size} ({asked:.3g} nm commanded): {made:.3g} nm a step")
     axes[0, 0].legend(loc="lower center")
     figure.suptitle(f"Steps with the tip at rest on the stage; springs in series transmit {study.static:.2f} of it")
     return figure
@@ -54,14 +53,8 @@ def speed_figure(study: SpeedStudy) -> Plot:
     for law, factor in LAWS.items():
         predicted = factor * study.travel * f * 1e3
         speed.plot(f, predicted, color=GREY, linewidth=0.8, linestyle="--")
-        speed.annotate(
-            LAW_TEXT[law].partition(":")[0],
-            (f[-1], predicted[-1]),
-            (5, 0),
-            textcoords="offset points",
-            va="center",
-            color=GREY,
-        )
+        name, end = LAW_TEXT[law].partition(":")[0], (f[-1], predicted[-1])
+        speed.annotate(name, end, (5, 0), textcoords="offset points", va="center", color=GREY)
         ratio.axhline(factor, color=GREY, linewidth=0.8, linestyle="--")
         ratio.annotate(LAW_TEXT[law], (1.01, factor), xycoords=("axes fraction", "data"), va="center", color=GREY)
     for ink, height in zip(INK, study.points):
@@ -176,15 +169,8 @@ def planar_figure(study: PlanarStudy) -> Plot:
     for ink, drive in zip(INK, study.runs):
         thirds = "thirds" in drive
         label = f"{study.frequencies[drive]:.0f} Hz" + (", in thirds" if thirds else ", in step")
-        errors.plot(
-            np.degrees(study.directions),
-            np.degrees(study.direction_errors(drive)),
-            color=ink,
-            markersize=4,
-            marker="x" if thirds else "o",
-            linestyle=":" if thirds else "-",
-            label=label,
-        )
+        found = np.degrees(study.directions), np.degrees(study.direction_errors(drive))
+        errors.plot(*found, "x:" if thirds else "o-", color=ink, markersize=4, label=label)
     errors.set(xlabel="commanded direction (°)", ylabel="error (°)", title="error of direction")
     errors.set_xticks(np.arange(0.0, 361.0, 60.0))
     figure.legend(loc="outside lower right", ncols=3, fontsize=7)
@@ -194,8 +180,9 @@ def planar_figure(study: PlanarStudy) -> Plot:
 
 @styled
 def positioning_figure(study: PositioningStudy) -> Plot:
-    """Moves in time, and the size of their errors."""
-    figure, axes = new_plot(2, len(study.moves), 3.9 * len(study.moves), 6.0, sharex="col", sharey="row")
+    """Moves in time and the size of their errors, and the tracked sines."""
+    columns = len(study.moves) + 1
+    figure, axes = new_plot(2, columns, 3.9 * columns, 6.0, sharex="col")
     for column, (ink, (name, move)) in enumerate(zip(cycle(INK), study.moves.items())):
         run = move.run
         axes[0, column].plot(run.time, run.position[:, 0] * 1e3, color=ink)
@@ -209,9 +196,20 @@ def positioning_figure(study: PositioningStudy) -> Plot:
             axes[1, column].annotate(
                 "fine", (move.taken_over, 2e5), xytext=(3, 0), textcoords="offset points", color=GREY, fontsize=8
             )
+    for panel, first in zip(axes[:, 1:-1].T.flat, cycle(axes[:, 0])):
+        panel.sharey(first)
+        panel.tick_params(labelleft=False)
     axes[0, 0].set_ylabel("x (mm)")
     axes[1, 0].set_ylabel("true error (nm); dashed: 10 nm")
-    figure.suptitle("Coarse run and fine settling")
+    for ink, (name, sine) in zip(INK, study.tracked.items()):
+        axes[0, -1].plot(sine.time, (sine.wanted - sine.error) * 1e9, color=ink, linewidth=0.8)
+        axes[1, -1].plot(
+            sine.time, sine.error * 1e9, color=ink, linewidth=0.8, label=f"{name}, {sine.rms * 1e9:.2g} nm rms"
+        )
+    axes[0, -1].set(ylabel="x (nm)", title="a tracked sine, by feedforward")
+    axes[1, -1].set(xlabel="time (s)", ylabel="true error (nm)")
+    figure.legend(loc="outside lower right", ncols=4, fontsize=7)
+    figure.suptitle("Coarse run, fine settling, and tracking")
     return figure
 
 

@@ -49,29 +49,9 @@ class Staircase:
     levels: np.ndarray  # position along x at the end of each hold, m, shape (2 n + 1,)
 
     @property
-    def steps(self) -> np.ndarray:
-        """Steps made, up positive, m, shape (2 n,)."""
-        return np.diff(self.levels)
-
-    @property
     def mean_step(self) -> float:
         """Mean of the steps up after the first, m."""
-        return float(np.mean(self.steps[1:STEPS_EACH_WAY]))
-
-    @property
-    def spread(self) -> float:
-        """Largest less smallest of these steps, m."""
-        return float(np.ptp(self.steps[1:STEPS_EACH_WAY]))
-
-    @property
-    def lost(self) -> float:
-        """Mean step less the first step back, m."""
-        return self.mean_step + float(self.steps[STEPS_EACH_WAY])
-
-    @property
-    def left(self) -> float:
-        """Position after as many steps down as up, m."""
-        return float(self.levels[-1] - self.levels[0])
+        return float(np.mean(np.diff(self.levels)[1:STEPS_EACH_WAY]))
 
 
 @dataclass(frozen=True)
@@ -85,10 +65,11 @@ class StepStudy:
     def features(self) -> dict[str, tuple[float, str] | None]:
         found: dict[str, tuple[float, str] | None] = {"count": (self.count, "m"), "static_ratio": (self.static, "1")}
         for name, stairs in self.staircases.items():
+            steps = np.diff(stairs.levels)
             found[f"step_{name}"] = (stairs.mean_step, "m")
-            found[f"spread_{name}"] = (stairs.spread, "m")
-            found[f"lost_{name}"] = (stairs.lost, "m")
-            found[f"left_{name}"] = (stairs.left, "m")
+            found[f"spread_{name}"] = (float(np.ptp(steps[1:STEPS_EACH_WAY])), "m")
+            found[f"lost_{name}"] = (stairs.mean_step + float(steps[STEPS_EACH_WAY]), "m")
+            found[f"left_{name}"] = (float(np.sum(steps)), "m")
         return found
 
 
@@ -103,10 +84,8 @@ def static_stiffnesses(constants: Constants, rest: Rest) -> tuple[float, float]:
     depth = (float(rest.tip_loads.sum()) / constants.contact_rate) ** (2.0 / 3.0)
     contact = constants.contact_ratio * 1.5 * constants.contact_rate * math.sqrt(depth)
     tilt = constants.piezo_stiffness * float(np.sum(constants.piezo_at[:, 0] ** 2)) / constants.tip_height**2
-    series = 1.0 / (1.0 / contact + 1.0 / tilt)
-    if constants.sway_stiffness > 0.0:
-        series = 1.0 / (1.0 / series + 1.0 / constants.sway_stiffness)
-    return series, constants.pad_bristle * float(rest.pad_loads.sum())
+    sway = 1.0 / constants.sway_stiffness if constants.sway_stiffness > 0.0 else 0.0
+    return 1.0 / (1.0 / contact + 1.0 / tilt + sway), constants.pad_bristle * float(rest.pad_loads.sum())
 
 
 def small_signal_gain(machine: StageMachine, rest: Rest) -> float:
@@ -194,6 +173,20 @@ class HeldStage:
             loop = loop * (b0 + b1 * back + b2 * back**2) / (a0 + a1 * back + a2 * back**2)
         return loop
 
+    def margins(self, rate: float, share: float, sections: np.ndarray) -> dict[str, tuple[float, str]]:
+        """Largest sensitivity |1/(1 + L)|; gain and phase that L leaves to -1 where it crosses the negative axis and
+        the unit circle, between neighbouring frequencies by their chord."""
+        loop = self.open_loop(rate, share, sections)
+        step = np.diff(loop)
+        at_axis, at_circle = loop.imag[:-1] / -step.imag, (1.0 - np.abs(loop[:-1])) / np.diff(np.abs(loop))
+        real = (loop[:-1] + at_axis * step).real[(at_axis >= 0.0) & (at_axis < 1.0)]
+        unit = (loop[:-1] + at_circle * step)[(at_circle >= 0.0) & (at_circle < 1.0)]
+        return {
+            "sensitivity": (float(np.max(1.0 / np.abs(1.0 + loop))), "1"),
+            "gain_margin": (float(-1.0 / min(real.min(initial=-1e-9), loop[-1].real)), "1"),
+            "phase_margin": (float(np.abs(np.angle(-unit)).min(initial=math.pi)), "rad"),
+        }
+
     def largest_rate(self, share: float, sections: np.ndarray) -> float:
         """Rate (1/s) at which the largest sensitivity first reaches `MARGIN`."""
         rates = np.geomspace(1.0, 1.0 / self.period, 400)
@@ -225,9 +218,9 @@ class FineController:
 
     def __init__(self, held: HeldStage, share: float, notched: bool = True) -> None:
         choices = [np.empty((0, 6)), *([held.notches()] if notched else [])]
-        self.rate, self.sections = max(
-            ((held.largest_rate(share, one), one) for one in choices), key=lambda one: one[0]
-        )
+        rates = ((held.largest_rate(share, one), one) for one in choices)
+        self.rate, self.sections = max(rates, key=lambda one: one[0])
+        self.margins = held.margins(self.rate, share, self.sections)
         self.per_error, self.total = self.rate / held.gain * held.period, 0.0
         self.state = np.zeros((len(self.sections), 2))
 
@@ -261,24 +254,37 @@ def feedforward(machine: StageMachine, rest: Rest, kind: str, wanted: np.ndarray
     """Lean (n,) to command for a wanted motion (n,), m, from rest; `kind`: one of `FEEDFORWARD`."""
     if kind == "none":
         return np.zeros_like(wanted)
-    series, pads = static_stiffnesses(make_constants(machine, rest), rest)
-    mean = machine.piezo.stroke / machine.piezo.highest_voltage
-    small = piezo_response(machine.piezo).small_signal_gain / mean
     if kind == "gain":
-        return wanted * (1.0 + pads / series) / small
+        return wanted / small_signal_gain(machine, rest)
+    series, _ = static_stiffnesses(make_constants(machine, rest), rest)
+    mean = machine.piezo.stroke / machine.piezo.highest_voltage
     limit = machine.pads.static_friction * float(rest.pad_loads.sum())
     elements = elements_along(KNOTS * machine.pads.presliding, parabola(KNOTS), limit)
     # A first row at rest leaves the elements without force.
     friction = force_along(np.append([0.0, 0.0], wanted), np.full(wanted.size + 2, limit), elements)[2:]
     lean = wanted + friction / series
     if kind == "friction":
-        return lean / small
+        return lean * mean / piezo_response(machine.piezo).small_signal_gain
     lever = float(machine.tip.piezo_places[1, 0]) / machine.tip.height
     return inverse_hysteresis(machine.piezo, lean * lever) * mean / lever
 
 
-def tracking_error(drive: TipDrive, held: HeldStage, kind: str) -> float:
-    """Rms error, m, of a sine that the held stage follows by interferometer in a quiet place."""
+@dataclass(frozen=True)
+class TrackedSine:
+    """A sine that the held stage follows."""
+
+    time: np.ndarray  # s, (n,)
+    wanted: np.ndarray  # m, (n,)
+    error: np.ndarray  # m, (n,)
+
+    @property
+    def rms(self) -> float:
+        """Rms error of the second half, m."""
+        return float(np.sqrt(np.mean(self.error[self.time.size // 2 :] ** 2)))
+
+
+def tracked_sine(drive: TipDrive, held: HeldStage, kind: str) -> TrackedSine:
+    """A sine that the held stage follows by interferometer in a quiet place, with a feedforward of `FEEDFORWARD`."""
     machine, actuation = drive.machine, Actuation(drive, STEP)
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     time = held.period * np.arange(1, round(TRACKED_PERIODS / TRACKED_FREQUENCY / held.period) + 1)
@@ -290,4 +296,4 @@ def tracking_error(drive: TipDrive, held: HeldStage, kind: str) -> float:
         simulation.advance(actuation.commands(0.0, 0.0, 0.0, ahead[k] + lean), actuation.steps)
         errors[k] = wanted[k] - simulation.travel
         lean = controller.lean(wanted[k] - sensor.read(simulation.travel))
-    return float(np.sqrt(np.mean(errors[time.size // 2 :] ** 2)))
+    return TrackedSine(time, wanted, errors)

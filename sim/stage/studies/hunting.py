@@ -31,11 +31,6 @@ class HoldingLoop:
     integral: float  # 1/(m s). For `lean` the output is in metres: 1 and 1/s, with the held stage
     target: float = 20e-6  # m
 
-    @property
-    def output_unit(self) -> str:
-        """Unit of the output of the loop."""
-        return "m" if self.moves == "lean" else "1"
-
 
 HOLDS = {
     "ellipse_no_integral": HoldingLoop("whole ellipse, no integral action", "ellipse", 2e4, 0.0),

@@ -28,8 +28,9 @@ from sim.stage.studies.fine_motion import (
     LOAD_SHARE,
     FineController,
     HeldStage,
+    TrackedSine,
     held_stage,
-    tracking_error,
+    tracked_sine,
 )
 
 TARGET = 0.5e-3
@@ -80,7 +81,7 @@ class Positioning:
     target: float  # m
     taken_over: float | None  # when the fine loop took over, s; None when the coarse run did not come near in time
     by_floor: np.ndarray  # motion of the held stage by the floor, m, shape (n,)
-    rate: float  # of the fine controller, 1/s
+    controller: FineController
 
     @property
     def error(self) -> np.ndarray:
@@ -104,7 +105,8 @@ class Positioning:
         settled, mean_settled = self.within(SETTLED), self.within(MEAN_SETTLED, MEAN_TIME)
         return {
             f"{prefix}_taken_over": None if self.taken_over is None else (self.taken_over, "s"),
-            f"{prefix}_rate": (self.rate, "1/s"),
+            f"{prefix}_rate": (self.controller.rate, "1/s"),
+            **{f"{prefix}_{name}": margin for name, margin in self.controller.margins.items()},
             f"{prefix}_within_10nm": None if settled is None else (settled, "s"),
             f"{prefix}_mean_within_1nm": None if mean_settled is None else (mean_settled, "s"),
             f"{prefix}_error_mean": (float(self.error[last].mean()), "m"),
@@ -120,7 +122,7 @@ class PositioningStudy:
     moves: dict[str, Positioning] = field(repr=False)
     sensor_noise: float
     hand_over_gap: float
-    tracked: dict[str, float]  # rms error of a sine by the feedforward of the lean, m
+    tracked: dict[str, TrackedSine]  # by the feedforward of the lean
     held: HeldStage
 
     def features(self) -> dict[str, tuple[float, str] | None]:
@@ -132,7 +134,7 @@ class PositioningStudy:
         }
         for name, move in self.moves.items():
             found |= move.features(name)
-        found |= {f"tracking_{name}_error_rms": (error, "m") for name, error in self.tracked.items()}
+        found |= {f"tracking_{name}_error_rms": (sine.rms, "m") for name, sine in self.tracked.items()}
         return found
 
 
@@ -215,14 +217,14 @@ def move_to(drive: TipDrive, loop: Loop, held: HeldStage | None = None) -> Posit
     controller = FineController(held, move.fine.share, loop.notched)
     move.settle(controller)
     run = move.simulation.record()
-    return Positioning(run, TARGET, taken_over, move.disturbances.floor(run.time), controller.rate)
+    return Positioning(run, TARGET, taken_over, move.disturbances.floor(run.time), controller)
 
 
 def positioning_study(drive: TipDrive, run_all: RunAll) -> PositioningStudy:
     """Moves of half a millimetre with each set of sensors and control, and a tracked sine by each feedforward."""
     held = held_stage(drive)
     found = run_all(partial(move_to, drive, held=held), list(LOOPS.values()))
-    tracked = run_all(partial(tracking_error, drive, held), FEEDFORWARD)
+    tracked = run_all(partial(tracked_sine, drive, held), FEEDFORWARD)
     sensors = drive.machine.sensors
     noise = sensors.probe_noise * math.sqrt(sensors.filter_frequency / sensors.probe_bandwidth)
     gap = (sensors.lvdt_linearity_error + sensors.lvdt_count) / (0.5 * sensors.filtered_range)

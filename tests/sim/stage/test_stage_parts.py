@@ -40,7 +40,7 @@ from sim.stage.studies.fine_motion import (
     converter_count,
     held_stage,
     inverse_hysteresis,
-    tracking_error,
+    tracked_sine,
 )
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
@@ -269,6 +269,11 @@ def test_the_largest_rate_of_a_stage_without_dynamics_is_that_of_the_closed_form
     stiff = HeldStage(PERIOD, 0.02, FREQUENCY, np.ones(FREQUENCY.size, complex))
     assert stiff.largest_rate(1.0, stiff.notches()) * PERIOD == pytest.approx(2.0 * (1.0 - 1.0 / MARGIN), rel=0.03)
     assert not stiff.notches().size
+    # |L| = w T/(2 sin(a/2)) with the phase -(pi + a)/2, a = 2 pi f T: L = -w T/2 at half the sampling rate.
+    found = {name: value for name, (value, _) in stiff.margins(500.0, 1.0, stiff.notches()).items()}
+    assert found["sensitivity"] == pytest.approx(1.0 / (1.0 - 0.05), rel=1e-3)
+    assert found["gain_margin"] == pytest.approx(20.0, rel=1e-3)
+    assert found["phase_margin"] == pytest.approx(0.5 * math.pi - math.asin(0.05), rel=1e-3)
 
 
 def test_notches_allow_a_larger_rate_and_remove_the_resonance():
@@ -308,7 +313,7 @@ def test_each_part_of_the_feedforward_lowers_the_tracking_error():
     machine = replace(machine, tip=replace(machine.tip, sway_stiffness=5e5, sway_damping=5.0))
     drive = TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0)
     held = held_stage(drive)
-    errors = [tracking_error(drive, held, kind) for kind in FEEDFORWARD]
+    errors = [tracked_sine(drive, held, kind).rms for kind in FEEDFORWARD]
     assert errors == sorted(errors, reverse=True) and errors[-1] < machine.sensors.interferometer_count
 
 

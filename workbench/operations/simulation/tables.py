@@ -219,18 +219,23 @@ def _planar(study: Any) -> dict[str, Columns]:
 
 
 def _positioning(study: Any) -> dict[str, Columns]:
-    return {
+    found = {
         f"stage_positioning_{name}": motion_columns(move.run) | {"error [m]": _thinned(move.error)}
         for name, move in study.moves.items()
     }
+    for name, sine in study.tracked.items():
+        columns = found.setdefault("stage_positioning_tracking", {"time [s]": sine.time, "wanted [m]": sine.wanted})
+        columns[f"error_{name} [m]"] = sine.error
+    return found
 
 
 def _hunting(study: Any) -> dict[str, Columns]:
     from sim.stage.studies.hunting import HOLDS
 
+    units = {name: "m" if hold.moves == "lean" else "1" for name, hold in HOLDS.items()}
     return {
         f"stage_hunting_{name}": motion_columns(held.run)
-        | {"error [m]": _thinned(held.error), f"output [{HOLDS[name].output_unit}]": _thinned(held.output)}
+        | {"error [m]": _thinned(held.error), f"output [{units[name]}]": _thinned(held.output)}
         for name, held in study.holds.items()
     }
 
