@@ -290,6 +290,7 @@ class FeatureControlFrame:
     characteristic: Symbol
     tolerance: str
     datums: tuple[str, ...] = ()
+    count: int = 1  # of the faces for which it holds, beside the frame
 
 
 @dataclass(frozen=True)
@@ -350,8 +351,9 @@ class SectionMark:
     # start, end: of the cutting line, paper; a little outside the part
     start: Point2
     end: Point2
-    sight: Point2  # unit vector in the direction of sight
+    sight: Point2  # unit vector in the direction of sight at the start
     letter: str  # of the section
+    corners: tuple[Point2, ...] = ()  # of the line between its ends, paper
 
 
 @dataclass(frozen=True)

@@ -257,8 +257,13 @@ def _feature_control_frame(f: FeatureControlFrame, view: View) -> Iterator[Primi
     at = view.to_paper(f.at)
     widths = [symbol_width(f.characteristic) + TEXT_HEIGHT, symbol_text_width(f.tolerance) + TEXT_HEIGHT]
     widths += [max(BOX, symbol_text_width(letter) + TEXT_HEIGHT) for letter in f.datums]
-    x = f.elbow[0] if f.elbow[0] >= at[0] - 1e-6 else f.elbow[0] - sum(widths)
+    rightward = f.elbow[0] >= at[0] - 1e-6
+    x = f.elbow[0] if rightward else f.elbow[0] - sum(widths)
     low = f.elbow[1] - BOX / 2
+    if f.count > 1:
+        # On the side away from the leader.
+        away = symbol_text_width(f"{f.count}x") / 2 + GAP
+        yield from _centred_line(f"{f.count}x", (x + sum(widths) + away if rightward else x - away, low + BOX / 2))
     if math.dist(at, f.elbow) > 2 * ARROW:
         yield _arrow(at, _unit(f.elbow, at))
     if at != f.elbow:
@@ -320,10 +325,19 @@ def _reference_arrow(m: ReferenceArrow) -> Iterator[Primitive]:
 
 
 def _section(m: SectionMark) -> Iterator[Primitive]:
-    along = _unit(m.start, m.end)
-    for point, inward in ((m.start, along), (m.end, _opposite(along))):
-        tip = _offset(point, m.sight, STEM)
+    path = (m.start, *m.corners, m.end)
+    first, last = _unit(*path[:2]), _unit(*path[-2:])
+    # The plane at the end of an aligned section is turned against that at its start.
+    cosine, sine = first[0] * last[0] + first[1] * last[1], first[0] * last[1] - first[1] * last[0]
+    turned = (cosine * m.sight[0] - sine * m.sight[1], sine * m.sight[0] + cosine * m.sight[1])
+    at_end = turned if len(m.corners) == 1 and cosine > 1e-6 else m.sight
+    for point, inward, sight in ((m.start, first, m.sight), (m.end, _opposite(last), at_end)):
+        tip = _offset(point, sight, STEM)
         yield Stroke((point, _offset(point, inward, THICK_END)), "SECTION", THICK)
         yield Stroke((point, tip))
-        yield _arrow(tip, m.sight, ARROW * 1.3)
-        yield _centred(m.letter, _offset(_offset(point, m.sight, STEM / 2), inward, -4.5), LARGE_HEIGHT)
+        yield _arrow(tip, sight, ARROW * 1.3)
+        yield _centred(m.letter, _offset(_offset(point, sight, STEM / 2), inward, -4.5), LARGE_HEIGHT)
+    for before, corner, after in zip(path, path[1:], path[2:], strict=False):
+        for end in (before, after):
+            reach = min(THICK_END, math.dist(corner, end) / 2)
+            yield Stroke((corner, _offset(corner, _unit(corner, end), reach)), "SECTION", THICK)

@@ -436,6 +436,7 @@ class _Builder:
                     requirement.datums,
                     diameter=self._diameter(requirement) if text.startswith(DIAMETER) else 0.0,
                     at=at,
+                    count=len(requirement.points) if requirement.combined else 1,
                 )
             case SurfaceTexture():
                 lines = (roughness_text(requirement),)

@@ -83,6 +83,7 @@ class FrameSpec:
     # that dimension line; else 0
     diameter: float = 0.0
     at: float = 0.5  # part of the line at which its leader is best
+    count: int = 1  # of the faces for which a control frame holds together
 
 
 @dataclass(frozen=True)

@@ -286,12 +286,8 @@ def frame_candidates(spec: FrameSpec, view: View, *, extended: bool = False) -> 
             if spec.letter:
                 yield cost, DatumSymbol(spec.view, on, place, spec.letter)
                 continue
-            assert spec.characteristic is not None
             for shift in shifts:
-                frame = FeatureControlFrame(
-                    spec.view, on, plus(place, along, shift), spec.characteristic, spec.tolerance, spec.datums
-                )
-                yield cost + FRAME_SHIFT_COST * abs(shift), frame
+                yield cost + FRAME_SHIFT_COST * abs(shift), _frame(spec, on, plus(place, along, shift))
 
 
 def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> Iterator[Candidate]:
@@ -319,9 +315,12 @@ def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> I
 def _in_line(spec: FrameSpec, view: View, foot: Point2, end: Point2) -> DatumSymbol | FeatureControlFrame:
     """A datum symbol or control frame with its leader from one point on the paper to another."""
     at = view_point(foot, view)
-    if spec.characteristic is None:
-        return DatumSymbol(spec.view, at, end, spec.letter)
-    return FeatureControlFrame(spec.view, at, end, spec.characteristic, spec.tolerance, spec.datums)
+    return _frame(spec, at, end) if spec.characteristic else DatumSymbol(spec.view, at, end, spec.letter)
+
+
+def _frame(spec: FrameSpec, at: Point2, end: Point2) -> FeatureControlFrame:
+    assert spec.characteristic is not None
+    return FeatureControlFrame(spec.view, at, end, spec.characteristic, spec.tolerance, spec.datums, spec.count)
 
 
 def detail_mark_candidates(mark: DetailMark, view: View) -> Iterator[Candidate]:
@@ -343,11 +342,11 @@ def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
 
 def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:
     """Positions of a cutting line with each end at several distances from the part."""
-    length = math.dist(mark.start, mark.end)
-    u = ((mark.end[0] - mark.start[0]) / length, (mark.end[1] - mark.start[1]) / length)
+    first, last = (mark.corners or (mark.end,))[0], (mark.corners or (mark.start,))[-1]
     for i in range(16):
         for j in range(16):
-            start, end = (plus(mark.start, u, -CUTTING_LINE_STEP * i), plus(mark.end, u, CUTTING_LINE_STEP * j))
+            ways = ((first, mark.start, i), (last, mark.end, j))
+            start, end = (between(a, b, 1.0 + CUTTING_LINE_STEP * step / math.dist(a, b)) for a, b, step in ways)
             yield CUTTING_LINE_STEP * (i + j), replace(mark, start=start, end=end)
 
 

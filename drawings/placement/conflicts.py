@@ -368,7 +368,8 @@ def translated(annotation: Annotation, by: Point2) -> Annotation:
         case HoleTag():
             return replace(annotation, middle=to(annotation.middle))
         case SectionMark():
-            return replace(annotation, start=to(annotation.start), end=to(annotation.end))
+            corners = tuple(map(to, annotation.corners))
+            return replace(annotation, start=to(annotation.start), end=to(annotation.end), corners=corners)
         case ReferenceArrow():
             return replace(annotation, tip=to(annotation.tip))
         case DetailMark():

@@ -135,15 +135,28 @@ def _detail_mark(parent: View, detail: View) -> DetailMark:
 
 
 def _section_mark(parent: View, section: View) -> SectionMark:
-    assert section.cut is not None
+    """The cutting line along the path of a section, its ends outside the outline of the parent."""
+    cut = section.cut
+    assert cut is not None
     x0, y0, x1, y1 = view_outline(parent)
-    normal = parent.projection.to_view(section.cut.normal)
-    u, v = parent.projection.to_view(section.cut.point)
-    at = (u * parent.scale, v * parent.scale)
+    normal = parent.projection.to_view(cut.normal)
     along = (normal[1], -normal[0]) if abs(normal[1]) > abs(normal[0]) else (-normal[1], normal[0])
-    reach = [(x - at[0]) * along[0] + (y - at[1]) * along[1] for x in (x0, x1) for y in (y0, y1)]
-    start, end = ((at[0] + r * along[0], at[1] + r * along[1]) for r in (min(reach) - OUTSIDE, max(reach) + OUTSIDE))
-    return SectionMark(parent.name, start, end, (-normal[0], -normal[1]), section.cut.letter)
+    if not cut.more and cut.kind == "offset":
+        u, v = parent.projection.to_view(cut.point)
+        path = [(u, v), (u + along[0], v + along[1])]
+    else:
+        path = [parent.projection.to_view(point) for point in cut.path]
+    path = [(u * parent.scale, v * parent.scale) for u, v in path]
+
+    def outside(before: Point2, point: Point2) -> Point2:
+        """The end of a leg beyond the outline."""
+        size = math.dist(before, point)
+        u, v = (point[0] - before[0]) / size, (point[1] - before[1]) / size
+        reach = max((x - before[0]) * u + (y - before[1]) * v for x in (x0, x1) for y in (y0, y1)) + OUTSIDE
+        return (before[0] + reach * u, before[1] + reach * v)
+
+    start, end = outside(path[1], path[0]), outside(path[-2], path[-1])
+    return SectionMark(parent.name, start, end, (-normal[0], -normal[1]), cut.letter, tuple(path[1:-1]))
 
 
 def _parent(view: View, views: Sequence[View]) -> View | None:

@@ -8,6 +8,7 @@ move = [{dimension = "length", by = ["10 mm", "-5 mm"]}]          # on the paper
 note = [{text = "Engrave the serial number here.", at = ["40 mm", "60 mm"]}, {text = "Pack in foil."}]
 view = [{projection = "left"}]
 section = [{letter = "B", projection = "right", at = ["20 mm", "0 mm", "0 mm"]}]      # through a point of the part
+# offset, through several points: at = [[...], [...]]; kind = "half": beyond the point; kind = "aligned": through two
 detail = [{letter = "Z", projection = "top", at = ["75 mm", "100 mm", "12 mm"], radius = "8 mm", scale = "2:1"}]
 ```
 
@@ -15,6 +16,7 @@ What no longer applies (a dimension that is not on the sheet any more, a letter 
 """
 
 import json
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,10 +27,11 @@ from drawings.annotations.annotation import Annotation, Callout, Note
 from drawings.annotations.annotation import MeasuredDimension as Measured
 from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
-from drawings.views.view import PROJECTIONS, Cut, Point2
+from drawings.views.view import PROJECTIONS, Cut, Point2, dot
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
+from stagecad.solids.modelling.frame import scaled, subtract
 
 FILE = "sheets.toml"
 KEYS = {
@@ -38,10 +41,10 @@ KEYS = {
     "note": ("text", "at"),
     "view": ("projection",),
     "detail": ("letter", "projection", "at", "radius", "scale"),
-    "section": ("letter", "projection", "at"),
+    "section": ("letter", "projection", "at", "kind"),
 }
 """Keys of a sheet, and of the tables in their lists."""
-OPTIONAL = ("at",)
+OPTIONAL = {"note": ("at",), "section": ("kind",)}
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,7 @@ def _tables(changes: Mapping[str, Any], key: str, place: str) -> list[dict[str, 
         for name in one:
             if name not in KEYS[key]:
                 raise InputError(f"{place}: {key} has no '{name}'{nearest(name, list(KEYS[key]))}")
-        optional = OPTIONAL if key == "note" else ()
+        optional = OPTIONAL.get(key, ())
         for name in KEYS[key]:
             if name not in one and name not in optional:
                 raise InputError(f"{place}: {key} without '{name}'")
@@ -163,9 +166,21 @@ def _detail(table: Mapping[str, Any], place: str) -> ViewPlan:
 
 
 def _section(table: Mapping[str, Any], place: str) -> ViewPlan:
-    """A section through a point, seen as a view from outside is."""
+    """A section through a point or along several, seen as a view from outside is."""
     letter, projection = str(table["letter"]), _projection(table["projection"], place)
-    cut = Cut(_point(table["at"], 3, place), PROJECTIONS[projection].towards_eye, letter)
+    several = isinstance(table["at"], list) and all(isinstance(one, list) for one in table["at"])
+    first, *more = (_point(one, 3, place) for one in (table["at"] if several else [table["at"]]))
+    kind, view = table.get("kind", "offset"), PROJECTIONS[projection]
+    if kind not in ("offset", "half", "aligned") or len(more) not in {"half": (0,), "aligned": (1,)}.get(
+        kind, range(9)
+    ):
+        raise InputError(f"{place}: {kind} is a kind of section through points: offset, half (one), aligned (two)")
+    # The plane changes along the direction of the paper in which its points are further apart.
+    last = more[-1] if more else (first[0] + view.right[0], first[1] + view.right[1], first[2] + view.right[2])
+    apart = [dot(subtract(last, first), way) for way in (view.right, view.up)]
+    number = 0 if abs(apart[0]) >= abs(apart[1]) else 1
+    way = scaled((view.right, view.up)[number], math.copysign(1.0, apart[number]))
+    cut = Cut(first, view.towards_eye, letter, tuple(more), kind, way)
     return ViewPlan(f"section {letter}-{letter}", projection, "front", cut=cut)
 
 

@@ -20,7 +20,7 @@ from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.views.centre_lines import axes_of, centre_lines, centre_mark
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
-from drawings.views.section import cut_faces, cut_shape, hatch
+from drawings.views.section import cut_faces, cut_shape, hatch, without_changes
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
@@ -86,6 +86,8 @@ def _callout(group: HoleGroup) -> Iterator[str]:
 WIDEST_MOUTH = 1.4
 """Greatest diameter of the chamfer at the mouth of a thread, in major diameters."""
 
+MARK = 1.0
+"""Radius around the centre of an arc that its centre mark covers, mm."""
 MOST_REVISIONS = 8
 """Most rows of the revision table."""
 
@@ -129,6 +131,19 @@ def _slanting_mouths(dimensions: Sequence[Dimension], verifier: DimensionVerifie
     return found
 
 
+def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[tuple[Point, Point, float]]:
+    """Centres of arcs of less than half a turn at which distances end, the axis, and a radius for the mark."""
+    return [
+        (point, s.axis, min(s.radius, MARK))
+        for d in dimensions
+        if d.kind in ("linear", "pitch") and d.direction
+        for point in d.points
+        for s in verifier.surfaces
+        if s.kind == "CYLINDER" and s.span < math.pi - 1e-6 and s.off_axis(point) < 1e-3
+        if abs(dot(s.axis, d.direction)) < 1e-6 and not s.holds(point)
+    ]
+
+
 def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -> float:
     """Radius of the conical chamfer of a tapped hole; 0 without one. A larger cone is that of something else."""
     level, found = dot(mouth, into), 0.0
@@ -169,6 +184,7 @@ def part_views(
         if plan.cut:
             left = cut_shape(shape, plan.cut)
             curves = project(left, projection, hidden=False, exact=exact)
+            curves["VISIBLE"] = without_changes(curves["VISIBLE"], plan.cut, projection)
             curves["HATCH"] = hatch(cut_faces(left, plan.cut), projection, scale)
             label = f"{plan.cut.letter}-{plan.cut.letter}"
         else:
@@ -249,7 +265,7 @@ def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, 
     plans = tuple(plan for plan, _ in changed)
     holes = threaded_holes(part.dimensions, verifier)
     circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
-    mouths = _slanting_mouths(part.dimensions, verifier)
+    mouths = [*_slanting_mouths(part.dimensions, verifier), *_centres(part.dimensions, verifier)]
     views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, mouths, exact=exact)
     sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(

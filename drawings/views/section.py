@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drawings.views.line_cleaning import Span, joined, without
-from drawings.views.view import Cut, Point2, Projection, Segment
-from stagecad.solids.modelling.frame import Box, near
+from drawings.views.view import Curve, Cut, Point2, Projection, Segment
+from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -27,29 +28,67 @@ _CHORD = 0.02
 
 
 def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
-    """The part of a shape behind a cutting plane."""
+    """The part of a shape behind a cutting plane, or behind several (ISO 128-3); of an aligned section the part beyond
+    the change is turned into the first plane."""
     from OCP.Bnd import Bnd_Box
+    from OCP.BRep import BRep_Builder
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
     from OCP.BRepBndLib import BRepBndLib
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
-    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+    from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS_Compound
 
     box = Bnd_Box()
     BRepBndLib.Add_s(shape, box)
     size = 2.0 * math.sqrt(box.SquareExtent()) + 1.0
-    frame = gp_Ax2(gp_Pnt(*cut.point), gp_Dir(*cut.normal))
-    along, across = frame.XDirection(), frame.YDirection()
     x0, y0, z0, x1, y1, z1 = box.Get()
     middle = ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
-    # The air is centred on the shape, which may be far from the point that gives the plane.
-    height = sum(n * (m - p) for n, m, p in zip(cut.normal, middle, cut.point, strict=True))
-    centre = (m - height * n for m, n in zip(middle, cut.normal, strict=True))
-    corner = [c - size / 2 * (a + b) for c, a, b in zip(centre, _numbers(along), _numbers(across), strict=True)]
-    air = BRepPrimAPI_MakeBox(gp_Ax2(gp_Pnt(*corner), gp_Dir(*cut.normal), along), size, size, size).Shape()
-    result = BRepAlgoAPI_Cut(shape, air)
-    if not result.IsDone() or not any(True for _ in cut_faces(result.Shape(), cut)):
+    way = cut.way if cut.more or cut.kind == "half" else _numbers(gp_Ax2(gp_Pnt(), gp_Dir(*cut.normal)).XDirection())
+    across = cross(cut.normal, way)
+
+    def without(shape: TopoDS_Shape, height: float, low: float, high: float, deep: float = 0.0) -> TopoDS_Shape:
+        """A shape without what is in front of a plane, from one coordinate along the way to another."""
+        # The air is centred on the shape, which may be far from the point that gives the plane.
+        foot = add(
+            scaled(cut.normal, height - deep), add(scaled(way, low), scaled(across, dot(middle, across) - size / 2))
+        )
+        frame = gp_Ax2(gp_Pnt(*foot), gp_Dir(*cut.normal), gp_Dir(*way))
+        air = BRepPrimAPI_MakeBox(frame, high - low, size, size + deep).Shape()
+        return BRepAlgoAPI_Cut(shape, air).Shape()
+
+    begin, end, result = dot(middle, way) - size / 2, dot(middle, way) + size / 2, shape
+    heights = [dot(point, cut.normal) for point in (cut.point, *cut.more)]
+    if cut.kind == "aligned":
+        (step,) = (subtract(point, cut.point) for point in cut.more)
+        turn = gp_Trsf()
+        angle = math.atan2(dot(step, cut.normal), dot(step, way))
+        turn.SetRotation(gp_Ax1(gp_Pnt(*cut.point), gp_Dir(*across)), angle)
+        result, builder, (change,) = TopoDS_Compound(), BRep_Builder(), cut.changes
+        builder.MakeCompound(result)
+        for one, low, high in ((shape, change, end), (shape.Moved(TopLoc_Location(turn)), begin, change)):
+            behind = without(without(one, heights[0], begin, end), heights[0], low, high, size)
+            builder.Add(result, behind)
+    else:
+        ends = (cut.changes[0], end) if cut.kind == "half" else (begin, *cut.changes, end)
+        for height, (low, high) in zip(heights, pairwise(ends), strict=True):
+            result = without(result, height, low, high)
+    if not any(True for _ in cut_faces(result, cut)):
         raise ValueError(f"section {cut.letter}-{cut.letter}: the plane does not cut the part")
-    return result.Shape()
+    return result
+
+
+def without_changes(curves: Iterable[Curve], cut: Cut, projection: Projection) -> tuple[Curve, ...]:
+    """Lines of a section without those at which its plane changes, which are no edges of the part."""
+    u, v = projection.to_view(cut.way)
+    changes = cut.changes if cut.more or cut.kind == "half" else ()
+
+    def at_change(curve: Curve) -> bool:
+        return isinstance(curve, Segment) and any(
+            all(abs(a * u + b * v - change) < 1e-3 for a, b in (curve.start, curve.end)) for change in changes
+        )
+
+    return tuple(curve for curve in curves if not at_change(curve))
 
 
 def _numbers(direction: Any) -> tuple[float, float, float]:
@@ -91,7 +130,8 @@ def hatch(
     of a screw in its hole (ISO 6410-1)."""
     loops: list[list[Point2]] = []
     for face in faces:
-        loops.extend(_loops(face, projection))
+        # The kernel leaves wires without edges where a plane touches a round face.
+        loops.extend(loop for loop in _loops(face, projection) if loop)
     return hatch_lines(loops, pitch / scale, -HATCH_ANGLE if falling else HATCH_ANGLE, covers)
 
 

@@ -8,9 +8,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import pairwise
 from typing import Literal
 
 from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.frame import add, scaled, subtract
 from stagecad.solids.modelling.frame import dot as dot
 
 Point2 = tuple[float, float]
@@ -112,15 +114,46 @@ def auxiliary(normal: Point) -> str:
 
 @dataclass(frozen=True)
 class Cut:
-    """The cutting plane of a section; the material on the side of the eye is removed."""
+    """The cutting plane of a section, or its planes; the material on the side of the eye is removed.
+
+    `offset`: parallel planes through the points, one after the other along `way`, which change half-way between them.
+    `half`: only beyond the point. `aligned`: beyond the point the plane through the second one, turned into the first.
+    """
 
     point: Point  # of the plane, part coordinates
     normal: Point  # unit vector towards the eye
     letter: str  # of the name of the section, `A-A`
+    more: tuple[Point, ...] = ()  # points of the other planes
+    kind: Literal["offset", "half", "aligned"] = "offset"
+    way: Point = (0.0, 0.0, 0.0)  # unit vector in the plane, across which it changes
 
     def holds(self, point: Point, near: float = 1e-6) -> bool:
-        """Whether a point is in the plane."""
-        return abs(sum(n * (a - b) for n, a, b in zip(self.normal, point, self.point))) < near
+        """Whether a point is in a plane that is parallel to the paper."""
+        planes = (self.point, *(self.more if self.kind == "offset" else ()))
+        return any(abs(sum(n * (a - b) for n, a, b in zip(self.normal, point, at))) < near for at in planes)
+
+    @property
+    def changes(self) -> tuple[float, ...]:
+        """Coordinates along `way` at which the plane changes."""
+        at = [dot(point, self.way) for point in (self.point, *self.more)]
+        if self.kind == "offset":
+            return tuple((one + other) / 2 for one, other in pairwise(at))
+        return (at[0],)
+
+    @property
+    def path(self) -> tuple[Point, ...]:
+        """Corners of the cutting line, from a point of its first to one of its last leg."""
+        points = (self.point, *self.more)
+        if self.kind == "half":
+            return (add(self.point, self.normal), self.point, add(self.point, self.way))
+        if self.kind == "aligned":
+            return (subtract(self.point, self.way), *points)
+        steps = [
+            add(point, scaled(self.way, change - dot(point, self.way)))
+            for change, pair in zip(self.changes, pairwise(points), strict=True)
+            for point in pair
+        ]
+        return (points[0], *steps, points[-1])
 
 
 @dataclass(frozen=True)

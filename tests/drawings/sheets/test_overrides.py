@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import LinearDimension, Text
+from drawings.annotations.annotation import LinearDimension, SectionMark, Text
 from drawings.annotations.annotation_geometry import text_box
 from drawings.sheets.frame import PAPERS, drawing_space, frame, title_box, title_primitives
 from drawings.sheets.overrides import read_overrides
@@ -53,6 +53,17 @@ def test_changes_are_applied_whatever_the_parameters(length: str, tmp_path: Path
     without = magnet(tmp_path, CHANGES.replace('["7 mm", "-3 mm"]', '["0 mm", "0 mm"]'), f"magnet.length={length}")
     here, there = dimension(sheet, "length").line_at, dimension(without, "length").line_at
     assert (here[0] - there[0], here[1] - there[1]) == pytest.approx((7.0, -3.0), abs=1e-6)
+
+
+def test_sections_along_several_planes_are_stated(tmp_path: Path) -> None:
+    places = '[["0 mm", "0 mm", "0 mm"], ["8 mm", "0 mm", "1 mm"]]'
+    text = f'[magnet]\nsection = [{{letter = "K", projection = "front", at = {places}}}, '
+    text += '{letter = "L", projection = "front", at = ["0 mm", "0 mm", "0 mm"], kind = "half"}]'
+    sheet = magnet(tmp_path, text)
+    offset, half = (sheet.view(f"section {letter}-{letter}").cut for letter in "KL")
+    assert offset and offset.changes == pytest.approx((4.0,)) and half and half.kind == "half"
+    marks = {mark.letter: mark for mark in sheet.annotations if isinstance(mark, SectionMark)}
+    assert len(marks["K"].corners) == 2 and len(marks["L"].corners) == 1
 
 
 def test_what_no_longer_applies_is_reported_and_the_rest_done(tmp_path: Path) -> None:

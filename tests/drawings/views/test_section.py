@@ -8,7 +8,7 @@ import pytest
 
 from drawings.pictures.picture import meshed
 from drawings.views.detail import clipped
-from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines, in_plane
+from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines, in_plane, without_changes
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment
 
 FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
@@ -40,6 +40,31 @@ def test_a_part_far_from_the_point_of_the_plane_is_cut_too() -> None:
 def test_a_plane_that_misses_is_an_error() -> None:
     with pytest.raises(ValueError, match="does not cut"):
         cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
+
+
+def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
+    """A plate with two holes: planes through both, a quarter taken out, and the second hole turned into the plane."""
+    plate = cq.Workplane().box(80, 60, 10).faces(">Z").workplane().pushPoints([(-20, -10), (20, 20)]).hole(8).val()
+    assert isinstance(plate, cq.Shape)
+    whole, (first, second), along = 80.0 * 60 * 10, ((-20.0, -10.0, 0.0), (20.0, 20.0, 0.0)), (1.0, 0.0, 0.0)
+    offset = Cut(first, FRONT.normal, "A", (second,), way=along)
+    left = cq.Shape.cast(cut_shape(plate.wrapped, offset))
+    assert offset.changes == (0.0,) and offset.path == (first, (0.0, -10.0, 0.0), (0.0, 20.0, 0.0), second)
+    assert left.Volume() == pytest.approx((40 * 40 + 40 * 10 - math.pi * 16) * 10.0)
+    loops = sum(cq.Shape.cast(face).Area() for face in cut_faces(left.wrapped, offset))
+    assert loops == pytest.approx(2 * 32 * 10)
+    lines = [Segment((0.0, -5.0), (0.0, 5.0)), Segment((16.0, -5.0), (16.0, 5.0))]
+    assert without_changes(lines, offset, PROJECTIONS["front"]) == (lines[1],)
+    half = Cut((0.0, 0.0, 0.0), FRONT.normal, "B", kind="half", way=along)
+    quarter = cq.Shape.cast(cut_shape(plate.wrapped, half)).Volume()
+    assert quarter == pytest.approx(plate.Volume() - whole / 4)
+    aligned = Cut((0.0, 0.0, 0.0), FRONT.normal, "C", (second,), kind="aligned", way=along)
+    turned = cut_shape(plate.wrapped, aligned)
+    walls = [cq.Shape.cast(face).BoundingBox() for face in cut_faces(turned, aligned)]
+    edges = sorted(round(x, 3) for wall in walls for x in (wall.xmin, wall.xmax))
+    # At the right the diagonal as far as the side of the plate, the hole at its distance from the middle.
+    apart = math.hypot(20.0, 20.0)
+    assert edges == pytest.approx([-40.0, 0.0, 0.0, apart - 4, apart + 4, math.hypot(30.0, 30.0)], abs=1e-3)
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.2])
