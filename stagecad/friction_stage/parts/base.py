@@ -266,7 +266,7 @@ def notes(design: Design) -> tuple[str, ...]:
         "Hole table: X and Y theoretically exact, from the axis of pocket 1, X to the right.",
         "Flatness of the face filtered by a Gaussian filter of 0.8 mm cut-off (ISO 12781-2).",
         "Cut clamp slots after the pockets, and finish the pockets last.",
-        "Depths of holes, pockets and channels from the face they start in.",
+        "Depths from the face in which a feature starts; of reamed holes full depth, the drill up to 3 mm deeper.",
     )
 
 
@@ -443,6 +443,8 @@ def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     axes = (pockets, Z, "top")
     f.tolerance("perpendicularity", "pocket", "drawing.tolerance_x_xx", *axes, datums=("A",), **common)
     f.tolerance("position", "pocket", "drawing.function_position", *axes, datums=("A", "B", "C"), **common)
+    walls = tuple((px - base.pocket_diameter / 2, py, pz) for px, py, pz in pockets)
+    f.texture("pocket", "drawing.fit_roughness", walls, X, "top", feature="pocket")
     guide = (-base.pin_1_bore_end / 2, 0.0, -base.pin_1_axis_depth)
     wall = (guide[0], 0.0, guide[2] - base.pin_1_bore / 2)
     thread = ((base.set_screw_thread_start + base.set_screw_thread_end) / 2, 0.0, -base.pin_1_axis_depth)

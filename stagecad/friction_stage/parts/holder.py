@@ -184,6 +184,8 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     bores = tuple((x, y, (h.height + h.floor) / 2) for x, y in Derived(design).piezo_places)
     f.datum("A", (axis,), Z, "front", round=True)
     f.tolerance("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
+    side = ((-h.diameter / 2, 0.0, h.height / 2),)
+    f.texture("diameter", "drawing.fit_roughness", side, (-1.0, 0.0, 0.0), "front")
     f.tolerance(
         "perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True
     )

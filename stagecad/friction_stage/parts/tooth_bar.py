@@ -49,7 +49,10 @@ if TYPE_CHECKING:
 
 SYMMETRIC = "xy"
 
-NOTES = ("Symmetric about both centre planes: a group of teeth on either side of the channel. Two off, alike.",)
+NOTES = (
+    "Symmetric about both centre planes: a group of teeth on either side of the channel. Two off, alike.",
+    "Anneal in vacuum or hydrogen; dimensions after annealing: leave datum A and teeth to grind. Oil against rust.",
+)
 
 
 def pole_offset(design: Design) -> float:

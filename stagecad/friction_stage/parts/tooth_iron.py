@@ -33,7 +33,10 @@ if TYPE_CHECKING:
 
 SYMMETRIC = "xy"
 
-NOTES = ("Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",)
+NOTES = (
+    "Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",
+    "Anneal in vacuum or hydrogen; dimensions after annealing: leave datum A and teeth to grind. Oil against rust.",
+)
 
 
 def tooth_centres(design: Design) -> list[float]:
