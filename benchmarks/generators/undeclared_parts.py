@@ -536,6 +536,78 @@ def index_disc() -> W:
     return body
 
 
+def heat_sink() -> W:
+    """Equal slots in a row, in the middle of a plate."""
+    body = W("XY").box(60, 80, 30, (True, True, False))
+    for number in range(7):
+        body = body.cut(W("XY").box(4, 80, 24, (True, True, False)).translate((7 * number - 21, 0, 6)))
+    return body.cut(W("XY").rect(40, 60, forConstruction=True).vertices().circle(1.65).extrude(5))
+
+
+def rack() -> W:
+    """Equal teeth in a row, with slanting flanks."""
+    tooth = [(0.5, 10), (2.14, 14.5), (4.14, 14.5), (5.78, 10)]
+    teeth = [(6.283 * number + x, z) for number in range(8) for x, z in tooth]
+    body = W("XZ").polyline([(0, 10), *teeth, (50.264, 10), (50.264, 0), (0, 0)]).close().extrude(12)
+    return body.cut(W("XZ").pushPoints([(10, 5), (40, 5)]).circle(2.2).extrude(12))
+
+
+def kinematic_plate() -> W:
+    """Three grooves towards the axis, and holes between them."""
+    body = W("XY").circle(40).extrude(10).cut(W("XY").circle(8).extrude(10))
+    groove = W("YZ").polyline([(0, 6), (4, 10), (-4, 10)]).close().extrude(16).translate((22, 0, 0))
+    for number in range(3):
+        body = body.cut(groove.rotate((0, 0, 0), (0, 0, 1), 120 * number))
+    return body.cut(W("XY").polarArray(30, 60, 360, 3).circle(2.25).extrude(10))
+
+
+def three_flats() -> W:
+    body = W("XY").circle(30).extrude(20)
+    flat = W("XY").box(10, 60, 8, (False, True, False)).translate((27, 0, 12))
+    for number in range(3):
+        body = body.cut(flat.rotate((0, 0, 0), (0, 0, 1), 120 * number))
+    return body
+
+
+def hexagon_bolt() -> W:
+    return W("YZ").polygon(6, 17 / math.cos(math.pi / 6)).extrude(7).faces(">X").workplane().circle(5).extrude(35)
+
+
+def dovetail_table() -> W:
+    """A dovetail between two slots of the form of a T."""
+    body = W("XY").box(100, 70, 35, (True, True, False))
+    body = body.cut(W("XZ").polyline([(-18, 35), (-24, 25), (24, 25), (18, 35)]).close().extrude(40, both=True))
+    slot = W("XZ").polyline([(34, 35), (34, 28), (30, 28), (30, 23), (44, 23), (44, 28), (40, 28), (40, 35)]).close()
+    slot = slot.extrude(40, both=True)
+    return body.cut(slot).cut(slot.mirror("YZ"))
+
+
+def clamp_collar() -> W:
+    """A slit, and a screw across it whose counterbore begins in the round outside."""
+    body = W("XY").circle(25).extrude(15).cut(W("XY").circle(10).extrude(15))
+    body = body.cut(W("XY").box(40, 2, 15, (False, True, False)))
+    body = body.cut(W("XZ").center(17.5, 7.5).circle(2.75).extrude(30))
+    body = body.cut(W("XZ").center(17.5, 7.5).circle(2.25).extrude(-30))
+    return body.cut(W("XZ").workplane(offset=8).center(17.5, 7.5).circle(5).extrude(30))
+
+
+def two_keys() -> W:
+    """A shaft with two keyways and two grooves for circlips."""
+    body = W("YZ").circle(10).extrude(40).faces(">X").workplane().circle(15).extrude(50)
+    body = body.faces(">X").workplane().circle(12.5).extrude(40)
+    for at, radius in ((36.5, 10), (93, 12.5)):
+        body = body.cut(W("YZ").workplane(offset=at).circle(radius + 1).circle(radius - 0.6).extrude(1.3))
+    body = body.cut(W("XY").workplane(offset=6.5).center(17, 0).slot2D(22, 6).extrude(10))
+    return body.cut(W("XY").workplane(offset=8.5).center(112, 0).slot2D(25, 8).extrude(10))
+
+
+def spigot_flange() -> W:
+    """Two dowel holes at 45 degrees."""
+    body = W("XY").circle(50).extrude(12).faces(">Z").workplane().circle(30).extrude(4).faces(">Z").workplane().hole(40)
+    body = body.cut(W("XY").polarArray(41, 22.5, 360, 8).circle(4.5).extrude(12))
+    return body.cut(W("XY").polarArray(35.5, 45, 360, 2).circle(2.5).extrude(12))
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -549,5 +621,7 @@ PARTS: dict[str, Callable[[], W]] = {
         two_way_block, angled_holes, ledged_housing, ball_socket, unified_stud, wedge_block, crossed_pin,
         seat_housing, nozzle, sprayer, ball_stem, curved_slots, hollow_block, sealed_flange, finned_base,
         fine_plate, tapered_lever, gusseted_angle, seal_cover, hexagon_adapter, flanged_bush, index_disc,
+        heat_sink, rack, kinematic_plate, three_flats, hexagon_bolt, dovetail_table, clamp_collar, two_keys,
+        spigot_flange,
     )
 }  # fmt: skip

@@ -146,7 +146,8 @@ def _miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *,
             elif alike and d.note.startswith("through") and len(*ends) < 2:
                 yield f"'{d.name}' goes through by its note, the hole of the solid does not"
             continue
-        number = len([*sections_of(s for s in verifier.surfaces if s.is_round(found[0].radius))])
+        like = (s for s in verifier.surfaces if s.is_round(found[0].radius) and s.outward == found[0].outward)
+        number = len([*sections_of(like)])
         if number < d.count:
             yield f"'{d.name}' is given for {d.count} features, the solid has {number} of this diameter"
 

@@ -7,6 +7,8 @@ null space. Where the middle plane of the axis is a plane of symmetry, a level a
 
 import math
 from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -23,18 +25,29 @@ REPEATS = 12
 """Most features in a row that are reached from a located one."""
 
 
+@dataclass(frozen=True)
+class AlongAxis:
+    """What a solid says of points and levels along one axis."""
+
+    axis: Point  # unit vector, part coordinates
+    # identifies the plane face, by a number, or the axis of a round face, at a point of a dimension
+    feature_at: Callable[[Point], Hashable]
+    rounds: Sequence[Surface]  # cylinders of the part
+    equal: Callable[[Dimension], list[tuple[float, float]]] | None  # levels of all features that a dimension is for
+    meets: Callable[[float], bool]  # whether a plane and a round face with its axis at a level meet
+    datum: bool = True  # whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part
+
+
 class Levels:
     """Coordinates of faces and axes along one axis, and the dimensions between them.
 
     Args:
-        axis: unit vector, part coordinates.
+        solid: the part along the axis.
         dimensions: of the part.
         symmetric: whether the middle plane of the axis is a plane of symmetry.
-        feature_at: identifies the plane face, by a number, or the axis of a round face, at a point of a dimension.
-        datum: whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part.
         halved: dimensions whose middle is an axis, as the width of a slot.
-        rounds: cylinders of the part.
-        strict: whether with a datum no other level is a reference, and a row of equal features ends where it is said.
+        strict: whether with a datum no other level is a reference, a row of equal features ends where it is said, and a
+            face and an axis at one level by chance have a dimension each.
 
     Attributes:
         superfluous: names of dimensions between faces that other dimensions tie together already.
@@ -42,22 +55,22 @@ class Levels:
 
     def __init__(
         self,
-        axis: Point,
+        solid: AlongAxis,
         dimensions: Sequence[Dimension],
         symmetric: bool,
-        feature_at: Callable[[Point], Hashable],
-        *,
-        datum: bool = True,
         halved: Sequence[Dimension] = (),
-        rounds: Sequence[Surface] = (),
+        *,
         strict: bool = False,
     ) -> None:
-        self._datum, self._strict, self._strict_rows = datum, strict and datum, strict
+        self._solid, self._datum, self._strict, self._own_kinds = solid, solid.datum, strict and solid.datum, strict
+        axis, feature_at, equal = solid.axis, solid.feature_at, solid.equal
         own = [d for d in dimensions if _is_along(d, axis)]
         self._symmetric = symmetric
         self._levels: list[float] = []
+        self._of_face: list[bool | None] = []  # whether it is that of a plane face; None for of any feature
         self._private: set[int] = set()
         self._names: dict[int, str] = {}
+        self._alike: list[tuple[Any, Any, str]] = []  # levels with their kinds, both ways
         self._at_middle = ""  # dimension that ends on a plane face at the level 0
         rows: list[dict[int, float]] = []
         for d in own:
@@ -66,48 +79,69 @@ class Levels:
                 # The end of a drilled hole is at no level of another face, even if it is at the same height.
                 drilled = place == 1 and d.kind == "depth" and bool(d.feature)
                 private = drilled and (strict or not isinstance(feature_at(point), int))
-                number, side = self._unknown(dot(point, axis), private=private)
-                row[number] = row.get(number, 0.0) + sign * side
-                self._names.setdefault(number, d.name)
+                self._add(row, *self._end(point), sign, d.name, private=private)
                 if abs(dot(point, axis)) < NEAR and not private and isinstance(feature_at(point), int):
                     self._at_middle = d.name
             rows.append(row)
-        rows += self._outlines(own, rounds, axis)
-        for d in halved:
-            if _is_along(d, axis):
-                low, high = (dot(point, axis) for point in d.points[:2])
-                row = {}
-                for level, factor in ((low, 1.0), (high, 1.0), ((low + high) / 2, -2.0)):
-                    number, side = self._unknown(level, private=False)
-                    row[number] = row.get(number, 0.0) + factor * side
-                    self._names.setdefault(number, d.name)
-                rows.append(row)
+        rows += self._outlines(own)
+        for d in (d for d in halved if _is_along(d, axis)):
+            ends = [self._end(point) for point in d.points[:2]]
+            level = (ends[0][0] + ends[1][0]) / 2
+            rows.append({})
+            for end, factor in ((ends[0], 1.0), (ends[1], 1.0), ((level, self._kind(level, False)), -2.0)):
+                self._add(rows[-1], *end, factor, d.name)
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
-        rows += self._equal_features([d.value for d in several if d.kind != "pitch"])
+        rows += self._tied(several) if equal else self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)
-        rows_of_equal = [d for d in several if d.kind == "pitch"] if self._strict_rows else []
+        rows_of_equal = [d for d in several if d.kind == "pitch"] if strict else []
         self._in_row = [
-            (low + number * (high - low) / d.count, d.name)
+            (low + number * (high - low) / d.count, self._end(d.points[0])[1], d.name)
             for d in rows_of_equal
             for low, high in [(dot(d.points[0], axis), dot(d.points[1], axis))]
             for number in range(d.count + 1)
             if self._direct(low) and self._direct(high)
         ]
-        several = [d for d in several if d not in rows_of_equal]
+        several = [] if equal else [d for d in several if d not in rows_of_equal]
         self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
         # Others may repeat what follows: for reference, of a hole table, depths of holes, derived of packaged parts.
         repeats = [d for d in own if d.reference or d.table or d.kind == "depth" or (d.derived_from and not strict)]
-        first = [d for d in own if d not in repeats]
-        self.superfluous = _closing(first, feature_at)
+        self.superfluous = _closing([d for d in own if d not in repeats], feature_at)
 
-    def located_by(self, level: float, *, face: bool = False) -> str:
-        """Name of what locates a level; empty where nothing does, as for a plane face at a middle by chance."""
+    def _kind(self, level: float, face: bool) -> bool | None:
+        return None if not self._own_kinds or self._solid.meets(level) else face
+
+    def _end(self, point: Point) -> tuple[float, bool | None]:
+        """Level of a point of a dimension, and whether it is that of a plane face; None where this is not said."""
+        level, feature = dot(point, self._solid.axis), self._solid.feature_at(point)
+        face = isinstance(feature, int)
+        said = face or (isinstance(feature, tuple) and feature[0] == "axis")
+        return level, self._kind(level, face) if said else None
+
+    def _add(
+        self,
+        row: dict[int, float],
+        level: float,
+        face: bool | None,
+        sign: float,
+        name: str,
+        *,
+        private: bool = False,
+    ) -> None:
+        """Enter a level in the equation of a dimension."""
+        number, side = self._unknown(level, face, private=private)
+        row[number] = row.get(number, 0.0) + sign * side
+        self._names.setdefault(number, name)
+
+    def located_by(self, level: float, *, face: bool | None = None) -> str:
+        """Name of what locates a level, of a plane face or an axis if this is said; empty where nothing does, as for a
+        plane face at a middle by chance."""
         if abs(level) < NEAR and self._datum:
             return self._at_middle if face and self._strict else "middle, axis or datum plane"
-        if name := self._direct(level):
+        if name := self._direct(level, face) or self._repeated(level, face):
             return name
-        for known, name in self._in_row:
-            if abs(known - level) < NEAR:
+        for (here, own), (there, other), name in self._alike:
+            known = self._direct(there, other) or self._repeated(there, other)
+            if abs(here - level) < NEAR and _fits(own, face) and (known or (abs(there) < NEAR and self._datum)):
                 return f"{name}, repeated"
         for step, name, most in self._steps:
             # A feature of the given width about a located middle, and features in a row.
@@ -123,42 +157,57 @@ class Levels:
         ends = [known for number, known in enumerate(self._levels) if number in self._located]
         return bool(self.located_by(level)) or any(abs(known - side) < NEAR for known in ends)
 
-    def _direct(self, level: float) -> str:
-        for number, known in enumerate(self._levels):
-            if (
-                number in self._located - self._private
-                and abs(known - (abs(level) if self._symmetric else level)) < NEAR
-            ):
+    def _direct(self, level: float, face: bool | None = None) -> str:
+        at = abs(level) if self._symmetric else level
+        for number in sorted(self._located - self._private):
+            if abs(self._levels[number] - at) < NEAR and _fits(self._of_face[number], face):
                 return self._names[number]
         return ""
 
-    def _unknown(self, level: float, *, private: bool) -> tuple[int, float]:
+    def _repeated(self, level: float, face: bool | None) -> str:
+        rows = (name for at, own, name in self._in_row if abs(at - level) < NEAR and _fits(own, face))
+        return next((f"{name}, repeated" for name in rows), "")
+
+    def _unknown(self, level: float, face: bool | None = None, *, private: bool = False) -> tuple[int, float]:
         """Number of the unknown of a level, and the sign of the level in it; a private one is no other's."""
         side = -1.0 if self._symmetric and level < 0.0 else 1.0
         for number, known in enumerate(self._levels):
-            if not private and number not in self._private and abs(known - side * level) < NEAR:
+            own = not private and number not in self._private and _fits(self._of_face[number], face)
+            if own and abs(known - side * level) < NEAR:
                 return number, side
+        self._of_face.append(face)
         self._levels.append(side * level)
         if private:
             self._private.add(len(self._levels) - 1)
         return len(self._levels) - 1, side
 
-    def _outlines(self, own: Sequence[Dimension], rounds: Sequence[Surface], axis: Point) -> list[dict[int, float]]:
+    def _outlines(self, own: Sequence[Dimension]) -> list[dict[int, float]]:
         """The equations of round faces at whose outline, a radius off the axis, a distance ends: of a whole one however
         long this is, else on the face."""
         rows: list[dict[int, float]] = []
-        for surface in (s for s in rounds if abs(dot(s.axis, axis)) < SQUARE):
+        axis = self._solid.axis
+        for surface in (s for s in self._solid.rounds if abs(dot(s.axis, axis)) < SQUARE):
             centre = dot(surface.origin, axis)
             for d, end in [(one, end) for one in own for end in one.points]:
-                off = (abs(dot(end, axis) - centre), surface.off_axis(end))
-                near = max(abs(one - surface.radius) for one in off) < NEAR
-                if near and (surface.span > WHOLE or surface.holds(end)):
-                    row: dict[int, float] = {}
-                    for level, sign in ((dot(end, axis), 1.0), (centre, -1.0)):
-                        number, mirrored = self._unknown(level, private=False)
-                        row[number] = row.get(number, 0.0) + sign * mirrored
-                        self._names.setdefault(number, d.name)
-                    rows.append(row)
+                near = abs(abs(dot(end, axis) - centre) - surface.radius) < NEAR
+                on = near and abs(surface.off_axis(end) - surface.radius) < NEAR
+                if on and (surface.span > WHOLE or surface.holds(end)):
+                    rows.append({})
+                    self._add(rows[-1], *self._end(end), 1.0, d.name)
+                    self._add(rows[-1], centre, self._kind(centre, False), -1.0, d.name)
+        return rows
+
+    def _tied(self, several: Sequence[Dimension]) -> list[dict[int, float]]:
+        """Equations of levels between which equal features are."""
+        rows: list[dict[int, float]] = []
+        for d in (d for d in several if d.kind != "pitch" and self._solid.equal):
+            kinds = [kind for _, kind in sorted(map(self._end, d.points), key=lambda end: end[0])]
+            for levels in self._solid.equal(d) if self._solid.equal else ():
+                low, high = zip(levels, kinds, strict=True)
+                self._alike += [(low, high, d.name), (high, low, d.name)]
+                rows.append({})
+                self._add(rows[-1], *low, -1.0, d.name)
+                self._add(rows[-1], *high, 1.0, d.name)
         return rows
 
     def _equal_features(self, sizes: Sequence[float]) -> list[dict[int, float]]:
@@ -199,6 +248,11 @@ class Levels:
             found = set(np.flatnonzero(np.abs(along).max(axis=1, initial=0.0) < 1e-6).tolist())
             best = max(best, found, key=len)
         return best
+
+
+def _fits(kind: bool | None, asked: bool | None) -> bool:
+    """Whether a kind of level is the one asked for, if one is."""
+    return kind is None or asked is None or kind == asked
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
@@ -284,22 +338,20 @@ def is_chamfer(surface: Surface, surfaces: Sequence[Surface]) -> bool:
     legs = [surface.high[n] - surface.low[n] for n in across]
     if surface.kind != "PLANE" or len(across) != 2 or abs(legs[0] - legs[1]) > NEAR or legs[0] > LARGEST_CHAMFER * size:
         return False
-    own = outward_normal(surface)
+    own = surface.normal
     points = [edge.positionAt(0.5).toTuple() for edge in surface.face.Edges()]  # pyright: ignore[reportAttributeAccessIssue]
     beside = [s for s in surfaces if s is not surface and s.kind == "PLANE" and any(map(s.holds, points))]
-    return all(any(outward_normal(s)[n] * own[n] > 0.7 for s in beside) for n in across)
-
-
-def outward_normal(surface: Surface) -> Point:
-    """Normal of a plane face out of the material."""
-    sign = math.copysign(1.0, dot(surface.face.normalAt(surface.face.Center()).toTuple(), surface.axis))
-    x, y, z = (round(sign * a, 15) + 0.0 for a in surface.axis)
-    return (x, y, z)
+    return all(any(s.normal[n] * own[n] > 0.7 for s in beside) for n in across)
 
 
 def corners(surface: Surface) -> list[Point]:
     """Corners of the outline of a plane face, without those of holes in it."""
     return [vertex.toTuple() for vertex in surface.face.outerWire().Vertices()]
+
+
+def touch(one: Surface, other: Surface, but: int = -1) -> bool:
+    """Whether the boxes of two faces meet, along all axes but one."""
+    return all(one.low[n] - NEAR <= other.high[n] and other.low[n] - NEAR <= one.high[n] for n in range(3) if n != but)
 
 
 def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]:

@@ -6,11 +6,12 @@ ends of a slot; other parts of cylinders are fillets. Millimetres, part coordina
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.dimensions.levels import NEAR, SQUARE, WHOLE, along_of, is_chamfer
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, WHOLE, along_of, is_chamfer
 from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
@@ -203,7 +204,10 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
         # The cone of a drill becomes narrower than the hole.
         narrow = cone is not None and min(map(cone.off_axis, cone.vertices)) < sections[-end].radius - NEAR
         chain.is_open.append(not verifier.is_inside(moved(on_axis, axis, far + side * 0.02)) and not narrow)
-        chain.is_free.append(not any(verifier.is_inside(moved(on_axis, axis, level + side * by)) for by in reach))
+        # Beyond a slit the hole may go on with another diameter.
+        across = next(unit for unit in AXES.values() if abs(dot(unit, axis)) < 0.9)
+        beside = moved(on_axis, cross(axis, across), 0.9 * sections[-end].radius / math.hypot(*cross(axis, across)))
+        chain.is_free.append(not any(verifier.is_inside(moved(beside, axis, level + side * by)) for by in reach))
     upward = chain.is_free[1] if chain.is_free[0] != chain.is_free[1] else is_usual(axis)
     wider = sections[-1].radius - sections[0].radius
     turn = chain.is_open[1] and (not chain.is_open[0] or wider > NEAR or (wider > -NEAR and upward))
@@ -323,22 +327,38 @@ class Level:
     of: frozenset[str] = frozenset()
 
 
-def row_of_equal_steps(rows: list[Level]) -> list[Level]:
-    """The longest row of three or more equally spaced levels of equal features."""
-    found: list[Level] = []
+def rows_of_equal_steps(rows: list[Level]) -> list[list[Level]]:
+    """Rows of three or more equally spaced levels of equal features, the longest first."""
+    found: list[list[Level]] = []
     for feature in sorted({one for row in rows for one in row.of}):
-        equal = [row for row in rows if feature in row.of]
+        equal = [row for row in rows if feature in row.of and not feature.endswith((" around", "concave"))]
         steps = [b.at - a.at for a, b in pairwise(equal)]
-        if len(equal) > max(2, len(found)) and max(steps) - min(steps) < NEAR:
-            found = equal
+        if len(equal) > 2 and max(steps) - min(steps) < NEAR and equal not in found:
+            found.append(equal)
+    return sorted(found, key=lambda row: -len(row))
+
+
+def rows_of_equal_faces(surfaces: Sequence[Surface]) -> dict[tuple[str, int], frozenset[str]]:
+    """Names of rows of three or more plane faces that differ by their places along an axis only, by the name of the
+    axis and the identity of the face."""
+    found: dict[tuple[str, int], frozenset[str]] = defaultdict(frozenset)
+    for number, name in enumerate(AXES):
+        groups: dict[tuple[float, ...], list[Surface]] = defaultdict(list)
+        for s in surfaces:
+            if s.kind == "PLANE" and abs(s.axis[number]) > SQUARE:
+                across = [value for n in range(3) if n != number for value in (s.low[n], s.high[n])]
+                key = (*s.normal, *across, s.high[number] - s.low[number])
+                groups[tuple(round(value, 2) + 0.0 for value in key)].append(s)
+        for count, group in enumerate(group for group in groups.values() if len(group) > 2):
+            found.update({(name, id(s)): frozenset((f"row {count}",)) for s in group})
     return found
 
 
 def centre_of_circle(group: Sequence[Hole], shafts: Iterable[Section]) -> Point | None:
     """Centre of the circle on which equal holes are equally spaced, about the axis of another round feature."""
-    if len(group) < 3:
-        return None
     count = len(group)
+    if count < 2:
+        return None
     centre: Point = tuple(sum(hole.mouth[n] for hole in group) / count for n in range(3))  # type: ignore[assignment]
     radii = [math.dist(hole.mouth, centre) for hole in group]
     if max(radii) - min(radii) > NEAR:
@@ -348,7 +368,10 @@ def centre_of_circle(group: Sequence[Hole], shafts: Iterable[Section]) -> Point 
     if max(abs(a - b) for a, b in zip(gaps, expected, strict=True)) > NEAR:
         return None
     corners = {tuple(round(hole.mouth[n] - centre[n], 2) for n in range(3)) for hole in group}
-    square = count == 4 and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
+    # Two on an axis of the part are dimensioned by their distance.
+    if count == 2 and sum(abs(a - b) > NEAR for a, b in zip(group[0].mouth, group[1].mouth, strict=True)) < 2:
+        return None
+    square = count in (2, 4) and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
     axis_key = group[0].faces[0].axis_key
     # Corners of a rectangle are dimensioned as such, except within a round outline.
     around = any(

@@ -211,10 +211,10 @@ def _turning_axis(surfaces: list[Surface]) -> tuple[str, float, float, tuple[flo
         return None
     low, high = _box(surfaces)
     number = "xyz".index(name)
-    sizes = [high[n] - low[n] for n in range(3) if n != number]
-    middles = [(high[n] + low[n]) / 2 - largest.origin[n] for n in range(3) if n != number]
     balls = [s.radius for s in surfaces if s.kind == "SPHERE" and largest.off_axis(s.origin) < 0.01]
     radius = max(largest.radius, *balls, 0.0)
-    if max(abs(size - 2 * radius) for size in sizes) > 0.01 or math.hypot(*middles) > 0.01:
+    # A slit or flat may have removed the outline at one side.
+    sides = [abs(side[n] - largest.origin[n]) for side in (low, high) for n in range(3) if n != number]
+    if max(sides) > radius + 0.01 or sum(abs(side - radius) < 0.01 for side in sides) < 3:
         return None
     return name, high[number] - low[number], 2 * radius, largest.origin

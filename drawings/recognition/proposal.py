@@ -8,62 +8,58 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet, is_mirrored, outward_normal
+from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet
+from drawings.recognition.distances import Distances
 from drawings.recognition.features import (
     AXIS,
-    FACE,
     MOUTH,
-    Features,
     Hole,
     Level,
     centre_of_circle,
-    features_of,
     middle_of_face,
-    row_of_equal_steps,
     tap_drill_of,
 )
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, rings_around
 from drawings.recognition.visible import (
-    PREFERRED,
     VIEW_OF,
-    VisibleLines,
-    at_level,
-    extremes,
     negative,
     on_outline,
     positive,
     proposed_datums,
     tidy,
-    views_along,
 )
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
-from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.frame import cross
+from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
-
-ANOTHER_VIEW = 25.0
-"""Cost of each less usual view, mm."""
 
 
 def propose(verifier: DimensionVerifier) -> Proposal:
     """Dimensions of a solid."""
     builder = _Builder(verifier)
+    builder.hexagons()
+    builder.equal_features()
     builder.holes()
     builder.slots()
     builder.round_features()
     builder.chamfers()
+    builder.angles()
     builder.levels()
     found = builder.proposed
     symmetric = centred_axes(verifier)
 
+    made: dict[str, tuple[Proposed, Dimension]] = {}
+
     def problems(proposed: Sequence[Proposed]) -> tuple[str, ...]:
-        dimensions = [as_dimension(one) for one in proposed]
+        for one in proposed:
+            if one.name not in made or made[one.name][0] is not one:
+                made[one.name] = (one, as_dimension(one))
+        dimensions = [made[one.name][1] for one in proposed]
         notes = Notes(symmetric, packaged=False)
         return definition(verifier, dimensions, (), notes).problems
 
@@ -71,7 +67,7 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     questions = tuple(builder.questions)
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
-    datums = tuple(proposed_datums(verifier, builder.features, views, diameters, builder.lines))
+    datums = tuple(proposed_datums(verifier, builder.features, views, diameters, builder.lines, builder.walls))
     views = builder.with_inside(views, found)
     found = builder.in_section(found) if "front section" in views else found
     return Proposal(tuple(found), questions, problems(found), views, datums)
@@ -89,37 +85,8 @@ def _without_superfluous(
     return proposed
 
 
-class _Builder:
+class _Builder(Distances):
     """Collects proposals, and questions of threads."""
-
-    def __init__(self, verifier: DimensionVerifier) -> None:
-        self.verifier = verifier
-        self.features: Features = features_of(verifier)
-        self.centred = centred_axes(verifier)
-        self.proposed: list[Proposed] = []
-        self.questions: list[str] = []
-        self._levels: dict[str, list[Level]] = defaultdict(list)
-        self._spans: dict[str, tuple[str, Level, Level]] = {}
-        self.lines = VisibleLines(verifier)
-        self._low, self._high = verifier.box
-
-    def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
-        """Add a proposal under a name and key of its own."""
-        used = {one.name for one in self.proposed}
-        number = 2
-        unique = name
-        while unique in used:
-            unique, number = f"{name} {number}", number + 1
-        key = unique.replace(" ", "_").replace("-", "_")
-        one = Proposed(method, unique, key, round(value, 9), arguments, fields, order)
-        try:
-            # Points of faces that should be one differ by the accuracy of the file.
-            measured = self.verifier.measure(as_dimension(one))
-        except LookupError:
-            return
-        if measured is not None and abs(measured - value) > NEAR:
-            return
-        self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
 
     # Holes
 
@@ -162,14 +129,14 @@ class _Builder:
 
     def _face_of(self, hole: Hole) -> Surface | None:
         """The slanting face to which a hole is square."""
-        faces = (s for s in self.features.slanted if Cut(s.origin, outward_normal(s), "").holds(hole.mouth, NEAR))
+        faces = (s for s in self.features.slanted if Cut(s.origin, s.normal, "").holds(hole.mouth, NEAR))
         return next((face for face in faces if abs(dot(face.axis, hole.into)) > 1 - 1e-6), None)
 
     def _on_face(self, name: str, group: Sequence[Hole]) -> None:
         """Distances of holes in a slanting face from its lowest corner, or of pairs about a middle plane."""
         face = self._face_of(group[0])
         assert face is not None
-        view = projection_of(auxiliary(outward_normal(face)))
+        view = projection_of(auxiliary(face.normal))
         for way in (view.right, view.up):
             corner = min(corners(face), key=lambda one: dot(one, way))
             levels = {round(dot(hole.mouth, way), 3): hole.mouth for hole in group}
@@ -259,28 +226,37 @@ class _Builder:
         along = tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
         view = self._view_of(hole)
         self.add("pitch_circle", name, 2 * radius, tidy(middle), tidy(at), len(group), along, view=view)
+        step, across = 180.0 / len(group), [unit for unit in AXES.values() if abs(dot(unit, along)) < 1e-6]
+        angles = [math.degrees(math.acos(dot(subtract(at, middle), unit) / radius)) for unit in across]
+        if min(min(angle % step, step - angle % step) for angle in angles) > 1e-3:
+            # Not mirror images about an axis of the part: the least angle from one.
+            ends = [(unit, moved(one.mouth, hole.into, hole.steps[-1][1] * 0.5)) for unit in across for one in group]
+            start, end = max(ends, key=lambda one: round(dot(one[0], subtract(one[1], middle)), 6))
+            angle = math.degrees(math.acos(dot(subtract(end, middle), start) / radius))
+            self.add("angle", f"{name} angle", angle, tidy(middle), tidy(end), start, view=view)
 
     # Slots, shafts, fillets, chamfers
 
     def slots(self) -> None:
         """Widths of slots, and the levels of the axes of their ends."""
         groups: dict[tuple[object, ...], list[tuple[Point, Point, str]]] = defaultdict(list)
-        for slot in self.features.slots:
+        counts: dict[tuple[object, ...], int] = {}
+        for slot in (slot for slot in self.features.slots if id(slot.ends[0]) not in self.images):
             (first, second), axis = slot.centres, slot.axis
             run = tuple(b - a for a, b in zip(first, second, strict=True))
             size = math.hypot(*run)
             across = positive(cross(axis, tuple(r / size for r in run)))  # type: ignore[arg-type]
             middle: Point = tuple((a + b) / 2 for a, b in zip(first, second, strict=True))  # type: ignore[assignment]
             view = self.lines.open_view(axis, middle)
-            groups[(round(slot.radius, 4), across, view, round(dot(middle, tidy(axis)), 3))].append(
-                (middle, across, view)
-            )
+            key = (round(slot.radius, 4), across, view, round(dot(middle, tidy(axis)), 3))
+            groups[key].append((middle, across, view))
+            counts[key] = max(len(groups[key]), self.around.get(id(slot.ends[0]), 1))
             for centre in slot.centres:
                 self._add_levels(axis, tidy(centre), view)
         for number, (key, group) in enumerate(groups.items(), start=1):
             (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
             ends = [tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
-            count = {"count": len(group)} if len(group) > 1 else {}
+            count = {"count": counts[key]} if counts[key] > 1 else {}
             self.add("linear", f"slot {number} width", 2 * radius, *ends, across, view=view, **count)
 
     def round_features(self) -> None:
@@ -316,7 +292,7 @@ class _Builder:
             key = (face.kind == "SPHERE", round(face.radius, 4))
             rounds[key].append(face)
         for face in self.features.fillets:
-            if face.kind == "CYLINDER" and not is_fillet(face, self.verifier.surfaces):
+            if face.kind == "CYLINDER" and id(face) not in self.images and not is_fillet(face, self.verifier.surfaces):
                 foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
                 self._add_levels(face.axis, tidy(foot), self.lines.open_view(face.axis, middle_of_face(face)))
         for number, faces in enumerate(rounds.values(), start=1):
@@ -337,18 +313,6 @@ class _Builder:
                 **count,
                 **note,
             )
-
-    def _side_view(self, axis: Point, radius: float, at: Point) -> str:
-        """View that shows both outlines of a round feature from the side, else the one along its axis."""
-        for view in ("front", "right", "top", "back", "left", "bottom"):
-            eye = PROJECTIONS[view].towards_eye
-            if abs(dot(eye, axis)) < 1e-6:
-                across = cross(eye, axis)
-                if all(self.lines.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
-                    return view
-        # In a groove of an end face it is seen from the side of the groove.
-        beside = next((moved(at, unit, radius + 2e-3) for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6), at)
-        return self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
 
     def chamfers(self) -> None:
         """Legs of chamfers, equal ones together."""
@@ -372,226 +336,3 @@ class _Builder:
             free = next(u for u in AXES.values() if abs(dot(face.axis, u)) < 0.1)
             return self.lines.open_view(free, middle_of_face(face))
         return next(v for v in ("front", "right", "top") if abs(dot(PROJECTIONS[v].towards_eye, along)) < 1e-6)
-
-    # Levels
-
-    def levels(self) -> None:
-        """Distances that give the levels of planes, axes and corners along each axis of the part."""
-        for surface in self.verifier.surfaces:
-            name = along_of(surface.axis) if surface.kind == "PLANE" else None
-            if name is not None:
-                at = dot(surface.origin, AXES[name])
-                points = (*surface.vertices, *extremes(surface))
-                self._levels[name].append(Level(at, points or (tidy(middle_of_face(surface)),)))
-        for surface in self.features.spheres:
-            for name, unit in AXES.items():
-                out = next(axis for axis in AXES.values() if axis != unit)
-                point = tidy(moved(surface.origin, out, surface.radius))
-                self._levels[name].append(Level(dot(surface.origin, unit), (point,)))
-        for surface in self.features.slanted:
-            for name, unit in AXES.items():
-                if abs(dot(surface.axis, unit)) > 1e-6:
-                    for vertex in corners(surface):
-                        self._levels[name].append(Level(dot(vertex, unit), (vertex,)))
-        self._cone_ends()
-        for number, name in enumerate(AXES):
-            self._axis_levels(name, self._low[number], self._high[number])
-
-    def _cone_ends(self) -> None:
-        """Levels of the ends of cones, and their diameters where no cylinder has them."""
-        known = [s for s in self.verifier.surfaces if s.kind == "CYLINDER"]
-        done: set[tuple[float, ...]] = set()
-        for cone in self.features.cones:
-            name = along_of(cone.axis)
-            if name is None:
-                continue
-            for vertex in cone.vertices:
-                radius, at = cone.off_axis(vertex), dot(vertex, AXES[name])
-                key = (*cone.axis_key, round(at, 2), round(radius, 2))
-                if radius < NEAR or key in done:
-                    continue
-                done.add(key)
-                self._levels[name].append(Level(at, (vertex,)))
-                if not any(abs(one.radius - radius) < NEAR and one.is_coaxial(cone) for one in known):
-                    foot = tidy(moved(cone.origin, AXES[name], at - dot(cone.origin, AXES[name])))
-                    out = tuple((v - f) / radius for v, f in zip(vertex, foot, strict=True))
-                    view = self._side_view(cone.axis, radius, foot) if cone.outward else "section"
-                    number = 1 + sum(one.name.startswith("cone") for one in self.proposed)
-                    self.add("diameter", f"cone {number}", 2 * radius, foot, AXES[name], out, view=view)
-
-    def _axis_levels(self, name: str, low: float, high: float) -> None:
-        rows: list[Level] = []
-        for level in sorted(self._levels[name], key=lambda one: one.at):
-            if rows and abs(level.at - rows[-1].at) < NEAR:
-                last = rows[-1]
-                view = last.view or level.view
-                kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
-                points, equal = (*last.points, *level.points), last.of | level.of
-                rows[-1] = replace(last, points=points, view=view, kind=kind, of=equal)
-            else:
-                rows.append(level)
-        by_level = {round(row.at, 3): row for row in rows}
-        ends = [row for row in (by_level.get(round(low, 3)), by_level.get(round(high, 3))) if row is not None]
-        size = {"x": "length", "y": "width", "z": "height"}[name]
-        if len(ends) == 2 and ends[0] is not ends[1]:
-            self._between(size, name, *ends, order=0)
-        if name in self.centred:
-            self._pairs(name, rows, ends)
-        else:
-            self._from_datum(name, rows, ends)
-
-    def _pairs(self, name: str, rows: list[Level], ends: list[Level]) -> None:
-        """Distances of levels at both sides of the middle; a level at one side only is given from an end."""
-        spaced = [row for row in row_of_equal_steps(rows) if abs(row.at) > NEAR]
-        spaced = spaced if spaced and abs(spaced[0].at + spaced[-1].at) < NEAR else []
-        self._pitch(name, row_of_equal_steps(rows) if spaced else [])
-        for row in rows:
-            middle = abs(row.at) < NEAR
-            if row in ends or row in spaced or (middle and row.kind != FACE):
-                continue
-            mirror = None if middle else next((other for other in rows if abs(other.at + row.at) < NEAR), None)
-            if mirror is None:
-                start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
-                start = start or next((one for one in rows if abs(one.at) < NEAR and row.kind == AXIS), None)
-                if start is None:
-                    self._from_outline(name, row)
-                    continue
-                self._between(f"{name} place", name, start, row)
-            elif row.at < 0:
-                what = "spacing" if row.kind == AXIS else "distance"
-                self._between(f"{name} {what}", name, row, mirror)
-
-    def _from_outline(self, name: str, row: Level) -> None:
-        """Distance of a flat or key seat from the opposite outline of a round part."""
-        shaft = max(self.features.shafts, key=lambda shaft: shaft.radius, default=None)
-        inner = self._in_section(name, row, row)
-        if shaft is None or inner is None:
-            return
-        (_, on), _ = inner
-        number = list(AXES).index(name)
-        own = [s for s in self.features.shafts if s.low - NEAR <= dot(on, s.axis) <= s.high + NEAR]
-        radius, view = max((s.radius for s in own), default=shaft.radius), "section"
-        across = [s.radius for hole in self.features.holes for s in hole.faces if s.axis_key == shaft.face.axis_key]
-        seat = [r for r in across if r < abs(row.at)]
-        if seat and any(on[number] * outward_normal(s)[number] < 0 for s in self.verifier.surfaces if s.holds(on)):
-            # The floor of a key seat in a bore, from the opposite wall of the bore.
-            radius, view = max(seat), VIEW_OF.get(positive(shaft.face.axis), "section")
-        opposite = at_level(on, name, -math.copysign(radius, row.at))
-        self.add("linear", f"{name} place", abs(row.at) + radius, opposite, on, AXES[name], view=view, order=1)
-
-    def _from_datum(self, name: str, rows: list[Level], ends: list[Level]) -> None:
-        """Distances from a datum: the lower end, else the middle axis of the part."""
-        axis = next((row for row in rows if abs(row.at) < NEAR or row.kind == AXIS), None)
-        datum = ends[0] if ends else axis
-        if datum is None:
-            return
-        spaced = row_of_equal_steps(rows)
-        self._pitch(name, spaced)
-        for row in rows:
-            if row is not datum and row not in ends[1:] and row not in spaced[1:]:
-                self._between(f"{name} place", name, datum, row)
-
-    def _pitch(self, name: str, spaced: list[Level]) -> None:
-        """The distance of neighbours in a row of equal features."""
-        if spaced:
-            (one, other), view = self._points(name, spaced[0], spaced[-1])
-            steps = len(spaced) - 1
-            self.add("pitch", f"{name} pitch", (spaced[-1].at - spaced[0].at) / steps, one, other, steps, view=view)
-
-    def _between(self, what: str, name: str, first: Level, second: Level, order: int | None = None) -> None:
-        (one, other), view = self._points(name, first, second)
-        rank = order if order is not None else 1 if second.view else 2
-        self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], view=view, order=rank)
-        if self.proposed:
-            self._spans.setdefault(self.proposed[-1].name, (name, first, second))
-
-    def in_fewer_views(self, proposed: list[Proposed]) -> list[Proposed]:
-        """The proposals without views of which other views show all distances."""
-        for view in ("right", "left", "back", "bottom", "top"):
-            used: set[str] = {one.fields.get("view", "front") for one in proposed} | {"front"}
-            moved_to: dict[str, Proposed] = {}
-            inside = [one for one in proposed if one.fields.get("view") == view]
-            for one in inside:
-                if found := self._in_views(one, used - {view}):
-                    moved_to[one.name] = found
-            if len(moved_to) == len(inside):
-                proposed = [moved_to.get(one.name, one) for one in proposed]
-        return proposed
-
-    def in_section(self, proposed: list[Proposed]) -> list[Proposed]:
-        """The proposals with the ends of those in the front view on lines that it has as a section."""
-        self.lines.cut_front()
-        inside = [one if one.fields.get("view") == "front" else None for one in proposed]
-        return [(one and self._in_views(one, {"front"})) or own for one, own in zip(inside, proposed, strict=True)]
-
-    def _in_views(self, one: Proposed, views: Collection[str]) -> Proposed | None:
-        """A distance in that of some views that shows it best; None for others, or if no view shows it."""
-        name, first, second = self._spans.get(one.name, ("x", Level(0.0, ()), Level(0.0, ())))
-        shown, points, view = self._best(name, first, second, views_along(name, views))
-        fields = {**one.fields, "view": view}
-        return replace(one, arguments=(*points, *one.arguments[2:]), fields=fields) if shown else None
-
-    def with_inside(self, views: tuple[str, ...], proposed: Sequence[Proposed]) -> tuple[str, ...]:
-        """The views, the front view as a section through the middle where this shows the holes, else with hidden lines
-        where there are blind or stepped ones."""
-        sections = [one for one in proposed if one.fields.get("view") == "section"]
-        middle = any(abs(one.arguments[0][1]) + abs(one.arguments[1][1]) < NEAR for one in sections)
-        turned = {shaft.face.axis_key for shaft in self.features.shafts}
-        deep = [h for h in self.features.holes if not h.through or len(h.steps) > 1 or h.faces[0].axis_key in turned]
-        middle |= any(abs(hole.mouth[1]) < NEAR and abs(hole.into[1]) < NEAR for hole in deep)
-        facing = any(abs(hole.into[1]) > NEAR for hole in self.features.holes)
-        long = any(abs(shaft.face.axis[0]) > 0.5 and not deep for shaft in self.features.shafts)
-        front = ""
-        if middle and not facing and not long and "y" in self.centred and is_mirrored(self.verifier.surfaces, 1, 0.0):
-            front = "front section"
-        elif deep:
-            front = "front hidden"
-        return (front, *(view for view in views if view != "front")) if front else views
-
-    def _points(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str]:
-        """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
-        wanted = [view for view in (second.view, first.view) if view in views_along(name)]
-        shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
-        if second.kind == AXIS and second.view == "section":
-            return (at_level(second.points[0], name, first.at), second.points[0]), "section"
-        inner = None if shown or second.kind == AXIS else self._in_section(name, first, second)
-        return inner or (points, view)
-
-    def _best(
-        self, name: str, first: Level, second: Level, views: Sequence[str]
-    ) -> tuple[bool, tuple[Point, Point], str]:
-        """Whether one of some views shows two levels, and the points and the view that show them best."""
-        found: list[tuple[float, Point, Point, str]] = []
-        for rank, view in enumerate(dict.fromkeys(views)):
-            if found and min(found)[0] < ANOTHER_VIEW * rank:
-                break
-            for cost, one in self._shown(first, view):
-                for more, other in self._shown(second, view):
-                    away = self._offset(one, other, view, name)
-                    found.append((cost + more + away + ANOTHER_VIEW * rank, one, other, view))
-        if not found:
-            one, other = ((*level.points, (0.0, 0.0, 0.0))[0] for level in (first, second))
-            return False, (tidy(one), tidy(other)), PREFERRED[name][0]
-        _, one, other, view = min(found)
-        ends = ((one, first), (other, second))
-        shown = all(self.lines.seen(point, view) == 0.0 or level.kind == AXIS for point, level in ends)
-        return shown, (tidy(one), tidy(other)), view
-
-    def _in_section(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str] | None:
-        """Ends of a distance to a face within the part, in a section through the middle of this face."""
-        planes = (s for s in self.verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) == name)
-        face = next((s for s in planes if abs(dot(s.origin, AXES[name]) - second.at) < NEAR), None)
-        inside = middle_of_face(face) if face else None
-        return ((at_level(inside, name, first.at), tidy(inside)), "section") if inside else None
-
-    def _shown(self, level: Level, view: str) -> list[tuple[float, Point]]:
-        """Points of a level in a view with their costs; the axes of holes in the view along them."""
-        if level.kind != FACE and level.view == view:
-            return [(0.0, point) for point in level.points[:8]]
-        costs = [(self.lines.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
-        return sorted((cost, point) for cost, point in costs if cost is not None)[:8]
-
-    def _offset(self, one: Point, other: Point, view: str, name: str) -> float:
-        step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
-        u, v = PROJECTIONS[view].to_view(AXES[name])
-        return round(abs(step[0] * v - step[1] * u), 3)

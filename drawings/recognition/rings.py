@@ -1,19 +1,19 @@
-"""Rings of equal holes around a shaft or tube, towards its axis."""
+"""Equal features around an axis: holes towards it, slots, flats and grooves, and the sides of a hexagon."""
 
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from drawings.dimensions.levels import NEAR, along_of
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of
 from drawings.dimensions.round_sections import Section
-from drawings.recognition.features import Hole
+from drawings.recognition.features import Hole, middle_of_face
 from drawings.recognition.visible import tidy
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.dimensioning import towards
-from stagecad.solids.modelling.frame import cross, subtract
-from stagecad.solids.modelling.verification import moved
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
+from stagecad.solids.modelling.verification import Surface, connected, is_beside, moved, turned
 
 
 @dataclass(frozen=True)
@@ -59,3 +59,72 @@ def rings_around(holes: Sequence[Hole], shafts: Sequence[Section]) -> Iterator[R
 
 def _middle(hole: Hole) -> Point:
     return moved(hole.mouth, hole.into, 0.5 * hole.steps[-1][1])
+
+
+@dataclass(frozen=True)
+class Around:
+    """Equal features at equal angles around an axis; the first is along an axis of the part."""
+
+    features: tuple[tuple[Surface, ...], ...]
+    centre: Point
+    start: Point  # unit vector from the centre towards the first feature
+    neighbour: Point  # point of a face of the next one
+
+
+def features_around(surfaces: Sequence[Surface], shaft: Section, taken: set[int]) -> Iterator[Around]:
+    """Three or more equal features around the axis of a shaft, not all along axes of the part, of faces not taken."""
+    origin, axis = shaft.face.origin, shaft.axis
+    beside = [s for s in surfaces if id(s) not in taken and is_beside(s, origin, axis) and s.vertices]
+    groups: dict[tuple[object, ...], list[list[Surface]]] = defaultdict(list)
+    for group in connected(beside):
+        corners = {(round(shaft.face.off_axis(v), 2), round(dot(v, axis), 2)) for s in group for v in s.vertices}
+        groups[len(group), *sorted(corners)].append(group)
+    for group in groups.values():
+        ways = [_way(feature, origin, axis) for feature in group]
+        first = next((number for number, way in enumerate(ways) if way and along_of(way)), None)
+        if first is None or len(group) < 3 or not all(ways) or all(along_of(way or axis) for way in ways):
+            continue
+        start, turn = tidy(ways[first] or axis), math.tau / len(group)
+        angles = [math.atan2(dot(way or axis, cross(axis, start)), dot(way or axis, start)) / turn for way in ways]
+        near = [round(angle) % len(group) for angle in angles]
+        if sorted(near) != [*range(len(group))] or max(abs(angle - round(angle)) for angle in angles) > NEAR:
+            continue
+        feature = group[first]
+        ends = [point for s in feature for point in (middle_of_face(s), *s.vertices) if s.holds(tidy(point))]
+        outward = [subtract(point, moved(origin, axis, dot(subtract(point, origin), axis))) for point in ends]
+        on, out = max(
+            zip(ends, outward, strict=True), key=lambda end: round(dot(end[1], start) / math.hypot(*end[1]), 6)
+        )
+        centre = subtract(on, out)
+        others = [one for number, one in enumerate(group) if number != first]
+        neighbour = tidy(add(centre, turned(out, axis, turn)))
+        yield Around(
+            (tuple(feature), *map(tuple, others)), tidy(centre), tidy(scaled(out, 1 / math.hypot(*out))), neighbour
+        )
+
+
+def _way(feature: Sequence[Surface], origin: Point, axis: Point) -> Point | None:
+    """Direction from an axis to the middle of a feature; None for one about the axis."""
+    corners = {tuple(round(a, 4) for a in v) for s in feature for v in s.vertices}
+    to = scaled(tuple(sum(v[n] for v in corners) - len(corners) * origin[n] for n in range(3)), 1 / len(corners))  # type: ignore[arg-type]
+    out = subtract(to, scaled(axis, dot(to, axis)))
+    return scaled(out, 1 / math.hypot(*out)) if math.hypot(*out) > 0.1 else None
+
+
+def hexagons(surfaces: Sequence[Surface]) -> Iterator[tuple[list[Surface], tuple[Surface, Surface]]]:
+    """The six sides of regular hexagonal prisms along an axis of the part, and the two across an axis of it."""
+    for number, unit in enumerate(AXES.values()):
+        groups: dict[tuple[float, float], list[Surface]] = defaultdict(list)
+        for s in surfaces:
+            if s.kind == "PLANE" and abs(dot(s.axis, unit)) < SQUARE:
+                groups[round(s.low[number], 2), round(s.high[number], 2)].append(s)
+        for sides in (group for group in groups.values() if len(group) == 6):
+            pair = sorted((s for s in sides if along_of(s.axis)), key=lambda s: dot(s.origin, (1.0, 1.0, 1.0)))
+            if len(pair) != 2:
+                continue
+            along = AXES[along_of(pair[0].axis) or "z"]
+            others = {round(dot(s.normal, along), 6) for s in sides}
+            centre = scaled(add(*map(middle_of_face, pair)), 0.5)
+            apart = [round(abs(dot(subtract(s.origin, centre), s.axis)), 3) for s in sides]
+            if others == {-1.0, -0.5, 0.5, 1.0} and len(set(apart)) == 1:
+                yield sides, (pair[0], pair[1])

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.levels import AXES, along_of, outward_normal
+from drawings.dimensions.levels import AXES, along_of
 from drawings.dimensions.round_sections import Section
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
@@ -81,7 +81,7 @@ class VisibleLines:
 
     def is_covered(self, eye: Point, point: Point) -> bool:
         """Whether material is between a point and the eye."""
-        return any(self._verifier.is_inside(moved(point, eye, self._size * part / 40)) for part in range(40))
+        return any(self._verifier.is_inside(moved(point, eye, self._size * (part + 0.5) / 40)) for part in range(40))
 
 
 def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tuple[str, ...]:
@@ -137,9 +137,10 @@ def proposed_datums(
     views: Sequence[str],
     shown: Mapping[float, str],
     lines: VisibleLines,
+    walls: Collection[int],
 ) -> Iterator[ProposedDatum]:
     """The axis of a turned part and its largest end face; else the largest faces at right angles to each other.
-    `shown`: views of diameters that are dimensioned."""
+    `shown`: views of diameters that are dimensioned; `walls`: identities of faces within slots, which are no datums."""
     used: list[Point] = []
     letters = iter("ABC")
 
@@ -159,7 +160,7 @@ def proposed_datums(
     shaft = max(features.shafts, key=lambda one: one.radius, default=None)
     if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
         yield from of_axis(shaft)
-    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is not None]
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) and id(s) not in walls]
     low, high = verifier.box
 
     def is_outer(surface: Surface) -> bool:
@@ -167,7 +168,7 @@ def proposed_datums(
         return min(abs(surface.origin[number] - low[number]), abs(surface.origin[number] - high[number])) < NEAR
 
     for surface in sorted(planes, key=lambda one: -round((OUTER if is_outer(one) else 1.0) * one.face.Area(), 3)):
-        normal = outward_normal(surface)
+        normal = surface.normal
         # A part without a flat outside in the plane of its largest face lies in it by its largest boss.
         if len(used) == 1 and shaft and not is_outer(surface) and abs(dot(shaft.axis, used[0])) > 1 - 1e-6:
             yield from of_axis(shaft)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from drawings.dimensions.levels import AXES, along_of, outward_normal
+from drawings.dimensions.levels import AXES, along_of
 from drawings.sheets.frame import Paper
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point
@@ -178,7 +178,7 @@ def slanting_faces(declared: Iterable[Dimension | FaceRequirement], verifier: Di
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is None]
     found: dict[Point, Cut] = {}
     for one in (one for one in declared if one.view == "auxiliary"):
-        for cut in (Cut(plane.origin, outward_normal(plane), "") for plane in planes):
+        for cut in (Cut(plane.origin, plane.normal, "") for plane in planes):
             along = getattr(one, "direction", None)
             if any(map(cut.holds, one.points)) or (along and abs(dot(along, cut.normal)) > 1 - 1e-6):
                 found.setdefault(cut.normal, cut)

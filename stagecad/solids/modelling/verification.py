@@ -7,7 +7,7 @@ radius of a cylinder, the end of a bore. A declaration without a feature at its 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -46,6 +46,13 @@ class Surface:
         u0, u1, v0, v1 = self.face._uvBounds()
         normal, point = self.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
         return dot(_across(subtract(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
+
+    @cached_property
+    def normal(self) -> Point:
+        """Normal of a plane face out of the material."""
+        sign = math.copysign(1.0, dot(self.face.normalAt(self.face.Center()).toTuple(), self.axis))
+        x, y, z = (round(sign * a, 15) + 0.0 for a in self.axis)
+        return (x, y, z)
 
     @cached_property
     def span(self) -> float:
@@ -129,6 +136,16 @@ class DimensionVerifier:
         self.surfaces = [_surface(face) for face in solid.Faces()]
 
     @cached_property
+    def _kept(self) -> dict[Hashable, Any]:
+        return {}
+
+    def kept(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """What follows from the solid and a key, made once."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
+    @cached_property
     def box(self) -> tuple[Point, Point]:
         """Lower and upper corner of the bounding box."""
         (x, y, z), (u, v, w) = zip(*(s.low for s in self.surfaces)), zip(*(s.high for s in self.surfaces))
@@ -162,8 +179,9 @@ class DimensionVerifier:
 
     def open_ends(self, surface: Surface, along: Point) -> tuple[bool, ...]:
         """For the lower and the upper end of a bore along a direction, True where it is open; only those that are."""
-        if (id(surface), along) in self._open_ends:
-            return self._open_ends[id(surface), along]
+        return self.kept(("open ends", id(surface), along), lambda: self._ends_that_are_open(surface, along))
+
+    def _ends_that_are_open(self, surface: Surface, along: Point) -> tuple[bool, ...]:
         found: list[bool] = []
         across = cross(along, (0.36, 0.48, 0.8))
         size, side_way = math.hypot(*across), cross(along, across)
@@ -174,11 +192,7 @@ class DimensionVerifier:
             reach = 0.8 * surface.radius / size
             around = [moved(foot, way, sign * reach) for way in (across, side_way) for sign in (-1.0, 1.0)]
             found.append(not any(map(self.is_inside, around)))
-        return self._open_ends.setdefault((id(surface), along), tuple(one for one in found if one))
-
-    @cached_property
-    def _open_ends(self) -> dict[tuple[int, Point], tuple[bool, ...]]:
-        return {}
+        return tuple(one for one in found if one)
 
     @cached_property
     def vertices(self) -> tuple[Point, ...]:
@@ -374,30 +388,65 @@ class DimensionVerifier:
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point, count: int) -> float:
-        """Angle at the axis through `vertex` between `along` and the axis through `point`, both upright; or between
-        `along` and a slanting axis through both points, the next of `count` at equal angles all around; degrees."""
+        """Angle between `along` and a slanting axis, or a plane face, through both points; of equal holes or features
+        around an axis through `vertex`, that of the next of `count`; between parallel axes through both points, about
+        the first; degrees."""
+        step = subtract(point, vertex)
         for surface in self._of("CYLINDER"):
             if max(map(abs, surface.axis)) < 1 - 1e-9 and max(map(surface.off_axis, (vertex, point))) < NEAR:
-                sign = math.copysign(1.0, dot(subtract(point, vertex), surface.axis))
+                sign = math.copysign(1.0, dot(step, surface.axis))
                 angle = math.acos(sign * dot(surface.axis, along))
-                out = scaled(_across(scaled(surface.axis, sign), along), 1 / math.sin(angle))
+                normal = scaled(cross(along, scaled(surface.axis, sign)), 1 / math.sin(angle))
                 if count > 1 and abs(count * angle - math.tau) > 1e-6:
                     raise LookupError(f"{count} times {math.degrees(angle):.6g} degrees do not go around")
                 for number in range(2, count):
-                    c, s = math.cos(number * angle), math.sin(number * angle)
-                    way = add(scaled(along, c), scaled(out, s))
+                    way = turned(along, normal, number * angle)
                     like = (one for one in self._of("CYLINDER", way) if abs(one.radius - surface.radius) < NEAR)
                     ends = (one.extent(way)[1] - dot(vertex, way) for one in like if one.off_axis(vertex) < NEAR)
                     if max(ends, default=0.0) < surface.radius:
                         raise LookupError(f"no hole at {number} times {math.degrees(angle):.6g} degrees from {along}")
                 return math.degrees(angle)
-        step = [0.0, 0.0]
-        for index, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))):
-            ends = self._axis_place(vertex, axis), self._axis_place(point, axis)
-            if ends[0] is None or ends[1] is None:
-                raise LookupError(f"no upright axis at {vertex} or {point}")
-            step[index] = ends[1] - ends[0]
-        return math.degrees(math.acos((step[0] * along[0] + step[1] * along[1]) / math.hypot(*step)))
+        for flank in (one for one in self._of("PLANE") if one.holds(point) and one.holds(vertex)):
+            trace = cross(flank.axis, cross(along, step))
+            like = [s for s in self._of("PLANE") if mirrored(s.axis) == mirrored(flank.axis)]
+            beside = (s for s in self._of("PLANE") if abs(dot(s.axis, along)) < 1e-6 and s.holds(vertex))
+            # Between the two flanks of a groove, or to a face beside each flank.
+            flanks = count if max(map(abs, along)) > 1 - 1e-9 else 2 * count
+            if math.hypot(*trace) > NEAR and len(like) == flanks and any(s is not flank for s in beside):
+                cosine = dot(trace, along) / math.hypot(*trace)
+                return math.degrees(math.acos(math.copysign(1.0, dot(trace, step)) * cosine))
+        axes = [next((s for s in self._of("CYLINDER") if s.off_axis(at) < NEAR), None) for at in (vertex, point)]
+        if count > 1:
+            self.features_around(vertex, point, along, count)
+        elif axes[0] and axes[1] and abs(dot(axes[0].axis, along)) < 1e-6:
+            step = _across(subtract(axes[1].origin, axes[0].origin), axes[0].axis)
+        else:
+            raise LookupError(f"no axes at {vertex} and {point}, and no face from one to the other")
+        return math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
+
+    def features_around(self, vertex: Point, point: Point, along: Point, count: int) -> list[list[Surface]]:
+        """The faces of equal features around an axis through `vertex`, the images of each in one row: of the feature
+        with a face at the point, at equal angles from `along`. LookupError where a face has no image."""
+        rows = self.kept(("around", vertex, point, along, count), lambda: self._around(vertex, point, along, count))
+        if not rows or not all(map(all, rows)):
+            raise LookupError(f"no {count} equal features around {vertex}, one of them at {point}")
+        return rows
+
+    def _around(self, vertex: Point, point: Point, along: Point, count: int) -> list[list[Surface | None]]:
+        normal = cross(along, subtract(point, vertex))
+        axis = scaled(normal, 1 / math.hypot(*normal))
+        faces = [s for s in self.surfaces if is_beside(s, vertex, axis)]
+        own = next((group for group in connected(faces) if any(s.holds(point) for s in group)), [])
+        return [[self._image(s, faces, vertex, axis, n * math.tau / count) for n in range(count)] for s in own]
+
+    @staticmethod
+    def _image(own: Surface, faces: list[Surface], vertex: Point, axis: Point, angle: float) -> Surface | None:
+        """The face that is the image of another by a turn."""
+        normal = turned(own.axis, axis, angle)
+        corners = [add(vertex, turned(subtract(corner, vertex), axis, angle)) for corner in own.vertices]
+        like = (s for s in faces if s.kind == own.kind and abs(dot(s.axis, normal)) > 1 - 1e-6)
+        alike = (s for s in like if all(min(math.dist(a, b) for b in s.vertices) < 1e-3 for a in corners))
+        return next((s for s in alike if s.kind == "PLANE" or abs(s.radius - own.radius) < NEAR), None)
 
     def _count(self, point: Point, along: Point) -> int:
         """Number of holes in the row of the one at the point along `along`; or of all crowns, or crests."""
@@ -434,6 +483,37 @@ def _alike(one: Surface, other: Surface) -> bool:
 def moved(point: Point, direction: Point, by: float) -> Point:
     """The point moved along a direction, mm."""
     return add(point, scaled(direction, by))
+
+
+def turned(vector: Point, axis: Point, angle: float) -> Point:
+    """A vector turned about a unit vector, radians."""
+    along = scaled(axis, dot(axis, vector))
+    across = subtract(vector, along)
+    return add(along, add(scaled(across, math.cos(angle)), scaled(cross(axis, across), math.sin(angle))))
+
+
+def mirrored(normal: Point) -> tuple[float, ...]:
+    """Numbers that are equal for the normals of faces that are mirror images about planes of the part."""
+    return tuple(round(abs(a), 6) for a in normal)
+
+
+def is_beside(surface: Surface, point: Point, axis: Point) -> bool:
+    """Whether a turn about an axis moves a face: not an end face, nor a round face about the axis."""
+    square = abs(dot(surface.axis, axis)) > 1 - 1e-6
+    return (surface.kind == "PLANE" and not square) or (
+        surface.kind == "CYLINDER" and not (square and surface.off_axis(point) < NEAR)
+    )
+
+
+def connected(surfaces: list[Surface]) -> list[list[Surface]]:
+    """Faces in groups that share corners."""
+    groups: list[tuple[set[tuple[float, ...]], list[Surface]]] = []
+    for surface in surfaces:
+        corners = {tuple(round(a, 3) + 0.0 for a in corner) for corner in surface.vertices}
+        own = [group for group in groups if group[0] & corners]
+        groups = [group for group in groups if group not in own]
+        groups.append((corners.union(*(group[0] for group in own)), [s for group in own for s in group[1]] + [surface]))
+    return [group for _, group in groups]
 
 
 def _across(vector: Point, axis: Point) -> Point:

@@ -159,6 +159,74 @@ def test_a_flat_ring_that_a_section_cuts_is_seen(tmp_path: Path) -> None:
     assert not [hit for sheet in document["sheets"] for hit in sheet["hits"]]
 
 
+def values(name: str, *methods: str) -> list[tuple[str, float, int, str]]:
+    """Method, value, count and note of the proposals of a part by some methods."""
+    found = [one for one in proposed(name)[1].dimensions if not methods or one.method in methods]
+    return [(one.method, round(one.value, 3), one.fields.get("count", 1), one.fields.get("note", "")) for one in found]
+
+
+def test_equal_faces_in_a_row_have_a_pitch_and_one_of_them_its_sizes() -> None:
+    sink = [one for one in proposed("heat_sink")[1].dimensions if one.arguments[-1] == (1.0, 0.0, 0.0)]
+    assert {(round(one.value, 3), one.fields.get("count", 1)) for one in sink if one.method == "linear"} == {
+        (60.0, 1), (40.0, 1), (4.0, 7),
+    }  # fmt: skip
+    assert ("pitch", 7.0, 1, "") in values("heat_sink", "pitch")
+    rack = values("rack", "linear", "pitch")
+    assert {("linear", 1.64, 8, ""), ("linear", 3.64, 8, ""), ("linear", 5.28, 8, "")} < set(rack)
+    assert [round(one[1], 3) for one in rack if one[0] == "pitch"] == [6.283] and len(rack) < 15
+
+
+def test_equal_features_around_an_axis_have_an_angle_and_one_of_them_its_sizes() -> None:
+    assert ("angle", 60.0, 6, "") in values("index_disc") and ("linear", 5.0, 6, "") in values("index_disc")
+    grooves = values("kinematic_plate", "linear", "angle")
+    assert {("angle", 120.0, 3, ""), ("angle", 90.0, 1, ""), ("linear", 8.0, 3, ""), ("linear", 16.0, 3, "")} < set(
+        grooves
+    )
+    assert values("three_flats", "linear", "angle") == [
+        ("angle", 120.0, 3, ""), ("linear", 27.0, 1, ""), ("linear", 20.0, 1, ""), ("linear", 12.0, 1, ""),
+    ]  # fmt: skip
+
+
+def test_a_hexagon_has_its_width_across_flats() -> None:
+    assert values("hexagon_bolt", "linear") == [
+        ("linear", 17.0, 1, "HEX AF"), ("linear", 42.0, 1, ""), ("linear", 7.0, 1, ""),
+    ]  # fmt: skip
+
+
+def test_a_dovetail_has_an_angle_and_slots_have_their_widths() -> None:
+    table = values("dovetail_table", "linear", "angle")
+    assert ("angle", 59.036, 2, "") in table and ("linear", 36.0, 1, "") in table
+    assert {("linear", 6.0, 2, ""), ("linear", 14.0, 2, "")} < set(table)
+    assert not {24.0, 48.0} & {one[1] for one in table}
+    top = 20 + 8 * math.tan(math.radians(30))
+    wedge = cq.Workplane("XZ").polyline([(0, 0), (60, 0), (60, 20), (52, top), (0, top)]).close().extrude(30)
+    found = propose(DimensionVerifier(in_position(wedge.solids().val())))
+    sizes = {one.method: round(one.value, 6) for one in found.dimensions if one.method == "angle"}
+    assert sizes == {"angle": 30.0} and not found.open
+    assert {round(one.value, 3) for one in found.dimensions} & {52.0, 20.0, 24.619} == {52.0, 24.619}
+
+
+def test_a_groove_has_its_width_and_one_place() -> None:
+    shaft = values("two_keys", "linear")
+    assert ("linear", 1.3, 2, "") in shaft or shaft.count(("linear", 1.3, 1, "")) == 2
+    assert {36.5, 37.8, 93.0, 94.3}.intersection(one[1] for one in shaft) == {36.5, 93.0}
+
+
+def test_the_floor_of_a_counterbore_in_a_round_outside_is_in_a_section() -> None:
+    collar = proposed("clamp_collar")[1]
+    assert not collar.open
+    (floor,) = [one for one in collar.dimensions if one.value == pytest.approx(8.0)]
+    assert floor.fields["view"] == "section" and floor.arguments[1][2] == pytest.approx(7.5)
+    assert ("linear", 2.0, 1, "") in values("clamp_collar") and ("diameter", 5.5, 1, "one wall") in values(
+        "clamp_collar"
+    )
+
+
+def test_holes_on_a_circle_that_is_not_symmetric_have_an_angle() -> None:
+    circle = values("spigot_flange", "pitch_circle", "angle")
+    assert sorted(one[:2] for one in circle) == [("angle", 45.0), ("pitch_circle", 71.0), ("pitch_circle", 82.0)]
+
+
 def test_an_odd_number_of_holes_may_be_symmetric_about_the_vertical_centre_line() -> None:
     found = proposed("flanged_bush")[1]
     assert not found.open and [one.value for one in found.dimensions if one.method == "pitch_circle"] == [37.0]

@@ -1,0 +1,560 @@
+"""Size and place of each face of a part by its declarations: what gives them, and where nothing does.
+
+Sizes: every radius is that of a declared diameter, radius or tap drill, or half a declared width. Places: along each
+axis a face or the axis of a round face is at a level that dimensions connect to the reference
+(`drawings.dimensions.levels`); a chamfer or fillet is placed by the faces it joins, a hole by the hole table, a
+slanting face by its corners or an angle, equal features around an axis by one of them and the angle to the next.
+"""
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from drawings.dimensions.consistency import parallel
+from drawings.dimensions.levels import (
+    AXES,
+    NEAR,
+    SQUARE,
+    AlongAxis,
+    Levels,
+    along_of,
+    corners,
+    is_fillet,
+    like_edges,
+    touch,
+)
+from drawings.dimensions.round_sections import sections_of
+from drawings.views.view import auxiliary, dot, projection_of
+from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface, mirrored, moved
+
+
+@dataclass(frozen=True)
+class Notes:
+    """Shape of a part that its notes define."""
+
+    symmetric: str = ""  # names of axes whose middle plane is a plane of symmetry
+    turned: int = 1  # number of equal sectors about z
+    # whether the origin of the part is its middle, axis or datum plane by agreement, and faces without a simple shape
+    # are intersections of others. For other parts only what is stated or seen on the solid counts
+    packaged: bool = True
+    # text of what defines a face at a point besides dimensions; empty for nothing
+    defines: Callable[[Point], str] = lambda point: ""
+
+
+class Part:
+    """Sizes and levels of a part."""
+
+    def __init__(self, verifier: DimensionVerifier, dimensions: Sequence[Dimension], notes: Notes) -> None:
+        self._notes = notes
+        self._surfaces, self._verifier = verifier.surfaces, verifier
+        slots = [d for d in dimensions if verifier.kept(("slot", d), partial(self._is_slot, d))]
+        cylinders = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
+        self.levels: dict[str, Levels] = {}
+        for name, axis in AXES.items():
+            datum = notes.packaged or name in notes.symmetric or self._on_axis(axis)
+            equal = None if notes.packaged else partial(self._equal, axis)
+            solid = AlongAxis(
+                axis, partial(self._feature_at, axis), cylinders, equal, partial(self._meets, axis), datum
+            )
+            halved = () if notes.packaged else slots
+            self.levels[name] = Levels(solid, dimensions, name in notes.symmetric, halved, strict=not notes.packaged)
+        self._radii = list(_radii(dimensions))
+        self._fillets = [(d.value, d.name) for d in dimensions if d.kind == "radius"]
+        self._chamfers = [(d.value, d.name) for d in dimensions if d.kind == "chamfer"]
+        self._distances = [d for d in dimensions if d.kind == "linear"]
+        self._slopes = [d for d in dimensions if d.kind in ("slope", "angle")]
+        self._tabulated = {d.value for d in dimensions if d.table and d.kind in ("diameter", "tap_drill")}
+
+    def _is_slot(self, d: Dimension) -> bool:
+        """Whether a distance is a width about an axis: of the half cylinder at the end of a slot, or of a round face
+        that both walls meet."""
+        along = d.direction
+        if d.kind != "linear" or along is None:
+            return False
+        middle = (dot(d.points[0], along) + dot(d.points[1], along)) / 2
+        walls = [s for point in d.points for s in self._surfaces if parallel(s, along) and s.holds(point)]
+        rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE)
+        return any(
+            s.is_round(d.value / 2) or d.note.startswith("HEX") or (len(walls) == 2 and all(touch(s, w) for w in walls))
+            for s in rounds
+            if abs(dot(s.origin, along) - middle) < NEAR
+        )
+
+    def _meets(self, along: Point, level: float) -> bool:
+        return self._verifier.kept(("meets", along, round(level, 3)), lambda: self._faces_meet(along, level))
+
+    def _faces_meet(self, along: Point, level: float) -> bool:
+        """Whether a plane face at a level meets a round one whose axis is there."""
+        at = [s for s in self._surfaces if abs(dot(s.origin, along) - level) < NEAR]
+        planes = [s for s in at if s.kind == "PLANE" and parallel(s, along)]
+        rounds = [s for s in at if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE]
+        return any(touch(one, other) for one in planes for other in rounds)
+
+    def _equal(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
+        return self._verifier.kept(("equal", along, d), lambda: self._equal_levels(along, d))
+
+    def _equal_levels(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
+        """Levels of the ends of a dimension for several features, and of all of which the faces are like its own."""
+        ends = sorted(d.points, key=lambda point: dot(point, along))
+        found = [(dot(ends[0], along), dot(ends[1], along))]
+        for sign in (1.0, -1.0):
+            places = [
+                {
+                    sign * dot(end, along) + by
+                    for own in self._surfaces
+                    if (own.kind == "PLANE" and abs(dot(own.axis, along)) > SQUARE and own.holds(end))
+                    or (own.kind == "CYLINDER" and own.off_axis(end) < NEAR)
+                    for by in self._like(own, along, sign)
+                }
+                for end in ends
+            ]
+            step = sign * (found[0][1] - found[0][0])
+            found += [(one, other) for one in places[0] for other in places[1] if abs(other - one - step) < NEAR]
+        return found
+
+    def _like(self, own: Surface, along: Point, sign: float) -> Iterator[float]:
+        """How far faces are away that differ from one, or with a sign of -1 from its mirror image, by their place."""
+        number, normal = along.index(1.0), own.normal if own.kind == "PLANE" else own.axis
+        for s in self._surfaces:
+            if s.kind == own.kind == "CYLINDER":
+                if s.is_round(own.radius) and parallel(s, own.axis):
+                    yield dot(s.origin, along) - sign * dot(own.origin, along)
+            elif s.kind == own.kind and abs(s.normal[number] - sign * normal[number]) < SQUARE:
+                ends = zip(s.low, s.high, own.low, own.high, strict=True)
+                if all(abs(high - low - there + here) < 0.02 for low, high, here, there in ends):
+                    yield (s.low[number] + s.high[number] - sign * (own.low[number] + own.high[number])) / 2
+
+    def _on_axis(self, along: Point) -> bool:
+        """Whether the origin of the part is on the axis of its largest outer round face, across a direction."""
+        outside = [s for s in self._surfaces if s.kind == "CYLINDER" and s.outward]
+        largest = max((s for s in outside), key=lambda s: s.radius, default=None)
+        size = max(s.high[n] - s.low[n] for s in self._surfaces for n in range(3))
+        if largest is None or abs(dot(largest.axis, along)) > SQUARE or abs(dot(largest.origin, along)) > NEAR:
+            return False
+        ends = [(s.low, s.high) for s in self._surfaces]
+        across = [max(dot(high, along) for _, high in ends), -min(dot(low, along) for low, _ in ends)]
+        return largest.radius > 0.7 * max(across) or largest.radius > 0.35 * size
+
+    def _feature_at(self, along: Point, point: Point) -> Hashable:
+        key = ("feature", self._notes.packaged, along, point)
+        return self._verifier.kept(key, lambda: self._feature(along, point))
+
+    def _feature(self, along: Point, point: Point) -> Hashable:
+        """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
+        flat = [(n, s) for n, s in enumerate(self._surfaces) if s.kind == "PLANE" and s.holds(point)]
+        square = [n for n, surface in flat if parallel(surface, along)]
+        if square or (flat and self._notes.packaged):
+            return square[0] if square else flat[0][0]
+        if flat and not square:
+            return ("level", round(dot(point, along), 2))
+        for surface in self._surfaces:
+            if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not parallel(surface, along):
+                reach = dot(surface.origin, surface.axis)
+                foot = (o - reach * a for o, a in zip(surface.origin, surface.axis, strict=True))
+                return ("axis", *(round(value, 2) + 0.0 for value in foot))
+        return tuple(round(value, 2) + 0.0 for value in point)
+
+    def size_of(self, surface: Surface) -> str:
+        if surface.kind not in ("CYLINDER", "SPHERE", "TORUS"):
+            return "-"
+        if name := next((name for radius, name in self._radii if abs(radius - surface.radius) < NEAR), ""):
+            return name
+        return self._notes.defines(middle_of_box(surface))
+
+    def place_of(self, surface: Surface) -> str:
+        """Declaration that locates a face, or one of its images by rotation."""
+        if joined := self._joins(surface):
+            return joined
+        for sector in range(self._notes.turned):
+            angle = 2 * math.pi * sector / self._notes.turned
+            found = self._level_names(_turned(surface.origin, angle), _turned(surface.axis, angle), surface)
+            if found:
+                return found
+        return self._on_circle(surface) or self._notes.defines(middle_of_box(surface))
+
+    def _on_circle(self, surface: Surface) -> str:
+        """An upright axis on a circle of equal sectors: by its radius, or the distance of neighbours."""
+        if self._notes.turned == 1 or surface.kind == "PLANE" or not parallel(surface, AXES["z"]):
+            return ""
+        radius = math.hypot(surface.origin[0], surface.origin[1])
+        apart = 2 * radius * math.sin(math.pi / self._notes.turned)
+        for d in self._distances:
+            if min(abs(d.value - radius), abs(d.value - apart)) < NEAR:
+                return f"{d.name}, on a circle"
+        return ""
+
+    def _joins(self, surface: Surface) -> str:
+        """Fillets, chamfers and drill points, placed by the faces that they join; slopes; intersections."""
+        if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
+            return "intersection of other faces"
+        for radius, name in self._fillets:
+            if surface.kind != "PLANE" and abs(surface.radius - radius) < NEAR:
+                return f"{name}, by the faces it joins"
+        if surface.kind == "CYLINDER" and any(abs(2 * surface.radius - value) < NEAR for value in self._tabulated):
+            return "hole table"
+        if surface.kind in ("CONE", "PLANE"):
+            sides = sorted(high - low for low, high in zip(surface.low, surface.high, strict=True))
+            for leg, name in self._chamfers:
+                if any(abs(side - leg) < 20 * NEAR for side in sides):
+                    return f"{name}, by the faces it joins"
+        for d in self._slopes:
+            if surface.kind == "PLANE" and surface.holds(d.points[0]) and (self._notes.packaged or d.kind == "slope"):
+                return d.name
+        if surface.kind == "CONE":
+            return self._cone(surface)
+        return ""
+
+    def _cone(self, surface: Surface) -> str:
+        """A drill point, or a cone between round faces about its axis."""
+        for other in self._surfaces:
+            if other.kind == "CYLINDER" and other.off_axis(surface.origin) < NEAR and parallel(other, surface.axis):
+                return "drill point or cone at the end of a bore"
+        return ""
+
+    def _level_names(self, origin: Point, axis: Point, surface: Surface) -> str:
+        """Names of what places a plane along its normal, or a round face across its axis."""
+        names = []
+        along = next((name for name, unit in AXES.items() if abs(abs(dot(axis, unit)) - 1.0) < SQUARE), None)
+        if along is None:
+            return ""
+        across = [along] if surface.kind == "PLANE" else [name for name in AXES if name != along]
+        for name in across:
+            found = self.levels[name].located_by(dot(origin, AXES[name]), face=surface.kind == "PLANE")
+            if not found:
+                return ""
+            names.append(found)
+        return "; ".join(dict.fromkeys(names))
+
+
+class StatedPart(Part):
+    """A part of which nothing is agreed: each round face needs its own declaration, each place its dimensions."""
+
+    def __init__(self, verifier: DimensionVerifier, dimensions: Sequence[Dimension], notes: Notes) -> None:
+        super().__init__(verifier, dimensions, notes)
+        self._sizes: dict[int, str] = {}
+        self._cones: list[Dimension] = []
+        self._depths = [d for d in dimensions if d.kind == "depth"]
+        self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
+        self._chamfers = []
+        # The ends of slots have the radius of their width, whatever fillets have the same.
+        for d in sorted(dimensions, key=lambda d: d.kind != "linear"):
+            self._enter(d)
+
+    def _enter(self, d: Dimension) -> None:
+        """Enter the round faces whose size a dimension gives."""
+        if d.kind in ("diameter", "tap_drill") and d.direction is not None:
+            faces = self._verifier.kept(("sized", d), lambda: self._of_diameter(d))
+            self._cones += [] if faces else [d]
+            for number in faces:
+                self._sizes.setdefault(number, d.name)
+        elif d.kind in ("radius", "chamfer"):
+            edges = self._verifier.kept(("edges", d.kind, d.value), lambda: like_edges(self._verifier, d))
+            like = {n: key for n, key in edges.items() if n not in self._sizes}
+            own = [n for n, surface in enumerate(self._surfaces) if surface.holds(d.points[0])]
+            keys = {like.get(number, number) for number in own}
+            # Where the solid has more than are counted, a note says which are meant, else only the one that is touched.
+            every = len({*like.values()}) <= d.count or (d.kind == "chamfer" and d.note != "")
+            for number in (*own, *(n for n, key in like.items() if every or key in keys)):
+                if d.kind == "radius" or self._surfaces[number].kind in ("PLANE", "CONE"):
+                    self._sizes.setdefault(number, d.name)
+        elif d.kind == "linear" and d.direction is not None:
+            middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
+            for section in sections_of(s for s in self._surfaces if s.is_round(d.value / 2)):
+                across = not section.whole and abs(dot(section.face.axis, d.direction)) < SQUARE
+                if across and (d.count > 1 or abs(dot(section.face.origin, d.direction) - middle) < NEAR):
+                    for face in section.faces:
+                        self._sizes.setdefault(self._number(face), f"{d.name} (ends)")
+
+    def _of_diameter(self, d: Dimension) -> list[int]:
+        """Numbers of the round faces of which a dimension is the diameter; none for that of a cone."""
+        try:
+            holes = self._verifier.holes(d)
+        except LookupError:
+            return []
+        round_faces = (s for s in self._surfaces if s.is_round(holes[0].radius) and s.outward == holes[0].outward)
+        like, found = [*sections_of(round_faces)], list[int]()
+        every = len(holes) < d.count and len(like) <= d.count
+        for section in like:
+            # Walls of one bore have one diameter; collars of one shaft are counted.
+            bore = not section.face.outward and any(map(section.face.is_coaxial, holes))
+            if every or bore or any(face is hole for face in section.faces for hole in holes):
+                found += map(self._number, section.faces)
+        return found
+
+    def size_of(self, surface: Surface) -> str:
+        number = self._number(surface)
+        if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
+            return self._sizes.get(number, "") or self._notes.defines(middle_of_box(surface))
+        if surface.kind == "CONE" and not self._joins(surface):
+            return ""
+        return "-"
+
+    def _number(self, surface: Surface) -> int:
+        return next(n for n, other in enumerate(self._surfaces) if other is surface)
+
+    def place_of(self, surface: Surface) -> str:
+        if found := self._own_place(surface):
+            return found
+        for d in (d for d in self._slopes if d.count > 2 and d.direction):
+            try:
+                rows = self._verifier.features_around(d.points[0], d.points[1], d.direction or d.points[0], d.count)
+            except LookupError:
+                continue
+            row = next((row for row in rows if any(one is surface for one in row)), [])
+            if found := next(filter(None, map(self._own_place, row)), ""):
+                return f"{d.name}, {found}"
+        return ""
+
+    def _own_place(self, surface: Surface) -> str:
+        """What gives the place of a face that is no image of another."""
+        bore = self._verifier.kept(("floor", id(surface)), partial(self._bore_of, surface))
+        if bore and not self._depth_of(surface, bore):
+            return ""
+        if found := super().place_of(surface) or self._inclined(surface) or self._hexagon(surface):
+            return found
+        if surface.kind == "PLANE":
+            for d in self._depths:
+                across = surface.holds(d.points[1]) or self._is_floor(surface, d)
+                if d.direction and parallel(surface, d.direction) and across:
+                    return d.name
+            return self._by_vertices(surface) or self._notes.defines(middle_of_box(surface))
+        if surface.kind == "CYLINDER":
+            if slanting := self._slanting(surface) or self._square_to_face(surface):
+                return slanting
+            for d in self._circles:
+                centre, _ = d.points
+                if d.direction is None or not parallel(surface, d.direction):
+                    continue
+                across = [name for name, unit in AXES.items() if abs(dot(unit, d.direction)) < SQUARE]
+                placed = all(self.levels[name].located_by(dot(centre, AXES[name]), face=False) for name in across)
+                # No angle is needed where the holes are mirror images about an axis of the part.
+                u, v = (dot(surface.origin, AXES[name]) - dot(centre, AXES[name]) for name in across[:2])
+                step = 180.0 / d.count
+                offs = [(math.degrees(math.atan2(v, u)) - axis) % step for axis in (0.0, 90.0)]
+                even = min(min(off, step - off) for off in offs) < 1e-3
+                around = [a.points for a in self._slopes if surface.kind == "CYLINDER" and a.count == 1]
+                at_angle = any(math.dist(a, centre) < NEAR and self._on_ring(b, d) for a, b in around)
+                on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and (even or at_angle)
+                if placed and on:
+                    return f"{d.name}, equally spaced"
+        return ""
+
+    def _bore_of(self, floor: Surface) -> Surface | None:
+        """The wall of a blind or stepped hole of which a plane face is the floor."""
+        rim = floor.face.outerWire().Edges() if floor.kind == "PLANE" else []
+        if len(rim) != 1:
+            return None
+        middle, on = middle_of_box(floor), rim[0].startPoint().toTuple()
+        for s in self._surfaces:
+            wall = s.kind == "CYLINDER" and not s.outward and parallel(s, floor.axis)
+            # The material is behind the floor, and the bore in front of it.
+            ahead = wall and dot(subtract(middle_of_box(s), middle), floor.normal) > 0
+            if ahead and s.off_axis(middle) < NEAR and abs(s.off_axis(on) - s.radius) < NEAR:
+                return s
+        return None
+
+    def _depth_of(self, floor: Surface, bore: Surface) -> bool:
+        """Whether a depth or distance ends on the floor of a hole, or of an equal one at its level."""
+        for d in (d for d in self._depths if d.direction and parallel(floor, d.direction)):
+            if floor.holds(d.points[1]) or self._is_floor(floor, d):
+                return True
+        equal = [floor]
+        for s in self._surfaces:
+            if s.kind == "PLANE" and abs(dot(subtract(s.origin, floor.origin), floor.axis)) < NEAR:
+                like = self._verifier.kept(("floor", id(s)), partial(self._bore_of, s))
+                equal += [s] if like and like.is_round(bore.radius) else []
+        return any(s.holds(point) for d in self._distances for point in d.points for s in equal)
+
+    def _on_ring(self, point: Point, d: Dimension) -> bool:
+        """Whether a hole of a circle of equal holes is about a point."""
+        holes = (s for s in self._surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR)
+        return any(abs(2 * s.off_axis(d.points[0]) - d.value) < NEAR for s in holes)
+
+    def _inclined(self, surface: Surface) -> str:
+        """A slanting face, by the angle of it or of its mirror image against another face, and a corner."""
+        for d in (d for d in self._slopes if d.kind == "angle" and d.direction and surface.kind == "PLANE"):
+            for flank in (s for s in self._surfaces if s.kind == "PLANE" and all(map(s.holds, d.points))):
+                if mirrored(flank.axis) == mirrored(surface.axis) and not along_of(surface.axis):
+                    across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
+                    for corner in corners(surface):
+                        levels = [self.levels[name].located_by(dot(corner, AXES[name])) for name in across]
+                        if all(levels):
+                            return "; ".join(dict.fromkeys((d.name, *levels)))
+        return ""
+
+    def _hexagon(self, surface: Surface) -> str:
+        """A side of a hexagon, by its width across flats, which is about a located middle."""
+        for d in self._distances:
+            along, centre = d.direction, scaled(add(*d.points), 0.5)
+            if not d.note.startswith("HEX") or along is None or surface.kind != "PLANE":
+                continue
+            across = [unit for unit in AXES.values() if abs(dot(unit, along)) < SQUARE > abs(dot(unit, surface.axis))]
+            apart = abs(dot(subtract(surface.origin, centre), surface.axis))
+            placed = all(
+                self.levels[name].located_by(dot(centre, unit)) for name, unit in AXES.items() if unit not in across[:1]
+            )
+            if across and abs(abs(dot(along, surface.axis)) - 0.5) < SQUARE and abs(apart - d.value / 2) < NEAR:
+                return d.name if placed else ""
+        return ""
+
+    def _slanting(self, surface: Surface) -> str:
+        """A hole at an angle: by the angle, and the levels of the point where its axis meets the face, or of the middle
+        of a ring of holes."""
+        for d in self._slopes:
+            if d.kind == "angle" and (_is_at(surface, d) or all(surface.off_axis(point) < NEAR for point in d.points)):
+                levels = [self.levels[name].located_by(dot(d.points[0], unit)) for name, unit in AXES.items()]
+                if all(levels):
+                    return "; ".join(dict.fromkeys((d.name, *levels)))
+        return ""
+
+    def _square_to_face(self, surface: Surface) -> str:
+        """A hole square to a slanting face, placed by its corners: by distances from an edge of it, or levels."""
+        for face in self._surfaces:
+            if face.kind != "PLANE" or along_of(face.axis) or not parallel(face, surface.axis):
+                continue
+            view, placed = projection_of(auxiliary(face.normal)), self._by_vertices(face)
+            names = [placed] if placed else []
+            for way in (view.right, view.up) if placed else ():
+                name = along_of(way)
+                level = dot(surface.origin, AXES[name] if name else way)
+                names.append(self.levels[name].located_by(level) if name else self._from_edge(level, way, face, placed))
+            if placed and all(names):
+                return "; ".join(dict.fromkeys(names))
+        return ""
+
+    def _from_edge(self, level: float, way: Point, face: Surface, placed: str) -> str:
+        """The last of the distances in a direction that lead from a corner of a slanting face to a level."""
+        ends = [(d.name, sorted(dot(p, way) for p in d.points)) for d in self._distances if self._is_in(d, way)]
+        known = {dot(corner, way): placed for corner in corners(face)}
+        for _ in ends:
+            for name, (low, high) in ends:
+                for here, there in ((low, high), (high, low)):
+                    if any(abs(here - one) < NEAR for one in known):
+                        known.setdefault(there, name)
+        return next((name for one, name in known.items() if abs(one - level) < NEAR), "")
+
+    @staticmethod
+    def _is_in(d: Dimension, way: Point) -> bool:
+        return d.direction is not None and abs(dot(d.direction, way)) > 1 - SQUARE
+
+    def _is_floor(self, surface: Surface, d: Dimension) -> bool:
+        """Whether a plane face is the floor of a stepped hole whose depth is declared, or of one of its equals."""
+        assert d.direction is not None
+        if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:
+            return False
+        middle = middle_of_box(surface)
+        return any(
+            other.kind == "CYLINDER" and parallel(other, d.direction) and other.off_axis(middle) < NEAR
+            for other in self._surfaces
+            if d.count > 1 or other.off_axis(d.points[1]) < NEAR
+        )
+
+    def _by_vertices(self, surface: Surface) -> str:
+        """A plane at an angle, by the located levels of all its corners."""
+        names: list[str] = []
+        for corner in corners(surface):
+            for name, unit in AXES.items():
+                if abs(dot(surface.axis, unit)) > SQUARE:
+                    found = self.levels[name].located_by(
+                        dot(corner, unit), face=True if along_of(surface.axis) else None
+                    )
+                    if not found:
+                        return ""
+                    names.append(found)
+        return "; ".join(dict.fromkeys(names)) and f"corners: {'; '.join(dict.fromkeys(names))}"
+
+    def _joins(self, surface: Surface) -> str:
+        if surface.kind == "SPHERE":
+            names = [self._ball_level(surface, name) for name in AXES]
+            return "; ".join(dict.fromkeys(names)) if all(names) else ""
+        if surface.kind == "CYLINDER" and not self._verifier.kept(
+            ("fillet", id(surface)), lambda: is_fillet(surface, self._surfaces)
+        ):
+            return ""
+        if surface.kind == "TORUS" and any(_continues(s, surface) for s in self._surfaces):
+            return ""
+        chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
+        if chamfer:
+            return f"{chamfer}, by the faces it joins"
+        if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
+            return self._notes.defines(middle_of_box(surface))
+        return super()._joins(surface)
+
+    def _ball_level(self, surface: Surface, name: str) -> str:
+        """What gives the middle of a ball along an axis, or its outermost point there."""
+        middle = dot(surface.origin, AXES[name])
+        tips = (moved(surface.origin, AXES[name], side * surface.radius) for side in (1.0, -1.0))
+        levels = [middle, *(dot(tip, AXES[name]) for tip in tips if surface.holds(tip))]
+        return next(filter(None, map(self.levels[name].located_by, levels)), "")
+
+    def _cone(self, surface: Surface) -> str:
+        """A drill point below a depth, a countersink, or a cone between diameters at located levels."""
+        along = next((name for name in AXES if parallel(surface, AXES[name])), None)
+        if along is None:
+            return ""
+        for d in self._cones:
+            if d.direction and parallel(surface, d.direction) and "countersink" in d.name:
+                low, high = surface.extent(AXES[along])
+                own = surface.off_axis(d.points[0]) < NEAR or d.count > 1
+                wide = max(map(surface.off_axis, surface.vertices), default=0.0)
+                level = low - NEAR <= dot(d.points[0], AXES[along]) <= high + NEAR
+                if own and level and abs(2 * wide - d.value) < NEAR:
+                    return d.name
+        rims = {round(dot(v, AXES[along]), 4): surface.off_axis(v) for v in surface.vertices}
+        ends = {level: radius for level, radius in rims.items() if radius > NEAR}
+        for level, radius in ends.items():
+            known = any(
+                number in self._sizes and abs(other.radius - radius) < NEAR and other.is_coaxial(surface)
+                for number, other in enumerate(self._surfaces)
+                if other.kind == "CYLINDER"
+            )
+            stated = any(
+                surface.off_axis(d.points[0]) < NEAR and abs(dot(d.points[0], AXES[along]) - level) < NEAR
+                for d in self._cones
+            )
+            if not (known or stated) or not self.levels[along].locates_end(level):
+                return ""
+        return "cone between diameters, or drill point below a depth" if ends else ""
+
+
+def _continues(tube: Surface, bend: Surface) -> bool:
+    """Whether a tube goes on in a bend, which a distance to its axis places, and not the faces it joins."""
+    across = tube.is_round(bend.radius) and abs(dot(tube.axis, bend.axis)) < SQUARE
+    return across and any(map(tube.holds, bend.vertices))
+
+
+def _is_at(surface: Surface, d: Dimension) -> bool:
+    """Whether an axis is one of several at equal angles about a vertex."""
+    if d.count == 1 or d.direction is None or surface.off_axis(d.points[0]) > NEAR:
+        return False
+    normal = cross(d.direction, subtract(d.points[1], d.points[0]))
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, dot(surface.axis, d.direction)))))
+    steps = [one / d.value for one in (angle, 180.0 - angle)]
+    return any(abs(one - round(one)) < NEAR for one in steps) and abs(dot(surface.axis, normal)) < NEAR * math.hypot(
+        *normal
+    )
+
+
+def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:
+    """Radii of round faces with the names of their declarations; the end of a slot has half its width."""
+    for d in dimensions:
+        if d.kind in ("diameter", "tap_drill"):
+            yield d.value / 2, d.name
+        elif d.kind == "radius":
+            yield d.value, d.name
+    for d in dimensions:
+        if d.kind == "linear":
+            yield d.value / 2, f"{d.name} (ends)"
+
+
+def middle_of_box(surface: Surface) -> Point:
+    (x0, y0, z0), (x1, y1, z1) = surface.low, surface.high
+    return ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
+
+
+def _turned(vector: Point, angle: float) -> Point:
+    c, s = math.cos(angle), math.sin(angle)
+    return (c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2])

@@ -1,0 +1,552 @@
+"""Distances between the levels of a solid: of faces, axes and corners along each axis of the part.
+
+Walls that face each other across air have the width between them; of a width about an axis both places follow. Levels
+of equal faces at equal steps have a pitch. Others are tied to a datum face, or in pairs to the middle.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import Any
+
+from drawings.dimensions.definition import centred_axes
+from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet, is_mirrored, touch
+from drawings.recognition.features import (
+    AXIS,
+    FACE,
+    MOUTH,
+    Features,
+    Level,
+    features_of,
+    middle_of_face,
+    rows_of_equal_faces,
+    rows_of_equal_steps,
+)
+from drawings.recognition.part_file import Proposed, as_dimension
+from drawings.recognition.rings import features_around, hexagons
+from drawings.recognition.visible import (
+    PASSING,
+    PREFERRED,
+    VIEW_OF,
+    VisibleLines,
+    at_level,
+    extremes,
+    positive,
+    tidy,
+    views_along,
+)
+from drawings.views.view import PROJECTIONS, dot
+from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface, mirrored, moved, turned
+
+ANOTHER_VIEW = 25.0
+"""Cost of each less usual view, mm."""
+CORNER, CONCAVE = "corner", "concave"
+"""Kind of a level of corners of a flank that has an angle, and the name of those at an inner edge of it."""
+FOLLOWS = 3
+"""Order of a distance that follows from a width."""
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """Angle of a flank, degrees: vertex, point of the flank, and direction of the other leg."""
+
+    angle: float
+    points: tuple[Point, Point, Point]
+    beside: bool = False  # whether the other leg is on a face, or its extension
+    inside: bool = False  # whether it is within that face
+
+
+class Distances:
+    """Collects proposals, and questions of threads."""
+
+    def __init__(self, verifier: DimensionVerifier) -> None:
+        self.verifier = verifier
+        self.features: Features = features_of(verifier)
+        self.centred = centred_axes(verifier)
+        self.proposed: list[Proposed] = []
+        self.questions: list[str] = []
+        self._levels: dict[str, list[Level]] = defaultdict(list)
+        self._spans: dict[str, tuple[str, Level, Level]] = {}
+        self.lines = VisibleLines(verifier)
+        self._low, self._high = verifier.box
+        self.images: set[int] = set()  # identities of faces that are placed as images of others
+        self.walls: set[int] = set()  # identities of faces that face another one of the part
+        self._planes: dict[str, set[float]] = defaultdict(set)  # levels of sections by the axis across them
+        self._around_view = ""
+        self._at_angle: set[int] = set()  # identities of slanting faces that have an angle
+        self.around: dict[int, int] = {}  # by the identity of a face: number of equal features around an axis
+
+    def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
+        """Add a proposal under a name and key of its own."""
+        used = {one.name for one in self.proposed}
+        number = 2
+        unique = name
+        while unique in used:
+            unique, number = f"{name} {number}", number + 1
+        key = unique.replace(" ", "_").replace("-", "_")
+        one = Proposed(method, unique, key, round(value, 9), arguments, fields, order)
+        try:
+            # Points of faces that should be one differ by the accuracy of the file.
+            measured = self.verifier.measure(as_dimension(one))
+        except LookupError:
+            return
+        if measured is not None and abs(measured - value) > NEAR:
+            return
+        self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
+
+    def hexagons(self) -> None:
+        """Widths across the flats of hexagons about the middle of the part, or about a round face."""
+        surfaces = self.verifier.surfaces
+        for sides, pair in hexagons(surfaces):
+            ends = [tidy(middle_of_face(side)) for side in pair]
+            along, centre = AXES[along_of(pair[0].axis) or "z"], scaled(add(*ends), 0.5)
+            middle = all(abs(a) < NEAR for name, a in zip(AXES, centre, strict=True) if name in self.centred)
+            if middle or any(s.kind == "CYLINDER" and s.off_axis(centre) < NEAR for s in surfaces):
+                across = (cross(along, s.axis) for s in sides if s not in pair)
+                axis = tidy(next(scaled(one, 1 / math.hypot(*one)) for one in across))
+                fields: dict[str, Any] = {"view": self.lines.open_view(axis, ends[1]), "note": "HEX AF"}
+                self.add("linear", "hexagon", dot(subtract(ends[1], ends[0]), along), *ends, along, **fields)
+                self.images |= {id(side) for side in sides if side not in pair}
+
+    def equal_features(self) -> None:
+        """Angles of equal features around the axis of the part, of which one is dimensioned."""
+        surfaces, shafts = self.verifier.surfaces, self.features.shafts
+        shaft = max(shafts, key=lambda one: one.radius, default=None)
+        known = (*(s for hole in self.features.holes for s in hole.faces), *self.features.chamfers)
+        taken = self.images | {id(s) for s in known} | {id(s) for s in self.features.fillets if is_fillet(s, surfaces)}
+        if shaft is None or along_of(shaft.axis) is None:
+            return
+        for ring in features_around(surfaces, shaft, taken):
+            count, points = len(ring.features), (ring.centre, ring.neighbour, ring.start)
+            fields: dict[str, Any] = {"view": self.lines.open_view(shaft.axis, ring.neighbour), "count": count}
+            before = len(self.proposed)
+            self.add("angle", "angle around", 360.0 / count, *points, **fields)
+            if len(self.proposed) > before:
+                self.images |= {id(s) for feature in ring.features[1:] for s in feature}
+                self.around.update({id(s): count for s in ring.features[0]})
+                self._around_view = fields["view"]
+
+    def _of(self, surface: Surface) -> frozenset[str]:
+        """Name of the features around an axis to which a face belongs."""
+        return frozenset({f"{self.around[id(surface)]} around"} if id(surface) in self.around else ())
+
+    def _own_view(self, surface: Surface) -> str:
+        """View along the axis around which a face belongs to a feature."""
+        return self._around_view if id(surface) in self.around else ""
+
+    def angles(self) -> None:
+        """Angles of slanting faces: of a dovetail; of usual values, between two flanks or to a face."""
+        groups: dict[tuple[float, ...], list[Surface]] = defaultdict(list)
+        for s in self.features.slanted:
+            if id(s) not in self.images and sum(abs(a) < 1e-6 for a in s.axis) == 1:
+                groups[mirrored(s.axis)].append(s)
+        for normal, flanks in groups.items():
+            edge = next(unit for unit, a in zip(AXES.values(), normal, strict=True) if a < 1e-6)
+            found = [leg for flank in flanks for leg in self._legs(flank, edge)]
+            roots = [leg for leg in found if sum(leg.points[0] == other.points[0] for other in found) == 4]
+            # A dovetail has an acute angle at both its parallel faces.
+            inner = [leg for leg in found if leg.inside]
+            undercut = len(inner) == 2 * len(flanks) and len({leg.points[2] for leg in inner}) == 2
+            whole = [leg for leg in found if abs(2 * leg.angle - round(2 * leg.angle)) < 1e-3 and leg.beside]
+            legs = inner if undercut else sorted(whole, key=lambda leg: (not leg.inside, leg.angle > 45.0))
+            if len(flanks) == 2 and len(roots) >= 4:
+                ends = sorted({leg.points[1] for leg in roots})
+                (vertex, *_), ways = roots[0].points, [subtract(end, roots[0].points[0]) for end in ends]
+                unit = tidy(scaled(ways[0], 1 / math.hypot(*ways[0])))
+                angle = math.degrees(math.acos(dot(unit, ways[1]) / math.hypot(*ways[1])))
+                legs = [_Leg(angle, (vertex, ends[1], unit))] if abs(angle - round(angle)) < 1e-3 else []
+            for leg in legs[:1]:
+                count: dict[str, Any] = {"count": len(flanks)} if len(flanks) > 1 and leg.beside else {}
+                # In the middle of the flank, where a section shows it if no view does.
+                middle = scaled(add(flanks[0].low, flanks[0].high), 0.5)
+                by = dot(subtract(middle, leg.points[0]), edge)
+                inner = [tidy(moved(point, edge, by)) for point in leg.points[:2]]
+                on = any(all(map(s.holds, inner)) for s in flanks)
+                vertex, point = inner if on else leg.points[:2]
+                view = self.lines.open_view(edge, vertex, "section")
+                self.add("angle", "angle of flank", leg.angle, vertex, point, leg.points[2], view=view, **count)
+                self._at_angle |= {id(s) for s in flanks}
+
+    def _legs(self, flank: Surface, edge: Point) -> Iterator["_Leg"]:
+        """Acute angles of a flank with the axes of the part, at its corners at one end."""
+        ends = [v for v in corners(flank) if abs(dot(v, edge) - min(dot(one, edge) for one in corners(flank))) < NEAR]
+        for vertex, far in permutations(ends, 2):
+            step = subtract(far, vertex)
+            for unit in (unit for unit in AXES.values() if abs(dot(unit, edge)) < NEAR):
+                along = tidy(scaled(unit, math.copysign(1.0, dot(step, unit))))
+                planes = [s for s in self.verifier.surfaces if s.kind == "PLANE" and s is not flank and s.holds(vertex)]
+                beside = [s for s in planes if abs(dot(s.axis, unit)) + abs(dot(s.axis, edge)) < NEAR]
+                angle = math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
+                inside = any(s.holds(moved(vertex, along, 0.01)) for s in beside)
+                yield _Leg(angle, (tidy(vertex), tidy(far), along), bool(beside), inside)
+
+    def _is_concave(self, flank: Surface, corner: Point) -> bool:
+        """Whether there is more material than air around an edge of a flank."""
+        edge = next(unit for unit in AXES.values() if abs(dot(unit, flank.axis)) < 1e-6)
+        middle = scaled(add(flank.low, flank.high), 0.5)
+        at = moved(corner, edge, 0.1 * dot(subtract(middle, corner), edge))
+        ways = [turned(next(unit for unit in AXES.values() if unit != edge), edge, n * math.pi / 8) for n in range(16)]
+        return sum(self.verifier.is_inside(moved(at, way, 0.02)) for way in ways) > 8
+
+    def levels(self) -> None:
+        """Distances that give the levels of planes, axes and corners along each axis of the part."""
+        equal = rows_of_equal_faces(self.verifier.surfaces)
+        for surface in self.verifier.surfaces:
+            name = along_of(surface.axis) if surface.kind == "PLANE" else None
+            if name is not None and id(surface) not in self.images:
+                at = dot(surface.origin, AXES[name])
+                points = (*surface.vertices, *extremes(surface)) or (tidy(middle_of_face(surface)),)
+                around = (
+                    frozenset((f"{self.around[id(surface)]} around",)) if id(surface) in self.around else frozenset()
+                )
+                self._levels[name].append(Level(at, points, of=equal[name, id(surface)] | around))
+        for surface in self.features.spheres:
+            for name, unit in AXES.items():
+                out = next(axis for axis in AXES.values() if axis != unit)
+                point = tidy(moved(surface.origin, out, surface.radius))
+                self._levels[name].append(Level(dot(surface.origin, unit), (point,)))
+        for surface in (s for s in self.features.slanted if id(s) not in self.images):
+            for name, unit in AXES.items():
+                if abs(dot(surface.axis, unit)) > 1e-6:
+                    for vertex in corners(surface):
+                        at = dot(vertex, unit)
+                        ends = f"{at - surface.low[list(AXES).index(name)]:.2f}"
+                        equal_corners = frozenset(f"{row} {ends}" for row in equal[name, id(surface)])
+                        of = equal_corners | self._of(surface)
+                        at_angle = id(surface) in self._at_angle
+                        of |= {CONCAVE} if at_angle and self._is_concave(surface, vertex) else set()
+                        kind = CORNER if at_angle else FACE
+                        self._levels[name].append(Level(at, (vertex,), self._own_view(surface), kind, of))
+        self._cone_ends()
+        for number, name in enumerate(AXES):
+            self._axis_levels(name, self._low[number], self._high[number])
+
+    def _cone_ends(self) -> None:
+        """Levels of the ends of cones, and their diameters where no cylinder has them."""
+        known = [s for s in self.verifier.surfaces if s.kind == "CYLINDER"]
+        done: set[tuple[float, ...]] = set()
+        for cone in self.features.cones:
+            name = along_of(cone.axis)
+            if name is None:
+                continue
+            for vertex in cone.vertices:
+                radius, at = cone.off_axis(vertex), dot(vertex, AXES[name])
+                key = (*cone.axis_key, round(at, 2), round(radius, 2))
+                if radius < NEAR or key in done:
+                    continue
+                done.add(key)
+                self._levels[name].append(Level(at, (vertex,)))
+                if not any(abs(one.radius - radius) < NEAR and one.is_coaxial(cone) for one in known):
+                    foot = tidy(moved(cone.origin, AXES[name], at - dot(cone.origin, AXES[name])))
+                    out = tuple((v - f) / radius for v, f in zip(vertex, foot, strict=True))
+                    view = self._side_view(cone.axis, radius, foot) if cone.outward else "section"
+                    number = 1 + sum(one.name.startswith("cone") for one in self.proposed)
+                    self.add("diameter", f"cone {number}", 2 * radius, foot, AXES[name], out, view=view)
+
+    def _side_view(self, axis: Point, radius: float, at: Point) -> str:
+        """View that shows both outlines of a round feature from the side, else the one along its axis."""
+        for view in ("front", "right", "top", "back", "left", "bottom"):
+            eye = PROJECTIONS[view].towards_eye
+            if abs(dot(eye, axis)) < 1e-6:
+                across = cross(eye, axis)
+                if all(self.lines.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
+                    return view
+        # In a groove of an end face it is seen from the side of the groove.
+        beside = next((moved(at, unit, radius + 2e-3) for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6), at)
+        return self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
+
+    def _axis_levels(self, name: str, low: float, high: float) -> None:
+        rows: list[Level] = []
+        for level in sorted(self._levels[name], key=lambda one: (one.kind in (AXIS, MOUTH), one.at)):
+            last = rows[-1] if rows else level
+            if (
+                rows
+                and abs(level.at - last.at) < NEAR
+                and (level.kind in (AXIS, MOUTH)) == (last.kind in (AXIS, MOUTH))
+            ):
+                kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
+                points, equal = (*last.points, *level.points), last.of | level.of
+                rows[-1] = replace(last, points=points, view=last.view or level.view, kind=kind, of=equal)
+            else:
+                rows.append(level)
+        rows.sort(key=lambda row: row.at)
+        by_level = {round(row.at, 3): row for row in sorted(rows, key=lambda row: row.kind not in (AXIS, MOUTH))}
+        ends = [row for row in (by_level.get(round(low, 3)), by_level.get(round(high, 3))) if row is not None]
+        size = {"x": "length", "y": "width", "z": "height"}[name]
+        if len(ends) == 2 and ends[0] is not ends[1]:
+            self._between(size, name, *ends, order=0)
+        rows = self._rows(name, rows, ends)
+        follows = self._widths(name, rows)
+        if name in self.centred:
+            self._pairs(name, rows, ends, follows)
+        else:
+            self._from_datum(name, rows, ends, follows)
+
+    def _rows(self, name: str, rows: list[Level], ends: list[Level]) -> list[Level]:
+        """The pitch of equal features in a row, and of equal faces also the distances within one of them; all levels
+        but those that need a place."""
+        spaced = rows_of_equal_steps([row for row in rows if row not in ends])
+        while spaced:
+            lead, *others = spaced
+            step = lead[1].at - lead[0].at
+            alike = [row for row in others if row[0].kind != AXIS and len(row) == len(lead)]
+            alike = [row for row in alike if abs(row[1].at - row[0].at - step) < NEAR and row[0].at < lead[1].at]
+            (one, other), view = self._points(name, lead[0], lead[-1])
+            steps = len(lead) - 1
+            before = len(self.proposed)
+            self.add("pitch", f"{name} pitch", (lead[-1].at - lead[0].at) / steps, one, other, steps, view=view)
+            if len(self.proposed) == before:
+                # The features are not in one line.
+                spaced = others
+                continue
+            for row in alike:
+                self._between(f"{name} width", name, lead[0], row[0], 1, len(lead))
+            levels = [level for row in (lead, *alike) for level in row]
+            symmetric = name in self.centred and all(
+                any(abs(level.at + other.at) < NEAR for other in levels) for level in levels
+            )
+            gone = {id(level) for level in levels[0 if symmetric else 1 :]}
+            rows = [row for row in rows if id(row) not in gone]
+            spaced = [row for row in others if not any(id(level) in gone for level in row) and row not in alike]
+        return rows
+
+    def _widths(self, name: str, rows: list[Level]) -> set[int]:
+        """Widths between walls that face each other, off the middle of a symmetric part; levels that follow from them:
+        of the further wall, or of both where an axis between them is in the middle."""
+        by_level = {round(row.at, 3): row for row in rows if row.kind not in (AXIS, MOUTH)}
+        follows: set[int] = set()
+        equal: dict[tuple[float, ...], list[tuple[Level, Level]]] = defaultdict(list)
+        number = list(AXES).index(name)
+        for walls in sorted(
+            self._facing_walls(name), key=lambda walls: abs(sum(dot(w.origin, AXES[name]) for w in walls))
+        ):
+            low, high = (round(dot(wall.origin, AXES[name]), 3) for wall in walls)
+            one, other = by_level.get(low), by_level.get(high)
+            if not one or not other or (name in self.centred and abs(low + high) < NEAR):
+                continue
+            sizes = (wall.high[n] - wall.low[n] for wall in walls for n in range(3) if n != number)
+            row = equal[tuple(round(size, 2) for size in (high - low, *sorted(sizes)))]
+            row += [] if (one, other) in row else [(one, other)]
+            about = any(
+                s.kind == "CYLINDER" and abs(dot(s.origin, AXES[name]) - (low + high) / 2) < NEAR
+                for wall in walls
+                for s in self.verifier.surfaces
+                if abs(dot(s.axis, AXES[name])) < NEAR and touch(s, wall)
+            )
+            further = [one, other] if about else [max(one, other, key=lambda level: abs(level.at))]
+            follows |= {id(row) for level in further for row in (level, by_level.get(round(-level.at, 3)) or level)}
+        for row in equal.values():
+            self._between(f"{name} width", name, *row[0], 1, len(row))
+        return follows
+
+    def _facing_walls(self, name: str) -> Iterator[tuple[Surface, Surface]]:
+        """Walls of grooves and slots: congruent faces, or faces beside one floor, with air between them."""
+        number, planes = list(AXES).index(name), [s for s in self.verifier.surfaces if s.kind == "PLANE"]
+        square = [(s.normal[number], s) for s in planes if along_of(s.axis) == name]
+        for wall in (s for normal, s in square if normal > 0):
+            at = wall.high[number]
+            beyond = [s for normal, s in square if normal < 0 and s.low[number] > at + NEAR and touch(s, wall, number)]
+            for other in sorted(beyond, key=lambda s: s.low[number]):
+                gap = (at, other.low[number])
+                ends = zip((*wall.low, *wall.high), (*other.low, *other.high), strict=True)
+                like = all(abs(a - b) < 0.02 for n, (a, b) in enumerate(ends) if n % 3 != number)
+                floors = (s for s in self.verifier.surfaces if touch(s, wall) and touch(s, other))
+                if like or any(math.dist((s.low[number], s.high[number]), gap) < 0.02 for s in floors):
+                    points = (
+                        moved(p, AXES[name], (gap[1] - gap[0]) / 2) for p in (middle_of_face(wall), *wall.vertices)
+                    )
+                    if not all(map(self.verifier.is_inside, points)):
+                        self.walls |= {id(wall), id(other)}
+                        yield wall, other
+                    break
+
+    def _pairs(self, name: str, rows: list[Level], ends: list[Level], follows: Collection[int]) -> None:
+        """Distances of levels at both sides of the middle; a level at one side only is given from an end."""
+        for row in rows:
+            middle = abs(row.at) < NEAR
+            order = FOLLOWS if id(row) in follows else None
+            if row in ends or (middle and row.kind != FACE):
+                continue
+            mirror = (
+                None
+                if middle
+                else next(
+                    (o for o in rows if abs(o.at + row.at) < NEAR and (o.kind == AXIS) == (row.kind == AXIS)), None
+                )
+            )
+            if mirror is None:
+                start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
+                axis = next((one for one in rows if abs(one.at) < NEAR), None)
+                around = any(tag.endswith(" around") for tag in row.of)
+                before = len(self.proposed)
+                if start is None and row.kind != AXIS and not around:
+                    self._from_outline(name, row)
+                start = start or axis
+                if start and len(self.proposed) == before:
+                    self._between(f"{name} place", name, start, row, order)
+            elif row.at < 0:
+                what = "spacing" if row.kind == AXIS else "distance"
+                self._between(f"{name} {what}", name, row, mirror, order)
+
+    def _from_outline(self, name: str, row: Level) -> None:
+        """Distance of a flat or key seat from the opposite outline of a round part."""
+        shaft = max(self.features.shafts, key=lambda shaft: shaft.radius, default=None)
+        inner = self._in_section(name, row, row)
+        if shaft is None or inner is None:
+            return
+        (_, on), _ = inner
+        number = list(AXES).index(name)
+        own = [s for s in self.features.shafts if s.low - NEAR <= dot(on, s.axis) <= s.high + NEAR]
+        radius, view = max((s.radius for s in own), default=shaft.radius), "section"
+        across = [s.radius for hole in self.features.holes for s in hole.faces if s.axis_key == shaft.face.axis_key]
+        seat = [r for r in across if r < abs(row.at)]
+        if seat and any(on[number] * s.normal[number] < 0 for s in self.verifier.surfaces if s.holds(on)):
+            # The floor of a key seat in a bore, from the opposite wall of the bore.
+            radius, view = max(seat), VIEW_OF.get(positive(shaft.face.axis), "section")
+        opposite = at_level(on, name, -math.copysign(radius, row.at))
+        self.add("linear", f"{name} place", abs(row.at) + radius, opposite, on, AXES[name], view=view, order=1)
+
+    def _from_datum(self, name: str, rows: list[Level], ends: list[Level], follows: Collection[int]) -> None:
+        """Distances from a datum: the lower end, else the middle axis of the part."""
+        axis = next((row for row in rows if abs(row.at) < NEAR or row.kind == AXIS), None)
+        datum = ends[0] if ends else axis
+        for row in rows:
+            if datum and row is not datum and row not in ends[1:]:
+                self._between(f"{name} place", name, datum, row, FOLLOWS if id(row) in follows else None)
+
+    def _between(
+        self, what: str, name: str, first: Level, second: Level, order: int | None = None, count: int = 1
+    ) -> None:
+        if abs(second.at - first.at) < NEAR:
+            return
+        (one, other), view = self._points(name, first, second)
+        around = [int(tag.partition(" ")[0]) for tag in first.of & second.of if tag.endswith(" around")]
+        count = max(count, *around, 1)
+        ends = (first, second)
+        if any(level.kind == CORNER for level in ends):
+            # An angle gives one of the corners of a flank: the outer one, or that of a usual value, is the better one.
+            odd = abs(second.at - first.at - round(second.at - first.at, 1)) > 1e-6
+            order = FOLLOWS + any(CONCAVE in level.of for level in ends) + odd
+        rank = order if order is not None else 1 if second.view else 2
+        fields: dict[str, Any] = {"view": view, **({"count": count} if count > 1 else {})}
+        self.add("linear", what, abs(second.at - first.at), one, other, AXES[name], order=rank, **fields)
+        if self.proposed:
+            self._spans.setdefault(self.proposed[-1].name, (name, first, second))
+
+    def in_fewer_views(self, proposed: list[Proposed]) -> list[Proposed]:
+        """The proposals without views of which other views show all distances."""
+        for view in ("right", "left", "back", "bottom", "top"):
+            used: set[str] = {one.fields.get("view", "front") for one in proposed} | {"front"}
+            moved_to: dict[str, Proposed] = {}
+            inside = [one for one in proposed if one.fields.get("view") == view]
+            for one in inside:
+                if found := self._in_views(one, used - {view}):
+                    moved_to[one.name] = found
+            if len(moved_to) == len(inside):
+                proposed = [moved_to.get(one.name, one) for one in proposed]
+        return proposed
+
+    def in_section(self, proposed: list[Proposed]) -> list[Proposed]:
+        """The proposals with the ends of those in the front view on lines that it has as a section."""
+        self.lines.cut_front()
+        inside = [one if one.fields.get("view") == "front" else None for one in proposed]
+        return [(one and self._in_views(one, {"front"})) or own for one, own in zip(inside, proposed, strict=True)]
+
+    def _in_views(self, one: Proposed, views: Collection[str]) -> Proposed | None:
+        """A distance in that of some views that shows it best; None for others, or if no view shows it."""
+        name, first, second = self._spans.get(one.name, ("x", Level(0.0, ()), Level(0.0, ())))
+        shown, points, view = self._best(name, first, second, views_along(name, views))
+        fields = {**one.fields, "view": view}
+        return replace(one, arguments=(*points, *one.arguments[2:]), fields=fields) if shown else None
+
+    def with_inside(self, views: tuple[str, ...], proposed: Sequence[Proposed]) -> tuple[str, ...]:
+        """The views, the front view as a section through the middle where this shows the holes, else with hidden lines
+        where there are blind or stepped ones."""
+        sections = [one for one in proposed if one.fields.get("view") == "section"]
+        middle = any(abs(one.arguments[0][1]) + abs(one.arguments[1][1]) < NEAR for one in sections)
+        turned = {shaft.face.axis_key for shaft in self.features.shafts}
+        deep = [h for h in self.features.holes if not h.through or len(h.steps) > 1 or h.faces[0].axis_key in turned]
+        middle |= any(abs(hole.mouth[1]) < NEAR and abs(hole.into[1]) < NEAR for hole in deep)
+        facing = any(abs(hole.into[1]) > NEAR for hole in self.features.holes)
+        long = any(abs(shaft.face.axis[0]) > 0.5 and not deep for shaft in self.features.shafts)
+        front = ""
+        if middle and not facing and not long and "y" in self.centred and is_mirrored(self.verifier.surfaces, 1, 0.0):
+            front = "front section"
+        elif deep:
+            front = "front hidden"
+        return (front, *(view for view in views if view != "front")) if front else views
+
+    def _points(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str]:
+        """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
+        wanted = [view for view in (second.view, first.view) if view in views_along(name)]
+        shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
+        if second.kind == AXIS and second.view == "section":
+            return (at_level(second.points[0], name, first.at), second.points[0]), "section"
+        inner = None if shown or second.kind == AXIS else self._in_section(name, first, second)
+        return inner or (points, view)
+
+    def _best(
+        self, name: str, first: Level, second: Level, views: Sequence[str]
+    ) -> tuple[bool, tuple[Point, Point], str]:
+        """Whether one of some views shows two levels, and the points and the view that show them best."""
+        found: list[tuple[bool, float, Point, Point, str]] = []
+        for rank, view in enumerate(dict.fromkeys(views)):
+            if found and min(found)[:2] < (False, ANOTHER_VIEW * rank):
+                break
+            for cost, one in self._shown(first, view):
+                for more, other in self._shown(second, view):
+                    passing = max(cost * (first.kind != AXIS), more * (second.kind != AXIS)) >= PASSING
+                    away = self._offset(one, other, view, name)
+                    found.append((passing, cost + more + away + ANOTHER_VIEW * rank, one, other, view))
+        if not found:
+            one, other = ((*level.points, (0.0, 0.0, 0.0))[0] for level in (first, second))
+            return False, (tidy(one), tidy(other)), PREFERRED[name][0]
+        passing, _, one, other, view = min(found)
+        return not passing, (tidy(one), tidy(other)), view
+
+    def _in_section(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str] | None:
+        """Ends of a distance to a face within the part, in a section through the middle of this face."""
+        planes = (s for s in self.verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) == name)
+        face = next((s for s in planes if abs(dot(s.origin, AXES[name]) - second.at) < NEAR), None)
+        if face is None:
+            return None
+        eye = PROJECTIONS[first.view].towards_eye if first.kind == AXIS and first.view in PROJECTIONS else None
+        across = next((axis for axis in "yxz" if eye and abs(dot(eye, AXES[axis])) > 0.5), "x" if name == "y" else "y")
+        inside = tidy(middle_of_face(face))
+        if not face.holds(inside):
+            # On a ledge around a pocket.
+            edges = [edge for edge in face.face.Edges() if edge.geomType() == "LINE"]
+            edges = [edge for edge in edges if abs(dot(edge.tangentAt(0).toTuple(), AXES[across])) > 0.9]
+            inside = next((tidy(edge.positionAt(0.5).toTuple()) for edge in edges), inside)
+        rim = extremes(face) if len(face.face.outerWire().Edges()) == 1 else []
+        if rim:
+            # The floor of a hole in the plane of its axis.
+            middle = dot(scaled(add(face.low, face.high), 0.5), AXES[across])
+            inside = min(rim, key=lambda point: round(abs(dot(point, AXES[across]) - middle), 3))
+        planes = self._planes[across]
+        inside = next((at for at in (at_level(inside, across, plane) for plane in planes) if face.holds(at)), inside)
+        planes.add(dot(inside, AXES[across]))
+        start, plane = at_level(inside, name, first.at), dot(inside, AXES[across])
+        # On the face at the other end, and not in the air beside it.
+        faces = [s for s in self.verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) == name]
+        ends = (at_level(point, across, plane) for point in (start, *first.points[:8]))
+        start = next((end for end in ends if any(s.holds(end) for s in faces)), start)
+        if eye:
+            start = tidy(moved(first.points[0], eye, dot(subtract(inside, first.points[0]), eye)))
+        return (start, inside), "section"
+
+    def _shown(self, level: Level, view: str) -> list[tuple[float, Point]]:
+        """Points of a level in a view with their costs; the axes of holes in the view along them."""
+        if level.kind != FACE and level.view == view:
+            return [(0.0, point) for point in level.points[:8]]
+        costs = [(self.lines.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
+        return sorted((cost, point) for cost, point in costs if cost is not None)[:8]
+
+    def _offset(self, one: Point, other: Point, view: str, name: str) -> float:
+        step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
+        u, v = PROJECTIONS[view].to_view(AXES[name])
+        return round(abs(step[0] * v - step[1] * u), 3)
