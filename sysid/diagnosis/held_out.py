@@ -36,7 +36,7 @@ import numpy as np
 from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import huber_weights, jacobian, robust_scale
 from sysid.estimation.misfit import LOSS_CORNER, ResidualWeights, blocks, huber_square
-from sysid.prediction.force_balance.prepare import residual_noise
+from sysid.prediction.force_balance.predict import residual_noise
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -43,24 +44,40 @@ def delays_motion(balance: ForceBalanceRecord, effect: Effect) -> bool:
 
 
 def delayed_like_motion(
-    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, signal: np.ndarray
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, signal: np.ndarray, lags: bool = False
 ) -> np.ndarray:
-    """A signal (n,) delayed as the logged motion is."""
+    """A signal (n,) delayed as the logged motion is, or by `lags` only."""
     for effect in effects:
         if delays_motion(balance, effect) and effect.signal is not None:
-            signal = effect.signal(np.ascontiguousarray(signal), balance.step, values_of(effect, values))
+            p = values_of(effect, values)
+            if not lags or _is_lag(effect, balance.step, p):
+                signal = effect.signal(np.ascontiguousarray(signal), balance.step, p)
     return signal
 
 
 def ahead_of_motion(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, signal: np.ndarray
 ) -> np.ndarray:
-    """The signal (n,), smooth, whose delay by the logged motion's effects gives `signal`: inverse of
-    `delayed_like_motion`."""
+    """The signal (n,), smooth, whose delay by the logged motion's effects, but for the lags, gives `signal`."""
     for effect in reversed(effects):
         if delays_motion(balance, effect) and effect.inverse is not None:
-            signal = effect.inverse(signal, balance.step, values_of(effect, values))
+            p = values_of(effect, values)
+            signal = signal if _is_lag(effect, balance.step, p) else effect.inverse(signal, balance.step, p)
     return signal
+
+
+IMPULSE = np.eye(1, 9, 4)[0]
+"""A signal of one row."""
+
+
+def _is_lag(effect: Effect, step: float, p: Any) -> bool:
+    """Whether the inverse of a delay amplifies noise."""
+    return effect.inverse is not None and float(np.linalg.norm(effect.inverse(IMPULSE, step, p))) > 1.0
+
+
+def kept_by_lag(given: np.ndarray, late: np.ndarray) -> float:
+    """The part of the standard deviation of a force (n,) that a lag of it keeps."""
+    return float(np.std(late) / max(np.std(given), 1e-300))
 
 
 def sensor_input(

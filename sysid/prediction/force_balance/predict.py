@@ -48,6 +48,7 @@ from sysid.prediction.sensors import (
     ahead_of_motion,
     delayed_like_motion,
     delays_motion,
+    kept_by_lag,
     scale_ratio,
     sensed,
     sensor_input,
@@ -307,8 +308,7 @@ def _total_at(
 
 
 def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
-    """Every channel (n,), with the effects of drive, structure and sensors. A delay of the logged motion is inverted on
-    the force that it requires: delaying the logged force would attenuate the signal to be explained."""
+    """Every channel (n,), with the effects of drive, structure and sensors."""
     terms = _terms(balance, effects, values)
     total = _total_at(balance, effects, values, terms, np.arange(balance.size))
     out: dict[str, np.ndarray] = {}
@@ -318,7 +318,7 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
         out["position"] = pull - total / values["rig.pull_stiffness"]
         effects = [effect for effect in effects if not delays_motion(balance, effect)]
     else:
-        out[channel] = ahead_of_motion(balance, effects, values, total)
+        out[channel] = _before_delay(balance, effects, values, total)
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values)
     out = sensed(effects, values, out, balance.step)
@@ -327,15 +327,69 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
     return out
 
 
+def _before_delay(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, total: np.ndarray
+) -> np.ndarray:
+    """The force (n,) to be compared with the logged one where the motion is logged late.
+
+    A delay is inverted; a lag acts on the logged force, since its inverse amplifies the noise of the motion, and the
+    residual is divided by what the lag keeps of the force: in a long one the signal to be explained vanishes.
+    """
+    if balance.acceleration is None:
+        return total
+    total = ahead_of_motion(balance, effects, values, total)
+    given, late = _given_and_late(balance, effects, values)
+    if late is given:
+        return total
+    assert balance.full_filter is not None
+    logged, lagged = balance.full_filter(given), balance.full_filter(late)
+    return logged - (lagged - total) / kept_by_lag(given, late)
+
+
+RINGING = 2000
+"""Samples over which the response of a mode or a lag to the noise of one sample is followed."""
+
+
+def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> float:
+    """Standard deviation of the force channel's residual: the acceleration's noise passes the modes of the model, which
+    part of the mass does not follow, and the force's noise passes its delays. A balance scored in the position delays
+    the pull instead."""
+    noise, of_force = balance.noise[balance.force_channel], balance.force_channel != "position"
+    modes = [effect for effect in effects if effect.is_mode]
+    delays = any(delays_motion(balance, effect) for effect in effects)
+    if balance.full_filter is None or not of_force or not (delays or modes):
+        return noise
+    kernels = balance.full_filter.kernel(2), balance.full_filter.kernel(0)
+    taken, given = (np.pad(kernel, (kernel.size, kernel.size + RINGING)) for kernel in kernels)
+    for effect in modes:
+        p = values_of(effect, values)
+        assert effect.signal is not None
+        taken = taken + getattr(p, "mass_ratio", 1.0) * (effect.signal(taken, balance.step, p) - taken)
+    taken = ahead_of_motion(balance, effects, values, taken)
+    late = delayed_like_motion(balance, effects, values, given, lags=True)
+    passed = [float(np.linalg.norm(one) / np.linalg.norm(k)) for one, k in zip((taken, late), kernels, strict=True)]
+    moved = min(values.get("rig.mass", 0.0) * balance.acceleration_noise, noise)
+    kept = kept_by_lag(*_given_and_late(balance, effects, values)) if delays else 1.0
+    return float(np.hypot(moved * passed[0], np.sqrt(noise**2 - moved**2) * passed[1])) / kept
+
+
+def _given_and_late(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, lags: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """The applied force (n,) as it was logged, before its sensor, and after the lags, or all delays, of the motion."""
+    assert balance.applied is not None
+    given = balance.applied * scale_ratio(values, balance.force_channel)
+    if balance.force_channel == "spring_force":
+        given = sensor_input(given, "spring_force", effects, values, balance.step)
+    return given, delayed_like_motion(balance, effects, values, given, lags)
+
+
 def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """The applied force (n,) at the time of the logged motion, which friction balances while sticking; of a pulling
     spring, before its sensor."""
     assert balance.applied is not None
     if balance.force_channel != "position":
-        given = balance.applied * scale_ratio(values, balance.force_channel)
-        if balance.force_channel == "spring_force":
-            given = sensor_input(given, "spring_force", effects, values, balance.step)
-        return delayed_like_motion(balance, effects, values, given)
+        return _given_and_late(balance, effects, values, lags=False)[1]
     # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
     logged, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
     unbent = sensor_input(logged, "position", effects, values, balance.step, late=False)

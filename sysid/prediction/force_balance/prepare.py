@@ -1,17 +1,16 @@
 """Force-balance records from records of driven masses."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect
+from sim.effects.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.measured_motion import velocity_agreement
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
@@ -34,7 +33,6 @@ from sysid.prediction.force_balance.reversals import (
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import ON_ROW, distance_to_rows, mean_of_held, uniform
-from sysid.prediction.sensors import ahead_of_motion, delays_motion
 from sysid.signals import GaussianFilter, NoiseSpectrum, dilated, filled, longer_than
 
 
@@ -56,30 +54,6 @@ def force_noise(position: Signal, force: Signal, mass: float, full: GaussianFilt
     """Noise of the filtered balance of a force and ``mass`` times the acceleration, N."""
     own = force.std * full.noise_gain(0, force.spectrum)
     return float(np.hypot(own, mass * acceleration_noise(position, full)))
-
-
-RINGING = 2000
-"""Samples over which the response of a mode to the noise of one sample is followed."""
-
-
-def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> float:
-    """Standard deviation of the force channel's residual, with the acceleration's noise taken through the modes of the
-    model, which part of the mass does not follow, and through the inverse of its delays, as the force is. A balance
-    scored in the position delays the pull instead."""
-    noise, of_force = balance.noise[balance.force_channel], balance.force_channel != "position"
-    modes = [effect for effect in effects if effect.is_mode]
-    delays = any(delays_motion(balance, effect) for effect in effects)
-    if balance.full_filter is None or not of_force or not (delays or modes):
-        return noise
-    kernel = balance.full_filter.kernel(2)
-    taken = np.pad(kernel, (kernel.size, kernel.size + RINGING * bool(modes)))
-    for effect in modes:
-        p = values_of(effect, values)
-        assert effect.signal is not None
-        taken = taken + getattr(p, "mass_ratio", 1.0) * (effect.signal(taken, balance.step, p) - taken)
-    gain = float(np.linalg.norm(ahead_of_motion(balance, effects, values, taken)) / np.linalg.norm(kernel))
-    own = values.get("rig.mass", 0.0) * balance.acceleration_noise
-    return float(np.sqrt(noise**2 + max(gain**2 - 1.0, -1.0) * min(own, noise) ** 2))
 
 
 class _Motion(NamedTuple):
