@@ -203,9 +203,8 @@ def positioning_figure(study: PositioningStudy) -> Plot:
     axes[1, 0].set_ylabel("true error (nm); dashed: 10 nm")
     for ink, (name, sine) in zip(INK, study.tracked.items()):
         axes[0, -1].plot(sine.time, (sine.wanted - sine.error) * 1e9, color=ink, linewidth=0.8)
-        axes[1, -1].plot(
-            sine.time, sine.error * 1e9, color=ink, linewidth=0.8, label=f"{name}, {sine.rms * 1e9:.2g} nm rms"
-        )
+        look: dict[str, Any] = {"color": ink, "linewidth": 0.8, "label": f"{name}, {sine.rms * 1e9:.2g} nm rms"}
+        axes[1, -1].plot(sine.time, sine.error * 1e9, **look)
     axes[0, -1].set(ylabel="x (nm)", title="a tracked sine, by feedforward")
     axes[1, -1].set(xlabel="time (s)", ylabel="true error (nm)")
     figure.legend(loc="outside lower right", ncols=4, fontsize=7)
