@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12454,
     "sysid": 20847,
     "drawings": 12954,
-    "workbench": 15341,
+    "workbench": 15340,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
