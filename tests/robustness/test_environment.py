@@ -72,7 +72,7 @@ print(cache_root())
 
 def test_values_are_written_back_by_a_user_without_a_name(tmp_path: Path) -> None:
     """A container may run a user id without an entry in the table of users, and without a home folder."""
-    slide(tmp_path / "rig", 1.3 * SIGN, '"coulomb"', held_out=True)
+    slide(tmp_path / "rig", 1.3 * SIGN, "coulomb", held_out=True)
     (tmp_path / "stage.toml").write_text(
         'extends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
     )

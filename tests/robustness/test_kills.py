@@ -134,7 +134,7 @@ def test_killed_at_random_moments(tmp_path, name: str, capfd: pytest.CaptureFixt
 
 def _template(tmp_path: Path, case: Case) -> Path:
     folder = tmp_path / "template"
-    slide(folder / "rig", 1.3 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
+    slide(folder / "rig", 1.3 * SIGN + 20.0 * VELOCITY, "coulomb", held_out=True)
     for record in (folder / "rig").glob("*.csv"):
         # Every tenth row: what a run takes is the number of kills that can be afforded.
         header, *rows = record.read_text().splitlines()

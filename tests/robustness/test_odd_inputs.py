@@ -160,7 +160,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_comparison_ends_in_a_document_with_its_warning(tmp_path, capsys, name: str) -> None:
     force, noise, said = CASES[name]
-    slide(tmp_path / "rig", force, '"coulomb", "viscous"', held_out=True, noise=noise)
+    slide(tmp_path / "rig", force, "coulomb", "viscous", held_out=True, noise=noise)
     assert run(["compare", str(tmp_path / "rig"), "--no-figures", "--json"]) == 0
     captured = capsys.readouterr()
     warnings = json.loads(captured.out)["warnings"]

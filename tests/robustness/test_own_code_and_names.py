@@ -204,7 +204,7 @@ def test_results_of_two_experiments_of_one_name_are_kept_apart(folder: Path, tmp
     from tests.sysid.slide import SIGN, slide
 
     for place in ("a/rig", "b/rig", "build/rig", "../x/rig", "../y/rig", "../x/rig"):
-        slide(Path(place), 1.3 * SIGN, '"coulomb"', held_out=True)
+        slide(Path(place), 1.3 * SIGN, "coulomb", held_out=True)
         assert run(["look", place]) == 0
     capsys.readouterr()
     found = {str(path.parent) for path in Path("build").rglob("look.png")}

@@ -108,7 +108,7 @@ def served(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[st
     """Address of a server of a project with an experiment, parameter files and a finished job; jobs do not begin."""
     project = tmp_path / "project"
     for place in ("rig", "a/rig"):
-        slide(project / place, 1.3 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
+        slide(project / place, 1.3 * SIGN + 20.0 * VELOCITY, "coulomb", held_out=True)
     for name in ("stage.toml", "own.toml"):
         (project / name).write_text('extends = "thesis"\n')
     kept = project / "build" / "workbench" / "jobs" / "00001"

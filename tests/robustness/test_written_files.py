@@ -53,7 +53,7 @@ def test_every_command_that_writes_is_tried() -> None:
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in COMMANDS])
 def test_nothing_else_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     work = tmp_path / "outer" / "work"
-    slide(work / "rig", 1.3 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
+    slide(work / "rig", 1.3 * SIGN + 20.0 * VELOCITY, "coulomb", held_out=True)
     stage = f"extends = 'thesis'\n[hardware]\npiezos = 'piezos.csv'\n[piezo]\nrow = '{HOSTILE}'\n"
     (work / "other.toml").write_text(stage)
     (work / "stage.toml").write_text(f"{stage}[drawing]\ntitle = {{value = '{HOSTILE}', origin = 'assumed: any'}}\n")

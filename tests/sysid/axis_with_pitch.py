@@ -5,37 +5,30 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.experiments import write_rig
+
 NOISE = 0.02
 ROWS = 4000
 
 
-def write(
-    folder: Path, force: Callable[[np.ndarray, np.ndarray], np.ndarray], effects: str = '"coulomb", "viscous"'
-) -> Path:
+def write(folder: Path, force: Callable[[np.ndarray, np.ndarray], np.ndarray], *effects: str) -> Path:
     """Write an experiment whose friction force is `force(position, velocity)`, SI units, plus white noise.
 
     Args:
         folder: of the experiment.
         force: of position (n,) and velocity (n,).
-        effects: of the model, as they stand in the file's list.
+        effects: of the model; Coulomb and viscous friction where none is given.
     """
     rng = np.random.default_rng(5)
-    t = 2e-3 * np.arange(ROWS)
+    t, records = 2e-3 * np.arange(ROWS), {}
     for name, rates in (("fit", (0.7, 2.3)), ("validate", (0.5, 3.1))):
         slow, fast = 2 * np.pi * rates[0], 2 * np.pi * rates[1]
         x = 8e-3 * np.sin(slow * t) + 1e-3 * np.sin(fast * t + 0.4)
         v = 8e-3 * slow * np.cos(slow * t) + 1e-3 * fast * np.cos(fast * t + 0.4)
-        table = np.column_stack([t, x, v, force(x, v) + NOISE * rng.normal(size=ROWS)])
-        head = "time [s],position [m],velocity [m/s],friction_force [N]"
-        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=head, comments="", fmt="%.12g")
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n'
-        f"[model]\neffects = [{effects}]\n"
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-        f'[noise]\nfriction_force = "{NOISE} N"\n',
-        "utf-8",
-    )
-    return folder
+        columns = {"time [s]": t, "position [m]": x, "velocity [m/s]": v}
+        records[name] = columns | {"friction_force [N]": force(x, v) + NOISE * rng.normal(size=ROWS)}
+    stated = {"friction_force": f"{NOISE} N"}
+    return write_rig(folder, "velocity-drive", records, effects or ("coulomb", "viscous"), noise=stated)
 
 
 def uneven(x: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from stagecad.parameters.errors import InputError
 from sysid.diagnose import diagnose
 from sysid.experiment.experiment import load_experiment
 from sysid.ladder import add_effects
+from tests.experiments import write_rig
 from tests.sysid.slide import SIGN, slide
 
 
@@ -21,7 +22,7 @@ def test_an_own_effect_that_is_not_finite_on_the_records_is_named(tmp_path: Path
         force=lambda axis, p: p.strength * np.sqrt(-1.0 - axis.position**2),
         parameters=(Parameter("strength", "N/m", 1.0, 0.0, 9.0, "size", "assumed"),),
     )
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"')
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb")
     with np.errstate(invalid="ignore"):
         found = diagnose(replace(problem, custom=(own,)))
     assert [line for line in found.warnings if "'root' of your own was not tried" in line]
@@ -43,14 +44,9 @@ def rig(tmp_path: Path) -> Path:
     for i in range(1, time.size):
         stretch[i] = np.clip(stretch[i - 1] + position[i] - position[i - 1], -STRETCH, STRETCH)
     force = LEVEL * stretch / STRETCH + VISCOUS * velocity + 0.004 * rng.standard_normal(time.size)
-    header = "time [s],position [m],velocity [m/s],friction_force [N]"
-    table = np.column_stack([time, position, velocity, force])
-    np.savetxt(tmp_path / "fit.csv", table, "%.12g", ",", header=header, comments="")
-    (tmp_path / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
-        '[noise]\nfriction_force = "0.004 N"\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
-    return tmp_path
+    log = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity, "friction_force [N]": force}
+    noise = {"friction_force": "0.004 N"}
+    return write_rig(tmp_path, "velocity-drive", {"fit": log}, ["coulomb", "viscous"], noise=noise)
 
 
 def test_the_law_asked_for_takes_the_place_of_the_core_before_it(rig: Path) -> None:

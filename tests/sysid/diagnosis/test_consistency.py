@@ -12,13 +12,14 @@ from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem, load_problem
 from sysid.report import comparison_json
+from tests.experiments import replace_in
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 FORCE = 1.5 * SIGN
 
 
 def _of_slide(folder: Path, force: np.ndarray) -> list[str]:
-    return list(compare(slide(folder, force, '"coulomb"', held_out=True)).warnings)
+    return list(compare(slide(folder, force, "coulomb", held_out=True)).warnings)
 
 
 def _with_records(problem: Problem, *channels: dict[str, np.ndarray]) -> Problem:
@@ -38,36 +39,32 @@ def test_consistent_records_give_no_warning(tmp_path: Path) -> None:
 
 
 def test_records_whose_error_is_below_their_noise(tmp_path: Path) -> None:
-    problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, FORCE, "coulomb", held_out=True)
     assert consistency_warnings(problem, _errors(1.0)) == []
     (line,) = consistency_warnings(problem, _errors(0.3))
     assert "0.3 of the stated noise" in line
 
 
 def test_a_held_out_record_that_is_the_fit_record(tmp_path: Path) -> None:
-    slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    slide(tmp_path, FORCE, "coulomb", held_out=True)
     (tmp_path / "validate.csv").write_bytes((tmp_path / "fit.csv").read_bytes())
     problem = load_problem(tmp_path)
     (line,) = consistency_warnings(problem, _errors(1.0))
     assert "'validate' contains the same rows as 'fit'" in line
     # Two windows of one file that do not overlap are two records.
-    file = tmp_path / "experiment.toml"
-    text = file.read_text(encoding="utf-8")
-    text = text.replace('role = "fit"', 'role = "fit"\nto = "1.2 s"').replace(
-        'role = "validate"', 'role = "validate"\nfrom = "1.21 s"'
-    )
-    file.write_text(text, encoding="utf-8")
+    replace_in(tmp_path / "experiment.toml", 'role = "fit"', 'role = "fit"\nto = "1.2 s"')
+    replace_in(tmp_path / "experiment.toml", 'role = "validate"', 'role = "validate"\nfrom = "1.21 s"')
     assert consistency_warnings(load_problem(tmp_path), _errors(1.0)) == []
 
 
 def test_the_end_of_a_record_that_is_held_out_is_no_repetition(tmp_path: Path) -> None:
-    problem = slide(tmp_path, FORCE, '"coulomb"')
+    problem = slide(tmp_path, FORCE, "coulomb")
     assert problem.records[0].sha256 == problem.records[1].sha256
     assert consistency_warnings(problem, _errors(1.0)) == []
 
 
 def test_a_constant_measured_channel(tmp_path: Path) -> None:
-    problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, FORCE, "coulomb", held_out=True)
     record = problem.records[0]
     held = {**record.channels, "friction_force": np.full(record.size, 0.25)}
     (line,) = consistency_warnings(_with_records(problem, held), {})
@@ -79,7 +76,7 @@ def test_a_constant_measured_channel(tmp_path: Path) -> None:
     [([700], True), ([700, 1500], True), (list(range(700, 720)), False), (list(range(700, 2500, 72)), True)],
 )
 def test_outliers_by_orders_of_magnitude(tmp_path: Path, rows: list[int], warned: bool) -> None:
-    problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, FORCE, "coulomb", held_out=True)
     force = problem.records[0].channels["friction_force"].copy()
     force[rows] = 1e4
     found = consistency_warnings(_with_records(problem, {**problem.records[0].channels, "friction_force": force}), {})
@@ -94,7 +91,7 @@ def test_a_friction_force_against_the_velocity(tmp_path: Path) -> None:
     # A spring that is only released, and Stribeck friction in one direction, are no contradictions.
     released = {"velocity": -0.01 * (2.0 + np.sin(9.0 * TIME)), "position": 0.05 - 0.01 * np.cumsum(TIME**0) * 1e-3}
     for force in (200.0 * released["position"], -1.0 - 0.5 * np.exp(released["velocity"] / 0.01)):
-        problem = slide(tmp_path / "right", FORCE, '"coulomb"', held_out=True)
+        problem = slide(tmp_path / "right", FORCE, "coulomb", held_out=True)
         assert consistency_warnings(_with_records(problem, {**released, "friction_force": force}), {}) == []
 
 
@@ -104,7 +101,7 @@ def _record(channels: dict[str, np.ndarray]) -> Record:
 
 
 def test_exchanged_columns(tmp_path: Path) -> None:
-    problem = replace(slide(tmp_path, FORCE, '"coulomb"'), fit_records=(), validate_records=())
+    problem = replace(slide(tmp_path, FORCE, "coulomb"), fit_records=(), validate_records=())
 
     def lines(channels: dict[str, np.ndarray]) -> list[str]:
         return consistency_warnings(replace(problem, records=(_record(channels),)), {})
@@ -121,7 +118,7 @@ def test_exchanged_columns(tmp_path: Path) -> None:
 
 
 def test_exchanged_columns_of_velocity_and_force(tmp_path: Path) -> None:
-    problem = slide(tmp_path, FORCE + 20.0 * VELOCITY, '"coulomb", "viscous"', held_out=True)
+    problem = slide(tmp_path, FORCE + 20.0 * VELOCITY, "coulomb", "viscous", held_out=True)
     right = dict(problem.records[0].channels)
     assert consistency_warnings(_with_records(problem, right), {}) == []
     wrong = {**right, "velocity": right["friction_force"], "friction_force": right["velocity"]}
@@ -130,14 +127,14 @@ def test_exchanged_columns_of_velocity_and_force(tmp_path: Path) -> None:
 
 
 def test_warnings_are_in_the_document(tmp_path: Path) -> None:
-    found = compare(slide(tmp_path, -FORCE, '"coulomb"', held_out=True))
+    found = compare(slide(tmp_path, -FORCE, "coulomb", held_out=True))
     assert comparison_json(found)["warnings"] == list(found.warnings) != []
 
 
 @pytest.mark.parametrize(("frequency", "warned"), [(70.0, True), (30.0, True), (20.0, False), (0.7, False)])
 def test_a_motion_above_half_the_sampling_rate(tmp_path: Path, frequency: float, warned: bool) -> None:
     """Sampled at 100 Hz; a motion of 70 Hz is recorded as one of 30 Hz."""
-    problem = slide(tmp_path, FORCE, '"coulomb"')
+    problem = slide(tmp_path, FORCE, "coulomb")
     time = np.arange(2000) * 0.01
     noise = 1e-6 * np.random.default_rng(2).standard_normal(time.size)
     position = 1e-3 * np.sin(2.0 * np.pi * frequency * time) + noise
@@ -148,7 +145,7 @@ def test_a_motion_above_half_the_sampling_rate(tmp_path: Path, frequency: float,
 
 @pytest.mark.parametrize(("rate", "warned"), [(60.0, True), (45.0, True), (400.0, False)])
 def test_hum_above_half_the_sampling_rate(tmp_path: Path, rate: float, warned: bool) -> None:
-    problem = slide(tmp_path, FORCE, '"coulomb"')
+    problem = slide(tmp_path, FORCE, "coulomb")
     time, random = np.arange(int(60 * rate)) / rate, np.random.default_rng(3)
     position = 5e-3 * np.sin(2.0 * np.pi * 0.31 * time)
     force = 0.1 * random.standard_normal(time.size) + 0.3 * np.sin(2.0 * np.pi * 50.03 * time + 1.0)

@@ -11,36 +11,25 @@ from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
+from tests.experiments import change_column, replace_in, write_rig
 from tests.sysid.slide import NOISE, POSITION, SIGN, STEP, TIME, VELOCITY, slide
 
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY
 
 
-def _edit(file: Path, column: int, values: np.ndarray | float, rows: int | None = None) -> None:
-    """Put other values in a column of a CSV file, and keep no more than `rows`."""
-    header = file.read_text(encoding="utf-8").splitlines()[0]
-    table = np.loadtxt(file, delimiter=",", skiprows=1)
-    table[:, column] = values
-    np.savetxt(file, table[:rows], "%.12g", ",", header=header, comments="")
-
-
 @pytest.mark.parametrize("column", [1, 2])
 def test_record_without_motion_is_refused(tmp_path: Path, column: int) -> None:
-    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
-    _edit(tmp_path / "fit.csv", column, 0.01 if column == 1 else 0.0)
+    slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
+    change_column(tmp_path / "fit.csv", column, 0.01 if column == 1 else 0.0)
     with pytest.raises(InputError, match=r"^fit\.csv: nothing moves"):
         load_problem(tmp_path)
 
 
 def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
     tip, held = 1e-6 * np.sin(TIME), np.full(TIME.size, 50.0)
-    header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [m],tip_y [m]"
-    table = np.column_stack([TIME, held, held, tip, tip])
-    np.savetxt(tmp_path / "fit.csv", table, "%.9g", ",", header=header, comments="")
-    (tmp_path / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "actuator-tip"\n[rig.known]\npiezo_spacing = "46 mm"\ntip_height = "20 mm"\n'
-        'bias_voltage = "50 V"\n[model]\neffects = []\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
+    columns = {"time [s]": TIME, "voltage_1 [V]": held, "voltage_2 [V]": held, "tip_x [m]": tip, "tip_y [m]": tip}
+    known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "50 V"}
+    write_rig(tmp_path, "actuator-tip", {"fit": columns}, known=known)
     with pytest.raises(InputError, match=r"^fit\.csv: the voltages never change"):
         load_problem(tmp_path)
 
@@ -48,12 +37,11 @@ def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
 def test_force_of_two_levels_is_not_quantised_where_no_noise_is_stated(tmp_path: Path) -> None:
     speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
     levels = 2.0 * np.sign(speed)
-    slide(tmp_path, levels, '"coulomb"', held_out=True)
+    slide(tmp_path, levels, "coulomb", held_out=True)
     for name in ("fit.csv", "validate.csv"):
         for column, values in ((1, np.cumsum(speed) * STEP), (2, speed), (3, levels)):
-            _edit(tmp_path / name, column, values)
-    experiment = tmp_path / "experiment.toml"
-    experiment.write_text(experiment.read_text(encoding="utf-8").partition("[noise]")[0], encoding="utf-8")
+            change_column(tmp_path / name, column, values)
+    replace_in(tmp_path / "experiment.toml", '[noise]\n"friction_force"', "[noise]\n#")
     found = diagnose(tmp_path)
     assert found.problem.noise["friction_force"].quantisation_step is None
     assert (found.verdict, found.effect) == ("adequate", None)
@@ -62,22 +50,19 @@ def test_force_of_two_levels_is_not_quantised_where_no_noise_is_stated(tmp_path:
 def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
     force = np.where(np.sin(2 * np.pi * 6.0 * TIME) > 0.0, 2.0, -2.0)
     position = np.cumsum(np.cumsum(force)) * STEP**2
-    table = np.column_stack([TIME, position - np.polyval(np.polyfit(TIME, position, 1), TIME), force])
-    np.savetxt(tmp_path / "fit.csv", table, "%.9g", ",", header="time [s],position [m],drive_force [N]", comments="")
-    (tmp_path / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "1 kg"\n[model]\neffects = ["coulomb"]\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[noise]\ndrive_force = "0.01 N"\n'
-    )
+    columns = {"time [s]": TIME, "position [m]": position - np.polyval(np.polyfit(TIME, position, 1), TIME)}
+    columns["drive_force [N]"] = force
+    noise = {"drive_force": "0.01 N"}
+    write_rig(tmp_path, "force-drive", {"fit": columns}, ["coulomb"], known={"mass": "1 kg"}, noise=noise)
     assert load_problem(tmp_path).noise["drive_force"].quantisation_step is None
 
 
 @pytest.mark.slow
 def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> None:
-    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
+    slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
     step = 10.0 * NOISE
     for name in ("fit.csv", "validate.csv"):
-        force = np.loadtxt(tmp_path / name, delimiter=",", skiprows=1)[:, 3]
-        _edit(tmp_path / name, 3, step * np.round(force / step))
+        change_column(tmp_path / name, 3, lambda force: step * np.round(force / step))
     found = diagnose(tmp_path)
     assert (found.verdict, found.effect) == ("missing-effect", "sensor_quantisation")
     add_effects(tmp_path, ["sensor_quantisation"])
@@ -87,13 +72,11 @@ def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> No
 
 
 def test_an_estimated_noise_contains_the_rounding_and_nothing_is_missing(tmp_path: Path) -> None:
-    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
+    slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
     step = 10.0 * NOISE
     for name in ("fit.csv", "validate.csv"):
-        force = np.loadtxt(tmp_path / name, delimiter=",", skiprows=1)[:, 3]
-        _edit(tmp_path / name, 3, step * np.round(force / step))
-    experiment = (tmp_path / "experiment.toml").read_text(encoding="utf-8")
-    (tmp_path / "experiment.toml").write_text(experiment.replace("[noise]\nfriction_force", "[noise]\n#"), "utf-8")
+        change_column(tmp_path / name, 3, lambda force: step * np.round(force / step))
+    replace_in(tmp_path / "experiment.toml", '[noise]\n"friction_force"', "[noise]\n#")
     estimated = diagnose(tmp_path)
     assert estimated.verdict == "adequate"
     floor = estimated.problem.noise["friction_force"].value
@@ -102,16 +85,16 @@ def test_an_estimated_noise_contains_the_rounding_and_nothing_is_missing(tmp_pat
 
 @pytest.mark.parametrize("rows", [12, 30, 100])
 def test_held_out_record_of_a_few_rows_is_compared(tmp_path: Path, rows: int) -> None:
-    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
-    _edit(tmp_path / "validate.csv", 1, POSITION, rows)
+    slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
+    change_column(tmp_path / "validate.csv", 1, POSITION, rows)
     found = compare(tmp_path)
     assert found.validate["friction_force"].rms < 0.03
     assert {m.coordinate for m in found.maps} >= {"velocity", "position"}
 
 
 def test_gap_in_time_that_no_grid_can_fill_is_reported(tmp_path: Path) -> None:
-    slide(tmp_path, FORCE, '"coulomb"', held_out=True)
-    _edit(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
+    slide(tmp_path, FORCE, "coulomb", held_out=True)
+    change_column(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
     with pytest.raises(
         InputError, match=r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
     ):
@@ -121,31 +104,23 @@ def test_gap_in_time_that_no_grid_can_fill_is_reported(tmp_path: Path) -> None:
 DAMPING, MASS, FIRST = 40.0, 2.0, 1.5
 
 
-def _driven(folder: Path, step: float, name: str, rows: int) -> None:
+def _driven(folder: Path, steps: dict[str, float], rows: dict[str, int]) -> None:
     """A mass driven to and fro through a Coulomb force and a drag: the drive force is what its motion needs."""
-    time = step * np.arange(rows)
-    w = 2 * np.pi * 0.7
-    position, velocity = -np.cos(w * time) * 5e-3, 5e-3 * w * np.sin(w * time)
-    acceleration = 5e-3 * w * w * np.cos(w * time)
-    force = MASS * acceleration + DAMPING * velocity + FIRST * np.sign(velocity)
-    rng = np.random.default_rng(1)
-    table = np.column_stack([time, force, position + 1e-7 * rng.standard_normal(rows)])
-    np.savetxt(folder / name, table, "%.10g", ",", header="time [s],drive_force [N],position [m]", comments="")
-
-
-def _experiment(folder: Path) -> None:
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{MASS} kg"\n[model]\n'
-        'effects = ["coulomb", "viscous"]\n[noise]\nposition = "1e-7 m"\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-        '[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-    )
+    records = {}
+    for name, step in steps.items():
+        time = step * np.arange(rows[name])
+        w = 2 * np.pi * 0.7
+        position, velocity = -np.cos(w * time) * 5e-3, 5e-3 * w * np.sin(w * time)
+        force = MASS * 5e-3 * w * w * np.cos(w * time) + DAMPING * velocity + FIRST * np.sign(velocity)
+        noisy = position + 1e-7 * np.random.default_rng(1).standard_normal(time.size)
+        records[name] = {"time [s]": time, "drive_force [N]": force, "position [m]": noisy}
+    rig, known = {"kind": "force-drive", "input_hold": "linear"}, {"mass": f"{MASS} kg"}
+    write_rig(folder, rig, records, ["coulomb", "viscous"], known=known, noise={"position": "1e-7 m"})
 
 
 def test_records_of_different_rates_share_one_filter(tmp_path) -> None:
     # A filter narrower than the rows of the slow record would pass no acceleration at all.
-    _driven(tmp_path, STEP, "fit.csv", 6000)
-    _driven(tmp_path, 32 * STEP, "validate.csv", 400)
-    _experiment(tmp_path)
+    _driven(tmp_path, {"fit": STEP, "validate": 32 * STEP}, {"fit": 6000, "validate": 400})
     problem = load_problem(tmp_path)
     widths = {
         r.full_filter.width
@@ -160,9 +135,7 @@ def test_records_of_different_rates_share_one_filter(tmp_path) -> None:
 
 @pytest.mark.parametrize("wrong", ["fit.csv", "validate.csv"])
 def test_record_with_time_in_another_unit_is_detected(tmp_path: Path, wrong: str) -> None:
-    for name in ("fit.csv", "validate.csv"):
-        _driven(tmp_path, STEP, name, 3000)
-    _experiment(tmp_path)
-    _edit(tmp_path / wrong, 0, 1e3 * STEP * np.arange(3000))
+    _driven(tmp_path, {"fit": STEP, "validate": STEP}, {"fit": 3000, "validate": 3000})
+    change_column(tmp_path / wrong, 0, 1e3 * STEP * np.arange(3000))
     with pytest.raises(InputError, match=r"too short for the filter of .*time is in one unit"):
         load_problem(tmp_path)

@@ -11,6 +11,7 @@ from sysid.diagnosis.free_curves import LEAST_KNOTS, PRIOR_SCALE, free_curves, w
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem, load_problem
+from tests.experiments import write_rig
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 
@@ -41,7 +42,7 @@ def _apart_from(signal: np.ndarray, *columns: np.ndarray) -> np.ndarray:
 def test_cubic_spring_is_a_force_of_the_position(tmp_path: Path) -> None:
     middle = POSITION - POSITION.mean()
     cubic = 0.4 * (middle / np.max(np.abs(middle))) ** 3
-    problem = slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, '"coulomb", "viscous"', held_out=True)
+    problem = slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, "coulomb", "viscous", held_out=True)
     curves = _curves(problem)
     best = curves[0]
     assert best.name == "free_force_of_position"
@@ -56,7 +57,7 @@ def test_cubic_spring_is_a_force_of_the_position(tmp_path: Path) -> None:
 
 def test_friction_that_depends_on_the_position_is_a_level_of_it(tmp_path: Path) -> None:
     uneven = 0.3 * np.exp(-(((POSITION - POSITION.mean()) / 2e-3) ** 2))
-    problem = slide(tmp_path, (1.5 + uneven) * SIGN, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, (1.5 + uneven) * SIGN, "coulomb", held_out=True)
     best = _curves(problem)[0]
     assert best.name == "free_friction_of_position"
     assert _share(best) > 0.9
@@ -65,17 +66,17 @@ def test_friction_that_depends_on_the_position_is_a_level_of_it(tmp_path: Path) 
 
 
 def test_coordinates_in_which_the_records_vary_have_curves(tmp_path: Path) -> None:
-    plain = {effect.coordinates[0] for effect in free_curves(slide(tmp_path / "a", 1.5 * SIGN, '"coulomb"'))}
+    plain = {effect.coordinates[0] for effect in free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))}
     assert {"position", "velocity", "acceleration", "distance_since_reversal"} <= plain
     assert not plain & {"temperature", "normal_load", "input"}
     warmth = {"temperature [degC]": 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)}
-    warm = free_curves(slide(tmp_path / "b", 1.5 * SIGN, '"coulomb"', extra=warmth))
+    warm = free_curves(slide(tmp_path / "b", 1.5 * SIGN, "coulomb", extra=warmth))
     assert {effect.coordinates[0] for effect in warm} == plain | {"temperature"}
 
 
 def test_levels_need_a_friction_state(tmp_path: Path) -> None:
-    with_state = free_curves(slide(tmp_path / "a", 1.5 * SIGN, '"coulomb"'))
-    without = free_curves(slide(tmp_path / "b", 25.0 * VELOCITY, '"viscous"'))
+    with_state = free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))
+    without = free_curves(slide(tmp_path / "b", 25.0 * VELOCITY, "viscous"))
     assert any(effect.level is not None for effect in with_state)
     assert all(effect.level is None for effect in without)
     # Along a measured motion a force of the velocity and a level of the velocity are the same change of the residual.
@@ -84,7 +85,7 @@ def test_levels_need_a_friction_state(tmp_path: Path) -> None:
 
 
 def test_knots_lie_within_the_range_and_are_even_for_the_position(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", held_out=True)
     for effect in free_curves(problem):
         assert len(effect.parameters) >= LEAST_KNOTS
         assert len({p.name for p in effect.parameters}) == len(effect.parameters)
@@ -100,7 +101,7 @@ def test_knots_lie_within_the_range_and_are_even_for_the_position(tmp_path: Path
 
 
 def test_heights_have_a_prior_of_twice_the_force_scale(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"')
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb")
     base = fit_stated_model(problem)
     for effect in free_curves(problem):
         model = with_curve(base.fitted.model, effect, problem.scales)
@@ -128,24 +129,20 @@ def _bent(voltage: np.ndarray) -> np.ndarray:
 
 def _tip(folder: Path) -> Problem:
     """Two records of a tip on two piezos with the same unknown static nonlinearity."""
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         rng = np.random.default_rng(seed)
         phase = rng.uniform(0.0, 6.0, 4)
         first = 28.0 * np.sin(2 * np.pi * 3.1 * TIME + phase[0]) + 18.0 * np.sin(2 * np.pi * 0.9 * TIME + phase[1])
         second = 28.0 * np.sin(2 * np.pi * 2.3 * TIME + phase[2]) + 18.0 * np.sin(2 * np.pi * 1.7 * TIME + phase[3])
         d1, d2 = GAIN * (first + _bent(first)), GAIN * (second + _bent(second))
-        tip = [-HEIGHT / SPACING * (d2 - d1), 0.5 * (d1 + d2)]
-        noisy = [y + TIP_NOISE * rng.standard_normal(TIME.size) for y in tip]
-        header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [m],tip_y [m]"
-        table = np.column_stack([TIME, BIAS + first, BIAS + second, *noisy])
-        np.savetxt(folder / f"{role}.csv", table, "%.10g", ",", header=header, comments="")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "actuator-tip"\n[rig.known]\npiezo_spacing = "{SPACING} m"\n'
-        f'tip_height = "{HEIGHT} m"\nbias_voltage = "{BIAS} V"\n[model]\neffects = []\n'
-        f'[noise]\ntip_x = "{TIP_NOISE} m"\ntip_y = "{TIP_NOISE} m"\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-    )
-    return load_problem(folder)
+        tip = {"tip_x [m]": -HEIGHT / SPACING * (d2 - d1), "tip_y [m]": 0.5 * (d1 + d2)}
+        records[role] = {"time [s]": TIME, "voltage_1 [V]": BIAS + first, "voltage_2 [V]": BIAS + second} | {
+            name: y + TIP_NOISE * rng.standard_normal(TIME.size) for name, y in tip.items()
+        }
+    known = {"piezo_spacing": f"{SPACING} m", "tip_height": f"{HEIGHT} m", "bias_voltage": f"{BIAS} V"}
+    noise = {"tip_x": f"{TIP_NOISE} m", "tip_y": f"{TIP_NOISE} m"}
+    return load_problem(write_rig(folder, "actuator-tip", records, known=known, noise=noise))
 
 
 def test_nonlinear_piezo_is_a_voltage_of_its_input(tmp_path: Path) -> None:

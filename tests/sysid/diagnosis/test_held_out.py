@@ -17,6 +17,7 @@ from sysid.prediction.force_balance.record import INDEPENDENT_WIDTHS, ForceBalan
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import GaussianFilter
+from tests.experiments import change_column, write_rig
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 BLOCKS, LENGTH = 24, 400
@@ -66,13 +67,9 @@ def test_loss_is_linear_beyond_the_corner_and_infinite_without_a_prediction() ->
 
 def _shifted(folder: Path, rows: int, shift: float) -> Problem:
     """Coulomb friction that is larger by `shift` N in the held-out record; the fit record has `rows` rows."""
-    slide(folder, 1.5 * SIGN, '"coulomb"', held_out=True)
+    slide(folder, 1.5 * SIGN, "coulomb", held_out=True)
     for name, change, kept in (("fit", 0.0, rows), ("validate", shift, TIME.size)):
-        file = folder / f"{name}.csv"
-        header = file.read_text(encoding="utf-8").splitlines()[0]
-        table = np.loadtxt(file, delimiter=",", skiprows=1)
-        table[:, 3] += change * SIGN
-        np.savetxt(file, table[:kept], "%.9g", ",", header=header, comments="")
+        change_column(folder / f"{name}.csv", 3, lambda force, change=change: force + change * SIGN, kept)
     return load_problem(folder)
 
 
@@ -117,18 +114,14 @@ def _written(folder: Path, mirror: float, later: float, unit: str) -> Problem:
     """One motion with Coulomb friction, drag and a cable that the model lacks: mirrored, later, or in another unit."""
     scale = {"m": 1.0, "mm": 1e3}[unit]
     force = 1.5 * SIGN + 20.0 * VELOCITY + 5.0 * POSITION
-    folder.mkdir()
+    records = {}
     for seed, name in enumerate(("fit", "validate")):
         noise = NOISE * np.random.default_rng(seed).normal(size=TIME.size)
-        columns = TIME + later, mirror * scale * POSITION, mirror * scale * VELOCITY, mirror * (force + noise)
-        header = f"time [s],position [{unit}],velocity [{unit}/s],friction_force [N]"
-        np.savetxt(folder / f"{name}.csv", np.column_stack(columns), "%.12g", ",", header=header, comments="")
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-        f'[noise]\nfriction_force = "{NOISE} N"\n'
-    )
-    return load_problem(folder)
+        columns = {"time [s]": TIME + later, f"position [{unit}]": mirror * scale * POSITION}
+        columns[f"velocity [{unit}/s]"] = mirror * scale * VELOCITY
+        records[name] = columns | {"friction_force [N]": mirror * (force + noise)}
+    stated = {"friction_force": f"{NOISE} N"}
+    return load_problem(write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise=stated))
 
 
 @pytest.mark.parametrize("mirror,later,unit", [(-1.0, 0.0, "m"), (1.0, 100.0, "m"), (1.0, 0.0, "mm")])
@@ -157,7 +150,7 @@ def _driven(folder: Path) -> Problem:
     """A driven mass of 2 kg with viscous drag, whose position is so noisy that the noise of its acceleration is as
     large as that of the force."""
     random = np.random.default_rng(3)
-    time = np.arange(0.0, 12.0, 1e-3)
+    time, records = np.arange(0.0, 12.0, 1e-3), {}
     for name, phase in (("fit", 0.0), ("validate", 1.1)):
         waves = [(4e-3, 2.0, phase), (1e-3, 7.0, 2.0 * phase)]
         position = sum(a * np.sin(2.0 * np.pi * f * time + p) for a, f, p in waves)
@@ -166,15 +159,10 @@ def _driven(folder: Path) -> Problem:
         velocity = sum(2.0 * np.pi * f * a * np.cos(2.0 * np.pi * f * held + p) for a, f, p in waves)
         inertia = sum(-((2.0 * np.pi * f) ** 2) * a * np.sin(2.0 * np.pi * f * held + p) for a, f, p in waves)
         force = 2.0 * inertia + 8.0 * velocity + 0.02 * random.normal(size=time.size)
-        rows = np.column_stack([time, position + 2e-6 * random.normal(size=time.size), force])
-        header = "time [s],position [m],drive_force [N]"
-        np.savetxt(folder / f"{name}.csv", rows, "%.9g", ",", header=header, comments="")
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "2 kg"\n[model]\neffects = ["viscous"]\n'
-        '[noise]\ndrive_force = "0.02 N"\nposition = "2 um"\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-    )
-    return load_problem(folder)
+        noisy = position + 2e-6 * random.normal(size=time.size)
+        records[name] = {"time [s]": time, "position [m]": noisy, "drive_force [N]": force}
+    noise = {"drive_force": "0.02 N", "position": "2 um"}
+    return load_problem(write_rig(folder, "force-drive", records, ["viscous"], known={"mass": "2 kg"}, noise=noise))
 
 
 def test_an_effect_that_attenuates_the_noise_of_the_acceleration_gains_nothing(tmp_path: Path) -> None:
@@ -217,22 +205,16 @@ TIP_NOISE, GAIN, SPACING, HEIGHT = 1e-9, 1e-7, 0.046, 0.02
 
 
 def _reference(folder: Path, offset: float, gain: float = GAIN) -> Reference:
-    time = np.arange(4000) * 1e-3
-    header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [m],tip_y [m]"
+    time, records = np.arange(4000) * 1e-3, {}
     for k, (name, zero, slope) in enumerate((("fit", 0.0, GAIN), ("validate", offset, gain))):
         noise = TIP_NOISE * np.random.default_rng(k).standard_normal((2, time.size))
         first, second = 40.0 * np.sin(7.0 * time + k), 40.0 * np.sin(9.0 * time)
-        tip_x = -HEIGHT * slope * (second - first) / SPACING + zero + noise[0]
-        tip_y = 0.5 * slope * (first + second) + zero + noise[1]
-        table = np.column_stack([time, first + 50.0, second + 50.0, tip_x, tip_y])
-        np.savetxt(folder / f"{name}.csv", table, "%.12g", ",", header=header, comments="")
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "actuator-tip"\n[rig.known]\npiezo_spacing = "46 mm"\ntip_height = "20 mm"\n'
-        'bias_voltage = "50 V"\n[model]\neffects = []\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-        '[[record]]\nfile = "validate.csv"\nrole = "validate"\n[noise]\ntip_x = "1e-9 m"\ntip_y = "1e-9 m"\n',
-        encoding="utf-8",
-    )
-    problem = load_problem(folder)
+        columns = {"time [s]": time, "voltage_1 [V]": first + 50.0, "voltage_2 [V]": second + 50.0}
+        columns["tip_x [m]"] = -HEIGHT * slope * (second - first) / SPACING + zero + noise[0]
+        records[name] = columns | {"tip_y [m]": 0.5 * slope * (first + second) + zero + noise[1]}
+    known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "50 V"}
+    stated = {"tip_x": "1e-9 m", "tip_y": "1e-9 m"}
+    problem = load_problem(write_rig(folder, "actuator-tip", records, known=known, noise=stated))
     return Reference.of(problem, fit_stated_model(problem))
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from sysid.diagnosis.consistency import contradicted_known
 from sysid.prediction.problem import load_problem
+from tests.experiments import write_rig
 
 STEP, ROWS = 2e-3, 6000
 TIME = STEP * np.arange(ROWS)
@@ -22,18 +23,10 @@ def _driven_mass(folder: Path, mass: str, scale: float = 1.0, hertz: float = 1.0
     position = 0.02 * np.sin(angle).sum(axis=0)
     velocity, acceleration = 0.02 * (rates * np.cos(angle)).sum(axis=0), -0.02 * (rates**2 * np.sin(angle)).sum(axis=0)
     force = 2.0 * acceleration + 1.5 * np.sign(velocity) + 4.0 * velocity + 30.0 * position
-    columns = [
-        TIME,
-        position + 1e-6 * random.standard_normal(ROWS),
-        scale * (force + 0.02 * random.standard_normal(ROWS)),
-    ]
-    head = "time [s],position [m],drive_force [N]"
-    np.savetxt(folder / "fit.csv", np.column_stack(columns), delimiter=",", header=head, comments="", fmt="%.9g")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{mass}"\n'
-        '[model]\neffects = ["coulomb", "viscous"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
-    return folder
+    columns = {"time [s]": TIME, "position [m]": position + 1e-6 * random.standard_normal(ROWS)}
+    columns["drive_force [N]"] = scale * (force + 0.02 * random.standard_normal(ROWS))
+    rig = {"kind": "force-drive", "input_hold": "linear"}
+    return write_rig(folder, rig, {"fit": columns}, ["coulomb", "viscous"], known={"mass": mass})
 
 
 @pytest.mark.parametrize("mass", ["2 kg", "2.1 kg", "1.9 +- 0.1 kg"])
@@ -59,12 +52,9 @@ def test_the_stiffness_of_a_pulling_spring(tmp_path: Path, stated: str, wrong: b
     pull = 0.02 * np.sin(2.0 * np.pi * 0.5 * TIME)
     stretch = 5e-4 * np.sign(np.cos(2.0 * np.pi * 0.5 * TIME))
     force = 5000.0 * stretch + 0.1 + 0.02 * random.standard_normal(ROWS)
-    columns = [TIME, pull, pull - stretch + 1e-6 * random.standard_normal(ROWS), force]
-    head = "time [s],pull_position [m],position [m],spring_force [N]"
-    np.savetxt(tmp_path / "fit.csv", np.column_stack(columns), delimiter=",", header=head, comments="", fmt="%.9g")
-    (tmp_path / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "spring-pull"\n[rig.known]\nmass = "2 kg"\npull_stiffness = "{stated}"\n'
-        '[model]\neffects = ["coulomb"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
+    columns = {"time [s]": TIME, "pull_position [m]": pull}
+    columns["position [m]"] = pull - stretch + 1e-6 * random.standard_normal(ROWS)
+    known = {"mass": "2 kg", "pull_stiffness": stated}
+    write_rig(tmp_path, "spring-pull", {"fit": columns | {"spring_force [N]": force}}, ["coulomb"], known=known)
     found = [line for line in contradicted_known(load_problem(tmp_path)) if "pull_stiffness" in line]
     assert bool(found) == wrong

@@ -18,6 +18,7 @@ from sysid.ladder import add_all
 from sysid.prediction.model import public_name, variant_group
 from sysid.prediction.problem import load_problem
 from sysid.report import ledger_json
+from tests.experiments import write_rig
 from tests.sysid.axis_with_pitch import uneven, write
 
 CERTAIN = Evidence(5.0, 0.3, 0.9, 6.0, Transfer(1.0, 15.0, 100.0), Transfer(1.0, 15.0, 100.0))
@@ -94,21 +95,14 @@ def test_two_effects_are_established_at_once_and_added_in_order(tmp_path: Path) 
 
 def _cogging(folder: Path) -> Path:
     """Torque of a motor over one turn, two runs, with harmonics of 8, 16 and 11 periods a turn."""
-    folder.mkdir()
-    text = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\n'
-    text += 'friction_force = "0.25 mN*m"\n'
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         time = np.arange(400) * 0.1
         angle = 2.0 * np.pi * time / time[-1] + 0.003 * seed
         torque = sum(a * np.sin(n * angle + n) for n, a in ((8, 4e-3), (16, 2.9e-3), (11, 1.9e-3)))
         torque = torque + 2e-2 + 2.5e-4 * np.random.default_rng(seed).normal(size=time.size)
-        header = "time [s],position [rad],friction_force [N*m]"
-        np.savetxt(
-            folder / f"{role}.csv", np.column_stack([time, angle, torque]), "%.9g", ",", header=header, comments=""
-        )
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (folder / "experiment.toml").write_text(text, encoding="utf-8")
-    return folder
+        records[role] = {"time [s]": time, "position [rad]": angle, "friction_force [N*m]": torque}
+    return write_rig(folder, "velocity-drive", records, ["coulomb"], noise={"friction_force": "0.25 mN*m"})
 
 
 @pytest.mark.slow
@@ -125,8 +119,7 @@ def test_harmonics_of_a_force_are_copies_of_one_effect(tmp_path: Path) -> None:
 
 def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None:
     """A falling arm: with a constant drive, a delay of a channel makes the compared torque vanish."""
-    text = 'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\ninertia = "0.02 kg*m^2"\n'
-    text += '[model]\neffects = ["coulomb", "viscous"]\n'
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         time, step, angle, speed = np.arange(0.0, 2.0, 0.01), 1e-3, 1.4 - 0.1 * seed, 0.0
         angles = []
@@ -136,11 +129,8 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
                 speed += step * (-0.9 * np.sin(angle) - 0.03 * speed) / 0.02
                 angle += step * speed
         noisy = np.array(angles) + 1e-4 * np.random.default_rng(seed).normal(size=time.size)
-        rows = np.column_stack([time, noisy, 0.0 * time])
-        header = "time [s],position [rad],drive_force [N*m]"
-        np.savetxt(tmp_path / f"{role}.csv", rows, "%.9g", ",", header=header, comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
+        records[role] = {"time [s]": time, "position [rad]": noisy, "drive_force [N*m]": 0.0 * time}
+    write_rig(tmp_path, "force-drive", records, ["coulomb", "viscous"], known={"inertia": "0.02 kg*m^2"})
     found = diagnose(tmp_path)
     assert found.effect in (None, "gravity_torque", "cable_spring")
     assert not any(trial.effect.signal is not None for trial in found.trials)
@@ -162,21 +152,16 @@ def test_effects_established_in_reported_records(name: str, effects: set[str]) -
 
 def test_variant_of_an_effect_is_exchanged_beside_another_effect(tmp_path: Path) -> None:
     """Friction that grows with the root of the load, one direction apart: the linear law is no end of the search."""
-    text = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\n'
-    text += 'friction_force = "0.02 N"\n'
-    random = np.random.default_rng(3)
-    for load in (20.0, 200.0, 400.0, 100.0):
-        time, role = np.arange(600) * 0.01, "validate" if load == 100.0 else "fit"
-        position = 5e-3 * np.sin(2.0 * np.pi * 0.5 * time)
+    random, records = np.random.default_rng(3), {}
+    for name, load in (("a", 20.0), ("b", 200.0), ("c", 400.0), ("validate", 100.0)):
+        time = np.arange(600) * 0.01
+        columns = {"time [s]": time, "position [m]": 5e-3 * np.sin(2.0 * np.pi * 0.5 * time)}
         velocity = 5e-3 * np.pi * np.cos(2.0 * np.pi * 0.5 * time)
         force = 0.5 * np.sqrt(load) * (1.0 + 0.3 * (velocity > 0.0)) * np.sign(velocity)
-        force += 0.02 * random.normal(size=time.size)
-        rows = np.column_stack([time, position, velocity, force, 0.0 * time + load])
-        header = "time [s],position [m],velocity [m/s],friction_force [N],normal_load [N]"
-        np.savetxt(tmp_path / f"{load:.0f}.csv", rows, "%.9g", ",", header=header, comments="")
-        text += f'[[record]]\nfile = "{load:.0f}.csv"\nrole = "{role}"\n'
-    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
-    problem = load_problem(tmp_path)
+        columns |= {"velocity [m/s]": velocity, "friction_force [N]": force + 0.02 * random.normal(size=time.size)}
+        records[name] = columns | {"normal_load [N]": 0.0 * time + load}
+    rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb"], noise={"friction_force": "0.02 N"})
+    problem = load_problem(rig)
     search = ModelSearch(problem, fit_stated_model(problem))
     names = {"direction_asymmetry", "load_dependent_friction"}
     load = next(c for c in search.singles if c.names == ("load_dependent_friction",))

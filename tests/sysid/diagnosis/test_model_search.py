@@ -15,6 +15,7 @@ from sysid.experiment.history import read_history
 from sysid.ladder import add_effects
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import load_problem
+from tests.experiments import write_rig
 from tests.sysid.axis_with_pitch import uneven, write
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
@@ -90,18 +91,17 @@ def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
 
 
 def test_shape_without_a_stated_start_is_searched(tmp_path: Path) -> None:
-    effects = '"coulomb", "viscous", "position_dependent_friction", "cable_spring"'
-    found = diagnose(write(tmp_path, uneven, effects))
+    effects = "coulomb", "viscous", "position_dependent_friction", "cable_spring"
+    found = diagnose(write(tmp_path, uneven, *effects))
     assert found.verdict == "adequate"
     assert found.base.fitted.model.values["position_dependent_friction.pitch"] == pytest.approx(6e-3, rel=0.01)
     assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
 
 
 def test_bounds_stated_by_the_user_are_kept_in_a_new_search(tmp_path: Path) -> None:
-    rig = write(tmp_path, uneven, '"coulomb", "viscous", "position_dependent_friction"')
-    toml = rig / "experiment.toml"
-    held = '[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n[[record]]'
-    toml.write_text(toml.read_text("utf-8").replace("[[record]]", held, 1), "utf-8")
+    rig = write(tmp_path, uneven, "coulomb", "viscous", "position_dependent_friction")
+    with (rig / "experiment.toml").open("a") as file:
+        file.write('[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n')
     search = _search(rig)
     candidate = search.converged(next(c for c in search.singles if c.name == "cable_spring"))
     unknowns = {u.key: u for u in candidate.fitted.model.unknowns}
@@ -110,7 +110,7 @@ def test_bounds_stated_by_the_user_are_kept_in_a_new_search(tmp_path: Path) -> N
 
 
 def test_ranked_effects_are_one_per_family_and_do_not_change_the_base_model(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, "coulomb", held_out=True)
     base = fit_stated_model(problem)
     before = dict(base.fitted.model.values)
     search = ModelSearch(problem, base)
@@ -130,7 +130,7 @@ def _viscous(x: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 @pytest.mark.slow
 def test_wrong_effect_is_replaced_by_the_true_one(tmp_path: Path) -> None:
-    rig = write(tmp_path, _viscous, '"coulomb"')
+    rig = write(tmp_path, _viscous, "coulomb")
     add_effects(rig, ["quadratic_drag"])
     found = find_replacements(_search(rig), ["quadratic_drag"])
     assert [(one.old, one.new) for one in found] == [("quadratic_drag", "viscous")]
@@ -152,7 +152,7 @@ def test_unneeded_effect_is_reported(tmp_path: Path) -> None:
 
 
 def test_needed_effect_is_kept_and_only_removals_are_searched_if_stated(tmp_path: Path) -> None:
-    rig = write(tmp_path, _viscous, '"coulomb"')
+    rig = write(tmp_path, _viscous, "coulomb")
     add_effects(rig, ["quadratic_drag"])
     # Wrong, but needed: without a search of replacements it stays.
     assert find_replacements(_search(rig), ["quadratic_drag"], others_too=False) == []
@@ -165,11 +165,10 @@ def test_needed_effect_is_kept_and_only_removals_are_searched_if_stated(tmp_path
 
 @pytest.mark.parametrize("stated,removed", [("", 1), ('{start = "0.5 +- 2 N*s^2/m^2"}', 0)])
 def test_effect_with_priors_on_all_its_values_is_not_removed(tmp_path: Path, stated: str, removed: int) -> None:
-    rig = write(tmp_path, _viscous, '"coulomb", "viscous", "quadratic_drag"')
+    rig = write(tmp_path, _viscous, "coulomb", "viscous", "quadratic_drag")
     if stated:
-        toml = rig / "experiment.toml"
-        prior = f'[model.parameters]\n"quadratic_drag.coefficient" = {stated}\n[[record]]'
-        toml.write_text(toml.read_text("utf-8").replace("[[record]]", prior, 1), "utf-8")
+        with (rig / "experiment.toml").open("a") as file:
+            file.write(f'[model.parameters]\n"quadratic_drag.coefficient" = {stated}\n')
     found = find_replacements(_search(rig), ["quadratic_drag"], others_too=False)
     assert [one.new for one in found] == [None] * removed
 
@@ -177,8 +176,7 @@ def test_effect_with_priors_on_all_its_values_is_not_removed(tmp_path: Path, sta
 def _loaded_cylinder(folder: Path) -> Path:
     """Slow strokes and fast returns at four constant loads: friction grows with a power of the load and is larger along
     the strokes."""
-    folder.mkdir()
-    records = []
+    records = {}
     for seed, load in enumerate((50.0, 150.0, 250.0, 350.0)):
         random = np.random.default_rng(seed)
         time = np.arange(2000) * 0.01
@@ -187,17 +185,10 @@ def _loaded_cylinder(folder: Path) -> Path:
         velocity = np.gradient(position, time)
         level = 12.0 * (load / 350.0) ** 0.65
         force = level * np.tanh(velocity / 5e-4) * (1.0 + 0.35 * np.sign(velocity)) + 30.0 * velocity
-        rows = np.column_stack([time, position, velocity, force + 0.05 * random.standard_normal(2000), 0 * time + load])
-        header = "time [s],position [m],velocity [m/s],friction_force [N],normal_load [N]"
-        np.savetxt(folder / f"{load:g}.csv", rows, delimiter=",", header=header, comments="", fmt="%.9g")
-        role = "validate" if load == 150.0 else "fit"
-        records.append(f'[[record]]\nfile = "{load:g}.csv"\nrole = "{role}"\n')
-    model = '[model]\neffects = ["coulomb", "viscous"]\n'
-    text = "\n".join(
-        ['schema = 1\n\n[rig]\nkind = "velocity-drive"\n', model, *records, '[noise]\nfriction_force = "0.05 N"\n']
-    )
-    (folder / "experiment.toml").write_text(text, "utf-8")
-    return folder
+        columns = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
+        columns["friction_force [N]"] = force + 0.05 * random.standard_normal(2000)
+        records["validate" if load == 150.0 else f"{load:g}"] = columns | {"normal_load [N]": 0 * time + load}
+    return write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": "0.05 N"})
 
 
 def test_replacement_is_compared_with_the_variants_selected_again(tmp_path: Path) -> None:

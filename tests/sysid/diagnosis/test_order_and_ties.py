@@ -14,7 +14,7 @@ from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
 
 
 def test_nonlinearity_is_applied_before_zero_drift_unless_listed_after(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb", "sensor_drift"')
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", "sensor_drift")
     grown = with_effect(problem.start, find("sensor_nonlinearity"), problem.scales)
     assert [e.name for e in grown.effects] == ["coulomb", "sensor_nonlinearity", "sensor_drift"]
     force = with_effect(problem.start, find("constant_bias"), problem.scales)
@@ -27,7 +27,7 @@ def test_nonlinearity_is_applied_before_zero_drift_unless_listed_after(tmp_path:
 def test_nonlinear_and_drifting_sensor_is_found_in_either_order(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 25.0 * VELOCITY
     bent = force + 0.06 * force**2 + 0.05 * force**3
-    slide(tmp_path, bent + 0.4 * TIME / TIME[-1], '"coulomb", "viscous"', held_out=True)
+    slide(tmp_path, bent + 0.4 * TIME / TIME[-1], "coulomb", "viscous", held_out=True)
     named = []
     for _ in range(2):
         found = diagnose(tmp_path)
@@ -42,7 +42,7 @@ def test_nonlinear_and_drifting_sensor_is_found_in_either_order(tmp_path: Path) 
 
 
 def test_bristles_of_zero_stretch_are_no_rival_of_rigid_friction(tmp_path: Path) -> None:
-    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, '"viscous"', held_out=True)
+    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, "viscous", held_out=True)
     found = diagnose(tmp_path)
     assert (found.effect, "presliding" in found.indistinguishable) == ("coulomb", False)
     assert any(trial.public_name == "presliding" for trial in found.trials)
@@ -53,7 +53,7 @@ def test_bristles_of_zero_stretch_are_no_rival_of_rigid_friction(tmp_path: Path)
 def test_slightly_nonlinear_spring_is_not_a_linear_one_plus_another_effect(tmp_path: Path) -> None:
     middle = POSITION - POSITION.mean()
     cubic = 0.08 * (middle / np.max(np.abs(middle))) ** 3
-    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, '"coulomb", "viscous"', held_out=True)
+    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, "coulomb", "viscous", held_out=True)
     found = diagnose(tmp_path)
     assert found.verdict == "unexplained", (found.effect, found.reason)
     assert found.maps[0].coordinate == "position"
@@ -67,7 +67,7 @@ def _wave(pitch: float) -> np.ndarray:
 def test_waves_of_three_pitches_are_copies_of_one_effect(tmp_path: Path) -> None:
     pitches = (0.67e-3, 1.13e-3, 1.9e-3)
     texture = 0.035 * (_wave(pitches[0]) + _wave(pitches[1])) + 0.08 * _wave(pitches[2])
-    found = diagnose(slide(tmp_path / "rig", (1.5 + texture) * SIGN, '"coulomb"', held_out=True))
+    found = diagnose(slide(tmp_path / "rig", (1.5 + texture) * SIGN, "coulomb", held_out=True))
     assert (found.verdict, found.effect) == ("missing-effect", "position_dependent_friction")
     established = [entry for entry in found.ledger.entries if entry.state == "established"]
     assert len(established) == 3

@@ -33,7 +33,7 @@ def maps(problem: Problem, nameless: bool = False) -> dict[str, ResidualMap]:
 
 
 def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | None = None) -> dict[str, ResidualMap]:
-    return maps(slide(tmp_path, 1.5 * SIGN + missing, '"coulomb"', held_out=True, extra=channels))
+    return maps(slide(tmp_path, 1.5 * SIGN + missing, "coulomb", held_out=True, extra=channels))
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_texture_finer_than_the_bins_is_explained_by_position(tmp_path: Path) ->
 
 def test_events_in_time_depend_on_no_position_or_velocity(tmp_path: Path) -> None:
     stuck = sum(((begin < TIME) & (begin + 0.12 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
-    found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, '"coulomb"'))
+    found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, "coulomb"))
     first = next(iter(found.values()))
     assert first.coordinate == "time"
     others = [m for m in found.values() if m.coordinate not in ("time", "distance_travelled", "frequency")]
@@ -97,7 +97,7 @@ def test_autocorrelated_noise_does_not_depend_on_position(tmp_path: Path) -> Non
     rng = np.random.default_rng(8)
     coloured = NOISE * np.asarray(lfilter([1.0], [1.0, -0.95], rng.standard_normal(TIME.size)))
     # One record: what is written into both alike is no noise.
-    found = maps(slide(tmp_path, 1.5 * SIGN + coloured, '"coulomb"'))
+    found = maps(slide(tmp_path, 1.5 * SIGN + coloured, "coulomb"))
     chance = [m.p_value for m in found.values() if m.coordinate in ("velocity", "acceleration", "direction")]
     assert min(chance) > 0.01
 
@@ -144,7 +144,7 @@ def test_time_is_ordered_first_if_it_explains_more_beside_a_motion_coordinate() 
 def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
     once = 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY)
     for name, missing, first in (("once", once, "time"), ("curve", 0.05 * np.cos(120.0 * VELOCITY), "velocity")):
-        problem = slide(tmp_path / name, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
+        problem = slide(tmp_path / name, 1.5 * SIGN + missing, "coulomb", held_out=True)
         found = maps(problem, nameless=True)
         assert next(iter(found)) == first
         assert abs(found["velocity"].beside_time) > 0.3
@@ -152,7 +152,7 @@ def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
 
 
 def test_constant_channel_is_no_coordinate(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(TIME.size, 10.0)})
     assert "normal_load" not in coordinates_of(problem.fit_records[0])
 
 
@@ -171,7 +171,7 @@ def test_standard_errors_count_correlated_samples_once():
 
 
 def test_change_of_a_friction_level_is_a_function_of_the_position_times_the_direction(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", held_out=True)
     records = problem.validate_records
     weights = residual_weights(problem.start, records)
     pick, known = weights.samples[0]["friction_force"], coordinates_of(records[0])

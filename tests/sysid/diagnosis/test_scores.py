@@ -23,7 +23,7 @@ from tests.sysid.slide import POSITION, SIGN, VELOCITY, slide
 
 
 def _reference(folder: Path) -> Reference:
-    problem = slide(folder, 1.5 * SIGN + 5.0 * VELOCITY + 3.0 * POSITION, '"coulomb"', held_out=True)
+    problem = slide(folder, 1.5 * SIGN + 5.0 * VELOCITY + 3.0 * POSITION, "coulomb", held_out=True)
     return Reference.of(problem, fit_stated_model(problem))
 
 
@@ -142,7 +142,7 @@ def test_one_pair_of_each_two_families(tmp_path: Path) -> None:
 
 def test_pair_starts_at_the_weights_and_none_is_out_of_bounds(tmp_path: Path) -> None:
     """A negative Stribeck force resembles a drag, but is out of bounds; such pairs must not displace valid ones."""
-    problem, base, screening = _screened(write(tmp_path, with_cogging, '"coulomb"'))
+    problem, base, screening = _screened(write(tmp_path, with_cogging, "coulomb"))
     pairs = scored_pairs(base.fitted, screening, 6)
     assert pairs[0].families == {"viscous", "magnetic_cogging"}
     models = [pair.start(base.fitted.model, problem.scales) for pair in pairs]

@@ -7,6 +7,7 @@ import pytest
 
 from sysid.compare import compare
 from sysid.diagnose import diagnose
+from tests.experiments import write_rig
 from workbench.operations.measurement.statements import diagnosis_statement
 
 SPACING, HEIGHT, BIAS, GAIN, NOISE = 0.046, 0.02, 75.0, 1.1e-7, 2e-9
@@ -25,9 +26,7 @@ def _play(voltage: np.ndarray, width: float) -> np.ndarray:
 
 def _experiment(folder: Path, hysteresis: float) -> Path:
     """Two records of a tip on two piezos; its holder jumps in the x direction at random times."""
-    text = 'schema = 1\n[rig]\nkind = "actuator-tip"\n[rig.known]\n'
-    text += f'piezo_spacing = "{SPACING} m"\ntip_height = "{HEIGHT} m"\nbias_voltage = "{BIAS} V"\n'
-    text += f'[model]\neffects = []\n[noise]\ntip_x = "{NOISE} m"\ntip_y = "{NOISE} m"\n'
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         rng = np.random.default_rng(seed)
         phase = rng.uniform(0.0, 6.0, 4)
@@ -40,11 +39,11 @@ def _experiment(folder: Path, hysteresis: float) -> Path:
         tip = [-HEIGHT / SPACING * (moved[1] - moved[0]), 0.5 * (moved[0] + moved[1])]
         tip[0] = tip[0] + JUMP * np.sign(np.sin(np.cumsum(rng.exponential(0.02, TIME.size)) * 2.0))
         rows = [TIME, *(BIAS + u for u in drives), *(y + NOISE * rng.normal(size=TIME.size) for y in tip)]
-        header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [m],tip_y [m]"
-        np.savetxt(folder / f"{role}.csv", np.column_stack(rows), "%.10g", ",", header=header, comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (folder / "experiment.toml").write_text(text, encoding="utf-8")
-    return folder
+        names = "time [s]", "voltage_1 [V]", "voltage_2 [V]", "tip_x [m]", "tip_y [m]"
+        records[role] = dict(zip(names, rows, strict=True))
+    known = {"piezo_spacing": f"{SPACING} m", "tip_height": f"{HEIGHT} m", "bias_voltage": f"{BIAS} V"}
+    noise = {"tip_x": f"{NOISE} m", "tip_y": f"{NOISE} m"}
+    return write_rig(folder, "actuator-tip", records, known=known, noise=noise)
 
 
 def test_effect_of_one_channel_is_established_beside_a_channel_that_nothing_explains(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import BAND
+from tests.experiments import change_column, write_rig
 from tests.sysid.slide import NOISE, SIGN, VELOCITY, slide
 from workbench.cli import run
 
@@ -42,23 +43,17 @@ def _position(force: np.ndarray, shaken: np.ndarray, part: float) -> np.ndarray:
 
 def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-6) -> Path:
     """A mass pushed by steps of force, its position with `noise`, m; the `vibration` of the floor pushes it too, N."""
-    folder.mkdir()
-    text = (
-        f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = ["viscous"]\n'
-        f'[noise]\nposition = "{noise} m"\ndrive_force = "{FORCE_NOISE} N"\n'
-    )
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         rng = np.random.default_rng([5, seed])
         time = STEP * np.arange(ROWS)
         force = np.repeat(rng.uniform(-4.0, 4.0, ROWS // 300), 300)
         shaken = vibration * np.sin(2.0 * np.pi * FREQUENCY * time + rng.uniform(0.0, 6.0))
         position = _position(force, shaken, part) + noise * rng.standard_normal(ROWS)
-        table = np.column_stack([time, force + FORCE_NOISE * rng.standard_normal(ROWS), position])
-        head = "time [s],drive_force [N],position [m]"
-        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=head, comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (folder / "experiment.toml").write_text(text)
-    return folder
+        logged = force + FORCE_NOISE * rng.standard_normal(ROWS)
+        records[role] = {"time [s]": time, "drive_force [N]": logged, "position [m]": position}
+    stated = {"position": f"{noise} m", "drive_force": f"{FORCE_NOISE} N"}
+    return write_rig(folder, "force-drive", records, ["viscous"], known={"mass": f"{MASS} kg"}, noise=stated)
 
 
 def _fitted(folder: Path) -> tuple[Problem, ReferenceFit]:
@@ -121,14 +116,9 @@ FORCE = 1.5 * SIGN + 25.0 * VELOCITY
 
 def _rounded(folder: Path, step: float, missing: np.ndarray | float = 0.0) -> Path:
     """Coulomb friction and drag; the force is written on a grid of `step` N, its noise stated as `NOISE`."""
-    slide(folder, FORCE + missing, '"coulomb", "viscous"', held_out=True)
-    for name in ("fit.csv", "validate.csv"):
-        file = folder / name
-        header = file.read_text(encoding="utf-8").splitlines()[0]
-        table = np.loadtxt(file, delimiter=",", skiprows=1)
-        if step > 0.0:
-            table[:, 3] = step * np.round(table[:, 3] / step)
-        np.savetxt(file, table, "%.9g", ",", header=header, comments="")
+    slide(folder, FORCE + missing, "coulomb", "viscous", held_out=True)
+    for name in ("fit.csv", "validate.csv") if step else ():
+        change_column(folder / name, 3, lambda force: step * np.round(force / step))
     return folder
 
 
@@ -152,13 +142,9 @@ def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: 
 
 
 def test_grid_on_which_the_force_has_two_values_hides_the_noise(tmp_path: Path) -> None:
-    slide(tmp_path, 1.5 * SIGN, '"coulomb", "viscous"', held_out=True)
+    slide(tmp_path, 1.5 * SIGN, "coulomb", "viscous", held_out=True)
     for name in ("fit.csv", "validate.csv"):
-        file = tmp_path / name
-        header = file.read_text(encoding="utf-8").splitlines()[0]
-        table = np.loadtxt(file, delimiter=",", skiprows=1)
-        table[:, 3] = np.where(table[:, 3] > 0.0, 1.5, -1.5)
-        np.savetxt(file, table, "%.9g", ",", header=header, comments="")
+        change_column(tmp_path / name, 3, lambda force: np.where(force > 0.0, 1.5, -1.5))
     assert quantised_channel(_reference(tmp_path)) is not None
 
 

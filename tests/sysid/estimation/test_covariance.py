@@ -179,7 +179,7 @@ def fitted_samples(problem: Problem) -> int:
 
 
 def test_white_errors_give_the_textbook_deviation(tmp_path: Path) -> None:
-    problem = slide(tmp_path, FORCE, '"coulomb", "viscous"')
+    problem = slide(tmp_path, FORCE, "coulomb", "viscous")
     found = drawn(problem)
     assert found.keys == ("coulomb.force", "viscous.coefficient")
     wanted = exact(NOISE**2 * np.eye(TIME.size), fitted_samples(problem))
@@ -194,7 +194,7 @@ def test_autocorrelated_errors_give_a_wider_deviation(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     shocks = rng.standard_normal(TIME.size + 100)
     coloured = 0.03 * np.asarray(lfilter([1.0], [1.0, -MEMORY], shocks))[100:]
-    problem = slide(tmp_path, FORCE + coloured, '"coulomb", "viscous"', noise=0.0)
+    problem = slide(tmp_path, FORCE + coloured, "coulomb", "viscous", noise=0.0)
     covariance = 0.03**2 / (1 - MEMORY**2) * toeplitz(MEMORY ** np.arange(TIME.size))
     samples = fitted_samples(problem)
     wanted = exact(covariance, samples)
@@ -207,7 +207,7 @@ def test_autocorrelated_errors_give_a_wider_deviation(tmp_path: Path) -> None:
 def test_value_at_its_bound_has_a_one_sided_band(tmp_path: Path) -> None:
     """The true drag is negative: the fit ends at zero, as do half the refits; the others scatter with the noise."""
     deviation = exact(NOISE**2 * np.eye(TIME.size), TIME.size)[1]
-    found = drawn(slide(tmp_path, 1.3 * SIGN - 4.0 * deviation * VELOCITY, '"coulomb", "viscous"'))
+    found = drawn(slide(tmp_path, 1.3 * SIGN - 4.0 * deviation * VELOCITY, "coulomb", "viscous"))
     at = found.keys.index("viscous.coefficient")
     assert found.best[at] == 0.0
     assert found.band[0][at] == 0.0
@@ -218,8 +218,8 @@ def test_value_at_its_bound_has_a_one_sided_band(tmp_path: Path) -> None:
 def test_prior_is_drawn_in_each_replicate(tmp_path: Path) -> None:
     """With a prior far tighter than the record the refits scatter as the prior does."""
     tight = 1e-4
-    parameters = f'[model.parameters]\n"coulomb.force" = {{start = "1.3 +- {tight:g} N"}}'
-    problem = slide(tmp_path, FORCE, '"coulomb", "viscous"', parameters)
+    parameters = {"coulomb.force": {"start": f"1.3 +- {tight:g} N"}}
+    problem = slide(tmp_path, FORCE, "coulomb", "viscous", parameters=parameters)
     found = drawn(problem)
     at = found.keys.index("coulomb.force")
     assert found.std[at] == pytest.approx(tight, rel=0.25)

@@ -110,7 +110,7 @@ def test_angle_of_a_line_within_a_plane_is_zero() -> None:
 
 @pytest.fixture
 def problem(tmp_path: Path) -> Problem:
-    return slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, '"coulomb"')
+    return slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, "coulomb")
 
 
 def added(problem: Problem, base: FittedModel, effect: str) -> FittedModel:
@@ -144,7 +144,7 @@ def test_angle_is_small_for_two_drag_laws_and_large_for_a_spring(problem: Proble
 
 
 def test_direction_of_the_base_model_is_projected_out(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     base = fit_model(problem.start, problem.fit_records)
     load = added(problem, base, "load_dependent_friction")
     assert orthogonal_sensitivities(load, base).shape[1] == 0
@@ -153,7 +153,7 @@ def test_direction_of_the_base_model_is_projected_out(tmp_path: Path) -> None:
 
 def test_angle_is_not_symmetric_for_different_numbers_of_parameters(tmp_path: Path) -> None:
     level = 1.5 + 0.3 * np.exp(-((VELOCITY / 8e-3) ** 2))
-    problem = slide(tmp_path, level * SIGN, '"coulomb"')
+    problem = slide(tmp_path, level * SIGN, "coulomb")
     base = fit_model(problem.start, problem.fit_records)
     curve, drag = (
         fit_model(added(problem, base, n).model, problem.fit_records, base.weights) for n in ("stribeck", "viscous")

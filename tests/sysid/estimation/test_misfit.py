@@ -21,6 +21,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict
 from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import TRIM_FACTOR, trimmed_rms
+from tests.experiments import write_rig
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 
@@ -39,7 +40,7 @@ def test_huber_loss_is_quadratic_up_to_the_corner_and_linear_beyond() -> None:
 
 @pytest.fixture
 def problem(tmp_path: Path) -> Problem:
-    return slide(tmp_path, 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb", "viscous"')
+    return slide(tmp_path, 1.5 * SIGN + 20.0 * VELOCITY, "coulomb", "viscous")
 
 
 def right(problem: Problem) -> dict[str, float]:
@@ -118,23 +119,19 @@ ACCELERATION = -((2 * np.pi) ** 2) * (
 )
 
 
-def driven(folder: Path, amplitude: float, effects: str, noise: float = 1e-6) -> Problem:
+def driven(folder: Path, amplitude: float, *effects: str, noise: float = 1e-6) -> Problem:
     """A mass without friction in a field of teeth, driven smoothly; the drive is logged as a line from row to row."""
     rng = np.random.default_rng(2)
     force = MASS * ACCELERATION + 20.0 * SPEED + amplitude * np.sin(2 * np.pi * POSITION / PITCH)
     position = POSITION + rng.normal(0, noise, TIMES.size)
-    rows = "\n".join(f"{a:.3f},{b:.10g},{c:.10g}" for a, b, c in zip(TIMES, position, force, strict=True))
-    (folder / "log.csv").write_text(f"time [s],position [m],drive_force [N]\n{rows}\n")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{MASS} kg"\n'
-        f'[model]\neffects = [{effects}]\n[[record]]\nfile = "log.csv"\nrole = "fit"\n'
-        f'[noise]\nposition = "{noise} m"\ndrive_force = "0.01 N"\n'
-    )
-    return load_problem(folder)
+    log = {"time [s]": TIMES, "position [m]": position, "drive_force [N]": force}
+    rig, known = {"kind": "force-drive", "input_hold": "linear"}, {"mass": f"{MASS} kg"}
+    stated = {"position": f"{noise} m", "drive_force": "0.01 N"}
+    return load_problem(write_rig(folder, rig, {"log": log}, effects, known=known, noise=stated))
 
 
 def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_path: Path) -> None:
-    record = driven(tmp_path, 0.5, '"viscous"').fit_records[0]
+    record = driven(tmp_path, 0.5, "viscous").fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     assert record.half_width_variant is not None
     finer, rest = record.half_width_variant()
@@ -151,7 +148,7 @@ def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_pat
 
 def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path) -> None:
     # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
-    problem = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
+    problem = driven(tmp_path, 0.5, "viscous", "magnetic_cogging")
     found = fit_stated_model(problem).fitted
     told = intervals(found, problem.fit_records).by_key
     amplitude = told["magnetic_cogging.amplitude"]
@@ -170,14 +167,9 @@ def test_interval_of_a_lag_includes_the_channel_skew(tmp_path: Path) -> None:
     for k in range(1, TIMES.size):
         lagged[k] = lagged[k - 1] + (1.0 - np.exp(-STEP / 4e-3)) * (friction[k] - lagged[k - 1])
     lagged += rng.normal(0, 1e-3, TIMES.size)
-    rows = zip(TIMES, POSITION, SPEED, lagged, strict=True)
-    text = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.8g}" for a, b, c, d in rows)
-    (tmp_path / "log.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{text}\n")
-    (tmp_path / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous", "sensor_lag"]\n'
-        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "1 mN"\n'
-    )
-    problem = load_problem(tmp_path)
+    log = {"time [s]": TIMES, "position [m]": POSITION, "velocity [m/s]": SPEED, "friction_force [N]": lagged}
+    effects, noise = ["coulomb", "viscous", "sensor_lag"], {"friction_force": "1 mN"}
+    problem = load_problem(write_rig(tmp_path, "velocity-drive", {"log": log}, effects, noise=noise))
     told = intervals(fit_stated_model(problem).fitted, problem.fit_records).by_key
     lag = told["sensor_lag.time_constant"]
     assert lag.std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)

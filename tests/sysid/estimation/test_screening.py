@@ -56,14 +56,14 @@ def test_basis_of_no_column_is_empty() -> None:
 def test_profiled_residual_is_orthogonal_to_the_base_model_and_robust(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 20.0 * VELOCITY
     force[700] += 1e4
-    base = fitted(slide(tmp_path, force, '"coulomb"'))
+    base = fitted(slide(tmp_path, force, "coulomb"))
     basis, target = profiled_residual(base)
     assert basis.T @ target == pytest.approx(0.0, abs=1e-6 * np.linalg.norm(target))
     assert np.max(np.abs(target)) < 0.01 * np.max(np.abs(base.fit.residual))
 
 
 def test_score_is_the_share_removed_by_least_squares(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN + 3.0 * VELOCITY + 0.01 * np.sin(90 * POSITION / 1e-3), '"coulomb"')
+    problem = slide(tmp_path, 1.5 * SIGN + 3.0 * VELOCITY + 0.01 * np.sin(90 * POSITION / 1e-3), "coulomb")
     base = fitted(problem)
     found = scores(problem, "viscous")[0]
     # The same by hand: the residual regressed on the velocity and on what the base model moves.
@@ -78,7 +78,7 @@ def test_score_is_the_share_removed_by_least_squares(tmp_path: Path) -> None:
 
 
 def test_pitch_and_phase_are_found_on_the_grid(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), '"coulomb"')
+    problem = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), "coulomb")
     listed = scores(problem, "magnetic_cogging")
     assert [s.predicted_reduction for s in listed] == sorted((s.predicted_reduction for s in listed), reverse=True)
     assert listed[0].start["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=0.06)
@@ -99,7 +99,7 @@ def test_pitch_and_phase_are_found_on_the_grid(tmp_path: Path) -> None:
 
 def test_start_with_a_negative_drag_is_at_the_bound(tmp_path) -> None:
     # Friction that falls with the speed asks for a negative drag; physics does not have it.
-    problem = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), '"coulomb"')
+    problem = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), "coulomb")
     found = scores(problem, "quadratic_drag")[0]
     # What it would take with that sign is said, and not counted.
     assert found.blocked_reduction > 0.5
@@ -113,7 +113,7 @@ def test_effect_without_amplitude_is_scored_at_finite_size(tmp_path: Path) -> No
     lagged = np.copy(force)
     for k in range(1, force.size):
         lagged[k] += np.exp(-STEP / tau) * (lagged[k - 1] - force[k])
-    problem = slide(tmp_path, lagged, '"coulomb", "viscous"')
+    problem = slide(tmp_path, lagged, "coulomb", "viscous")
     assert scores(problem, "sensor_lag")[0].predicted_reduction > 0.5
     base = fitted(problem)
     found = screen_and_refit(base, find("sensor_lag"), problem.fit_records, problem.scales, profiled_residual(base))
@@ -126,7 +126,7 @@ def test_short_fit_follows_a_narrow_valley_to_its_lowest_point(tmp_path: Path) -
     ideal = 6.5 * SIGN + 5.0 * VELOCITY
     ratio = ideal / np.max(np.abs(ideal))
     force = ideal - 0.4 * ratio**2
-    problem = slide(tmp_path, force, '"coulomb", "viscous"')
+    problem = slide(tmp_path, force, "coulomb", "viscous")
     base = fitted(problem)
     basis, target = profiled_residual(base)
     effect, records = find("sensor_nonlinearity"), problem.fit_records
@@ -139,13 +139,13 @@ def test_short_fit_follows_a_narrow_valley_to_its_lowest_point(tmp_path: Path) -
 
 def test_score_of_a_direction_of_the_base_model_is_zero(tmp_path) -> None:
     # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
-    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     assert scores(problem, "load_dependent_friction") == []
 
 
 def test_fit_with_an_initial_jacobian_ends_at_the_same_values(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 3.0 * VELOCITY + 0.8 * SIGN * np.exp(-((VELOCITY / 2e-3) ** 2))
-    problem = slide(tmp_path, force, '"coulomb", "viscous"')
+    problem = slide(tmp_path, force, "coulomb", "viscous")
     base = fitted(problem)
     start = with_effect(
         base.model, find("stribeck"), problem.scales, {"stribeck.velocity": 4e-3, "stribeck.force": 0.5}
@@ -185,7 +185,7 @@ COGGING = Path(__file__).resolve().parents[4] / "shared" / "data" / "laas_coggin
 def test_a_pitch_is_found_whatever_its_number_in_the_range(tmp_path: Path, effect: str, waves: float) -> None:
     wave = np.sin(2.0 * np.pi * POSITION * waves / RANGE + 0.7)
     force = 1.5 * SIGN + 20.0 * VELOCITY + (0.1 * wave if effect == "magnetic_cogging" else 0.1 * wave * SIGN)
-    problem = slide(tmp_path, force, '"coulomb", "viscous"')
+    problem = slide(tmp_path, force, "coulomb", "viscous")
     base = fit_model(problem.start, problem.fit_records)
     profiled = profiled_residual(base)
 
@@ -210,7 +210,7 @@ def test_the_shortest_pitch_of_the_search_is_found(tmp_path: Path, effect: str) 
     force = (1.5 + (effect != "magnetic_cogging") * wave) * np.sign(velocity) + 20.0 * velocity
     force += (effect == "magnetic_cogging") * wave
     motion = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
-    problem = slide(tmp_path, force, '"coulomb", "viscous"', extra=motion)
+    problem = slide(tmp_path, force, "coulomb", "viscous", extra=motion)
     base = fit_model(problem.start, problem.fit_records)
 
     found = screen_and_refit(base, find(effect), problem.fit_records, problem.scales, profiled_residual(base))

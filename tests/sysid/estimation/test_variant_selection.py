@@ -17,13 +17,14 @@ from sysid.estimation.variant_selection import (
     without_effect,
 )
 from sysid.prediction.problem import Problem, load_problem
+from tests.experiments import replace_in, write_rig
 from tests.sysid.slide import POSITION, VELOCITY, slide
 
 
 @pytest.fixture
 def curve(tmp_path: Path) -> Problem:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
-    return slide(tmp_path, level * np.sign(VELOCITY) + 8.0 * VELOCITY, '"coulomb", "viscous", "stribeck"')
+    return slide(tmp_path, level * np.sign(VELOCITY) + 8.0 * VELOCITY, "coulomb", "viscous", "stribeck")
 
 
 def test_stribeck_curve_is_found_from_a_start_ten_times_too_wide(curve: Problem) -> None:
@@ -47,14 +48,14 @@ def test_default_variant_is_selected_unless_another_is_clearly_better(curve: Pro
 
 def test_variant_of_the_true_curve_is_selected(tmp_path: Path) -> None:
     level = 1.5 + 0.6 / (1.0 + np.abs(VELOCITY / 2e-3))
-    problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"')
+    problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck")
     _, chosen = select_variants(problem, fit_model(problem.start, problem.fit_records))
     assert chosen == ("stribeck:rational",)
 
 
 def test_cogging_pitch_is_found_on_the_grid(tmp_path: Path) -> None:
     force = 1.5 * np.sign(VELOCITY) + 0.2 * np.sin(2 * np.pi * POSITION / 0.83e-3 + 0.4)
-    problem = slide(tmp_path, force, '"coulomb"')
+    problem = slide(tmp_path, force, "coulomb")
     alone = fit_model(problem.start, problem.fit_records)
     found = fit_replacement(alone, find("magnetic_cogging"), problem.fit_records, problem.scales).model.values
     assert found["magnetic_cogging.pitch"] == pytest.approx(0.83e-3, rel=1e-3)
@@ -63,8 +64,8 @@ def test_cogging_pitch_is_found_on_the_grid(tmp_path: Path) -> None:
 
 def test_stated_start_is_used(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
-    settings = '[model.parameters]\n"stribeck.velocity" = {start = "9 mm/s", fixed = true}\n'
-    problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
+    settings = {"stribeck.velocity": {"start": "9 mm/s", "fixed": True}}
+    problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck", parameters=settings)
     found = fit_replacement(
         fit_model(problem.start, problem.fit_records), find("stribeck"), problem.fit_records, problem.scales
     ).model
@@ -75,8 +76,8 @@ def test_stated_start_is_used(tmp_path: Path) -> None:
 
 def test_bounds_are_kept_by_the_search(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
-    settings = '[model.parameters]\n"stribeck.force" = {high = "0.5 N"}\n'
-    problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
+    settings = {"stribeck.force": {"high": "0.5 N"}}
+    problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck", parameters=settings)
     fitted = fit_model(problem.start, problem.fit_records)
     again = fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales)
     assert again.model.values["stribeck.force"] == pytest.approx(0.5)
@@ -95,7 +96,7 @@ LEVELS = np.array([0.5, 0.1, 0.3, 0.7])
 VISCOUS = 12.0
 
 
-def _record(seed: int, path) -> None:
+def _record(seed: int) -> dict[str, np.ndarray]:
     """Four ideal springs side by side that slip one after another, and a viscous drag, N."""
     rng = np.random.default_rng(seed)
     t = STEP * np.arange(N)
@@ -108,21 +109,14 @@ def _record(seed: int, path) -> None:
     for i in range(N):
         stretched = np.clip(stretched + (position[i] - position[i - 1] if i else 0.0), -STRETCHES, STRETCHES)
         force[i] = LEVELS @ (stretched / STRETCHES) + VISCOUS * velocity[i]
-    table = np.column_stack([t, position, velocity, force + NOISE * rng.standard_normal(N)])
-    header = "time [s],position [m],velocity [m/s],friction_force [N]"
-    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.12g")
+    columns = {"time [s]": t, "position [m]": position, "velocity [m/s]": velocity}
+    return columns | {"friction_force [N]": force + NOISE * rng.standard_normal(N)}
 
 
 @pytest.fixture
 def rig(tmp_path):
-    _record(1, tmp_path / "fit.csv")
-    _record(2, tmp_path / "validate.csv")
-    (tmp_path / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["presliding", "viscous"]\n'
-        '[noise]\nfriction_force = "0.004 N"\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-    )
-    return tmp_path
+    records, noise = {"fit": _record(1), "validate": _record(2)}, {"friction_force": "0.004 N"}
+    return write_rig(tmp_path, "velocity-drive", records, ["presliding", "viscous"], noise=noise)
 
 
 def test_free_maxwell_slip_fits_a_curve_that_a_power_law_does_not(rig):
@@ -137,7 +131,6 @@ def test_free_maxwell_slip_fits_a_curve_that_a_power_law_does_not(rig):
 
 
 def test_variant_named_by_the_user_is_kept(rig):
-    text = (rig / "experiment.toml").read_text()
-    (rig / "experiment.toml").write_text(text.replace('"presliding"', '"presliding:maxwell_slip"'))
+    replace_in(rig / "experiment.toml", "presliding", "presliding:maxwell_slip")
     base = fit_stated_model(load_problem(rig))
     assert base.laws == ()

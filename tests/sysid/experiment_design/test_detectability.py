@@ -17,7 +17,7 @@ from tests.sysid.slide import NOISE, SIGN, STEP, VELOCITY, slide
 
 def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Problem:
     """Coulomb friction and something else, the model knowing the first."""
-    return slide(folder, 1.5 * SIGN + extra, '"coulomb"', held_out=True, noise=noise)
+    return slide(folder, 1.5 * SIGN + extra, "coulomb", held_out=True, noise=noise)
 
 
 def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:

@@ -18,6 +18,7 @@ from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model, reference_fit
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
+from tests.experiments import replace_in, write_rig
 
 DELAYS = ["drive_lag", "drive_delay", "sensor_lag", "sensor_delay"]
 STEP = 0.01
@@ -26,25 +27,16 @@ RNG = np.random.default_rng(7)
 
 def unrelated(folder: Path) -> Problem:
     """A square-wave torque beside a motion of two incommensurate sines."""
+    records = {}
     for name, phase in (("fit", 0.0), ("validate", 1.3)):
         t = np.arange(0.0, 20.0, STEP)
         angle = (
             0.8 * np.sin(1.95 * t + phase) + 0.5 * np.sin(3.58 * t + 2.0 * phase) + 1e-4 * RNG.standard_normal(t.size)
         )
         torque = 0.8 * np.sign(np.sin(5.2 * t + 1.0 + 3.0 * phase)) + 0.01 * RNG.standard_normal(t.size)
-        np.savetxt(
-            folder / f"{name}.csv",
-            np.column_stack([t, torque, angle]),
-            delimiter=",",
-            header="time [s],drive_force [N*m],position [rad]",
-            comments="",
-        )
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "force-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
-        '[noise]\ndrive_force = "0.01 N*m"\nposition = "1e-4 rad"\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-    )
-    return load_problem(folder)
+        records[name] = {"time [s]": t, "drive_force [N*m]": torque, "position [rad]": angle}
+    noise = {"drive_force": "0.01 N*m", "position": "1e-4 rad"}
+    return load_problem(write_rig(folder, "force-drive", records, ["coulomb", "viscous"], noise=noise))
 
 
 @pytest.mark.parametrize("effect", DELAYS)
@@ -113,8 +105,7 @@ def test_the_inverse_of_a_delay_restores_a_smooth_signal(effect: Effect) -> None
 
 def test_every_fitted_value_stays_within_the_declared_bounds(tmp_path: Path) -> None:
     unrelated(tmp_path)
-    file = tmp_path / "experiment.toml"
-    file.write_text(file.read_text().replace('"1e-4 rad"', '"1e-13 rad"'))
+    replace_in(tmp_path / "experiment.toml", '"1e-4 rad"', '"1e-13 rad"')
     problem = load_problem(tmp_path)
     model = with_effect(problem.start, find("bristle_damping"), problem.scales)
     declared = {f"{e.name}.{p.name}": p for e in model.effects for p in e.parameters}
@@ -126,18 +117,15 @@ def test_every_fitted_value_stays_within_the_declared_bounds(tmp_path: Path) -> 
 
 def test_bristles_do_not_follow_a_force_unrelated_to_the_motion(tmp_path: Path) -> None:
     """A ramp. The measured motion shows bristles as long as the travel: they cannot hold a body against it."""
-    text = 'schema = 1\n[rig]\nkind = "force-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
-    text += '[noise]\ndrive_force = "0.01 N"\nposition = "1 um"\n'
+    records = {}
     for phase, role in ((0.4, "fit"), (2.0, "validate")):
         time, random = np.arange(0.0, 20.0, STEP), np.random.default_rng(3)
         position = 0.015 * np.sin(1.95 * time + phase) + 0.009 * np.sin(3.58 * time + 2.0 * phase)
         noise = random.standard_normal((2, time.size))
-        rows = np.column_stack([time, position + 1e-6 * noise[0], 0.6 * time / time[-1] + 0.01 * noise[1]])
-        header = "time [s],position [m],drive_force [N]"
-        np.savetxt(tmp_path / f"{role}.csv", rows, "%.9g", ",", header=header, comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
-    problem = load_problem(tmp_path)
+        columns = {"time [s]": time, "position [m]": position + 1e-6 * noise[0]}
+        records[role] = columns | {"drive_force [N]": 0.6 * time / time[-1] + 0.01 * noise[1]}
+    stated = {"drive_force": "0.01 N", "position": "1 um"}
+    problem = load_problem(write_rig(tmp_path, "force-drive", records, ["coulomb", "viscous"], noise=stated))
     search = ModelSearch(problem, fit_stated_model(problem), options=[find("presliding")])
     assert search.converged(search.ranked[0]).held_out.loss > 0.9 * search.reference.held_out.loss
 

@@ -9,6 +9,7 @@ from sim.effects.catalogue import find
 from sysid.estimation.misfit import misfit
 from sysid.prediction.model import predict, with_effect
 from sysid.prediction.problem import Problem, load_problem
+from tests.experiments import write_rig
 from tests.sysid.slide import NOISE, STEP
 
 LEVEL, STRETCH, STICK_DISPLACEMENT = 1.5, 4e-5, 200
@@ -31,14 +32,9 @@ def bristle(position: np.ndarray, begin: float) -> np.ndarray:
 
 def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Problem:
     noisy = force + NOISE * np.random.default_rng(4).standard_normal(force.size)
-    table = np.column_stack([TIME, position, noisy])
-    header = "time [s],position [m],friction_force [N]"
-    np.savetxt(folder / "log.csv", table, "%.10g", ",", header=header, comments="")
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
-        f'[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "{NOISE} N"\nposition = "1e-9 m"\n'
-    )
-    return load_problem(folder)
+    columns = {"time [s]": TIME, "position [m]": position, "friction_force [N]": noisy}
+    stated = {"friction_force": f"{NOISE} N", "position": "1e-9 m"}
+    return load_problem(write_rig(folder, "velocity-drive", {"log": columns}, ["coulomb"], noise=stated))
 
 
 @pytest.mark.parametrize("law,stretch", [("presliding", "stretch"), ("presliding:dahl", None)])
@@ -85,14 +81,10 @@ def test_a_driven_mass_that_never_slips_begins_with_its_measured_stretch(tmp_pat
     position = 0.4 * STRETCH * np.sin(rate * TIME)
     force = mass * -(rate**2) * position + LEVEL * (begin + position / STRETCH)
     noise = 1e-3 * np.random.default_rng(4).standard_normal(TIME.size)
-    table = np.column_stack([TIME, position, force + noise])
-    np.savetxt(tmp_path / "log.csv", table, "%.12g", ",", header="time [s],position [m],drive_force [N]", comments="")
-    (tmp_path / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{mass} kg"\n'
-        '[model]\neffects = ["coulomb"]\n[[record]]\nfile = "log.csv"\nrole = "fit"\n'
-        '[noise]\ndrive_force = "0.001 N"\nposition = "1e-11 m"\n'
-    )
-    problem = load_problem(tmp_path)
+    columns = {"time [s]": TIME, "position [m]": position, "drive_force [N]": force + noise}
+    rig, stated = {"kind": "force-drive", "input_hold": "linear"}, {"drive_force": "0.001 N", "position": "1e-11 m"}
+    known = {"mass": f"{mass} kg"}
+    problem = load_problem(write_rig(tmp_path, rig, {"log": columns}, ["coulomb"], known=known, noise=stated))
     model = with_effect(problem.start, find("presliding"), problem.scales)
     values = {"presliding.force": LEVEL, "presliding.stretch": STRETCH, "presliding.curvature": 1.0}
     found = misfit(model.at({**model.values, **values}), problem.fit_records)["drive_force"]

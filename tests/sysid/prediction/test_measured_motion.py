@@ -20,24 +20,16 @@ from sysid.prediction.force_balance.measured_motion import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.report import misfit_json
+from tests.experiments import write_rig
 
 STEP, ROWS, LEVEL, DRAG = 0.01, 12000, 14.9, 2e5
 COAST = Path(__file__).parents[4] / "shared" / "data" / "oartec_coast_forcedrive"
 
 
-def _experiment(folder: Path, text: str, records: list[dict[str, np.ndarray]]) -> Path:
-    for role, columns in zip(("fit", "validate"), records, strict=True):
-        table = np.column_stack(list(columns.values()))
-        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=",".join(columns), comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (folder / "experiment.toml").write_text(f"schema = 1\n{text}")
-    return folder
-
-
 def _slow_shear(folder: Path, speed: float, noise: float, correlation: float = 0.0, rest: int = 0) -> Comparison:
     """Strokes of 1500 rows at `speed` per row and at three times that, each after `rest` rows without motion."""
-    records = []
-    for seed in (1, 2):
+    records = {}
+    for seed, role in ((1, "fit"), (2, "validate")):
         rng = np.random.default_rng(seed)
         row = np.arange(ROWS)
         side = np.where((row // 1500) % 2 == 0, 1.0, -1.0)
@@ -49,11 +41,9 @@ def _slow_shear(folder: Path, speed: float, noise: float, correlation: float = 0
             sensor[i] = correlation * sensor[i - 1] + np.sqrt(1.0 - correlation**2) * white[i]
         force = LEVEL * side[moving] + DRAG * velocity / STEP + 0.05 * rng.standard_normal(ROWS)
         position = np.cumsum(velocity) + noise * sensor
-        records.append({"time [s]": STEP * row, "position [m]": position, "friction_force [N]": force})
-    text = (
-        f'[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n[noise]\nposition = "{noise} m"\n'
-    )
-    return compare(_experiment(folder, text, records))
+        records[role] = {"time [s]": STEP * row, "position [m]": position, "friction_force [N]": force}
+    stated = {"position": f"{noise} m"}
+    return compare(write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise=stated))
 
 
 @pytest.mark.parametrize(
@@ -77,8 +67,8 @@ def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
 
 
 def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitter(tmp_path: Path) -> None:
-    records, rows = [], 4000
-    for seed in (5, 6):
+    records, rows = {}, 4000
+    for seed, role in ((5, "fit"), (6, "validate")):
         rng = np.random.default_rng(seed)
         time = 1e-3 * np.arange(rows)
         begun = np.maximum(time - 0.3, 0.0)
@@ -87,9 +77,8 @@ def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitte
         columns = {"time [s]": time, "position [m]": position + 3e-7 * rng.standard_normal(rows)}
         columns["velocity [m/s]"] = velocity + 2e-5 * rng.standard_normal(rows)
         columns["friction_force [N]"] = 4.0 * side + 0.02 * rng.standard_normal(rows)
-        records.append(columns)
-    text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nfriction_force = "20 mN"\n'
-    found = compare(_experiment(tmp_path, text, records))
+        records[role] = columns
+    found = compare(write_rig(tmp_path, "velocity-drive", records, ["coulomb"], noise={"friction_force": "20 mN"}))
     assert all(0.9 <= one["friction_force"].over_noise <= 1.1 for one in (found.fit, found.validate))
     assert found.fit["friction_force"].rms < 0.25 and found.fit["friction_force"].size > rows - 400
 
@@ -124,8 +113,9 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
         "position [m]": np.cumsum(velocity) + 2e-6 * rng.standard_normal(row.size),
         "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(row.size),
     }
-    text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nposition = "2e-6 m"\n'
-    records = compare(_experiment(tmp_path, text, [columns, columns])).problem.fit_records
+    both = {"fit": columns, "validate": columns}
+    rig = write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise={"position": "2e-6 m"})
+    records = compare(rig).problem.fit_records
     assert isinstance(records[0], ForceBalanceRecord)
     share = unknown_direction(records[0])
     creep = 4e-7 / (records[0].velocity_noise * STEP)
@@ -148,10 +138,10 @@ def test_a_velocity_that_contradicts_the_position_is_reported(tmp_path, factor: 
         "velocity [m/s]": factor * np.roll(velocity, late) + 1e-4 * rng.standard_normal(time.size),
         "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(time.size),
     }
-    text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nposition = "1e-6 m"\n'
     # A position that does not come from this motion: a random walk.
     walk = {**columns, "position [m]": 1e-4 * np.cumsum(rng.standard_normal(time.size))}
-    problem = compare(_experiment(tmp_path, text, [columns, walk])).problem
+    both = {"fit": columns, "validate": walk}
+    problem = compare(write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise={"position": "1e-6 m"})).problem
     *lines, other = motion_warnings([*problem.fit_records, *problem.validate_records])
     assert bool(lines) is warned and "'position' does not follow 'velocity'" in other
     if warned:
@@ -160,11 +150,11 @@ def test_a_velocity_that_contradicts_the_position_is_reported(tmp_path, factor: 
         assert ("(0.105 is the factor of rpm and rad/s)" in lines[0]) is (factor > 2.0)
 
 
-def _coast(folder: Path, known: str, drive: float = 0.0) -> Path:
+def _coast(folder: Path, known: dict[str, str], drive: float = 0.0) -> Path:
     """Coast-downs of a flywheel of 0.1 kg m^2 with Coulomb friction and quadratic drag, by Euler steps of a fiftieth of
     a row."""
-    records = []
-    for seed, speed in ((1, 60.0), (2, 45.0)):
+    records = {}
+    for seed, speed, role in ((1, 60.0, "fit"), (2, 45.0, "validate")):
         rng, angle, out = np.random.default_rng(seed), 0.0, []
         for _ in range(3000):
             out.append(angle)
@@ -172,14 +162,14 @@ def _coast(folder: Path, known: str, drive: float = 0.0) -> Path:
                 speed -= (0.05 + 4e-4 * speed**2 - drive) / 0.1 * 0.002 / 50.0
                 angle += speed * 0.002 / 50.0
         columns = {"time [s]": 0.002 * np.arange(3000), "position [rad]": np.array(out) + 1e-4 * rng.normal(size=3000)}
-        records.append({**columns, "drive_force [N*m]": np.full(3000, drive)})
-    text = f'[rig]\nkind = "force-drive"\n{known}\n[model]\neffects = ["coulomb", "quadratic_drag"]\n'
-    return _experiment(folder, text + '[noise]\nposition = "1e-4 rad"\n', records)
+        records[role] = columns | {"drive_force [N*m]": np.full(3000, drive)}
+    effects, noise = ["coulomb", "quadratic_drag"], {"position": "1e-4 rad"}
+    return write_rig(folder, "force-drive", records, effects, known=known, noise=noise)
 
 
 @pytest.mark.parametrize("drive", [0.0, 0.02])
 def test_a_coast_down_of_known_inertia_gives_its_drag(tmp_path: Path, drive: float) -> None:
-    found = compare(_coast(tmp_path, '[rig.known]\ninertia = "0.1 kg*m^2"', drive))
+    found = compare(_coast(tmp_path, {"inertia": "0.1 kg*m^2"}, drive))
     values, error = found.base.fitted.model.values, found.validate["drive_force"]
     assert values["coulomb.force"] == pytest.approx(0.05, rel=0.1)
     assert values["quadratic_drag.coefficient"] == pytest.approx(4e-4, rel=0.01)
@@ -191,7 +181,7 @@ def test_a_coast_down_of_known_inertia_gives_its_drag(tmp_path: Path, drive: flo
 
 def test_a_coast_down_of_unknown_inertia_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"'drive_force' does not change; without rig.known.mass"):
-        compare(_coast(tmp_path, ""))
+        compare(_coast(tmp_path, {}))
 
 
 def test_rows_logged_at_pulses_are_not_quantised() -> None:

@@ -17,6 +17,7 @@ from sysid.prediction.problem import load_problem
 from sysid.report import comparison_json
 from sysid.signals import longer_than
 from sysid.simulate_experiment import simulate_experiment
+from tests.experiments import write_rig
 
 STEP = 1e-3
 MASS = 1.5
@@ -26,18 +27,14 @@ GAP = slice(2950, 3080)
 
 def _balance(folder: Path, gap: slice) -> ForceBalanceRecord:
     """A mass pushed to and fro by a sine, its position noisy by a tenth of a micrometre."""
-    folder.mkdir()
     omega = 2 * np.pi * 2.0
     force = 3.0 * np.sin(omega * TIME)
     position = -3.0 / (MASS * omega**2) * np.sin(omega * TIME)
     position = position + 1e-7 * np.random.default_rng(8).standard_normal(TIME.size)
     position[gap] = np.nan
-    table = np.column_stack([TIME, force, position])
-    np.savetxt(folder / "fit.csv", table, "%.10g", ",", header="time [s],drive_force [N],position [m]", comments="")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = ["viscous"]\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[noise]\nposition = "0.1 um"\ndrive_force = "1 mN"\n'
-    )
+    log = {"time [s]": TIME, "drive_force [N]": force, "position [m]": position}
+    known, noise = {"mass": f"{MASS} kg"}, {"position": "0.1 um", "drive_force": "1 mN"}
+    write_rig(folder, "force-drive", {"fit": log}, ["viscous"], known=known, noise=noise)
     balance = load_problem(folder).fit_records[0]
     assert isinstance(balance, ForceBalanceRecord)
     return balance
@@ -74,17 +71,13 @@ FORCE = BLOCK * ACCELERATION + 40.0 * np.gradient(POSITION, INTERVAL)
 def pulled(folder: Path, keep: np.ndarray) -> ForceBalanceRecord:
     """A mass on a spring without dry friction; the rows of `keep` (n,) are logged."""
     rng = np.random.default_rng(1)
-    table = np.column_stack([
-        TIMES, POSITION + FORCE / STIFFNESS, POSITION + rng.normal(0, 2e-7, TIMES.size),
-        FORCE + rng.normal(0, 2e-3, TIMES.size),
-    ])  # fmt: skip
-    header = "time [s],pull_position [m],position [m],spring_force [N]"
-    np.savetxt(folder / "log.csv", table[keep], "%.10g", ",", header=header, comments="")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "spring-pull"\n[rig.known]\nmass = "{BLOCK} kg"\n'
-        f'pull_stiffness = "{STIFFNESS} N/m"\n[model]\neffects = ["viscous"]\n'
-        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nposition = "2e-7 m"\nspring_force = "2 mN"\n'
-    )
+    log = {"time [s]": TIMES, "pull_position [m]": POSITION + FORCE / STIFFNESS}
+    log["position [m]"] = POSITION + rng.normal(0, 2e-7, TIMES.size)
+    log["spring_force [N]"] = FORCE + rng.normal(0, 2e-3, TIMES.size)
+    log = {name: values[keep] for name, values in log.items()}
+    known = {"mass": f"{BLOCK} kg", "pull_stiffness": f"{STIFFNESS} N/m"}
+    noise = {"position": "2e-7 m", "spring_force": "2 mN"}
+    write_rig(folder, "spring-pull", {"log": log}, ["viscous"], known=known, noise=noise)
     record = load_problem(folder).fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     return record
@@ -135,16 +128,21 @@ def _record(seed: int) -> pd.DataFrame:
     return pd.DataFrame({"time [s]": uneven, **{name: np.interp(uneven, time, y) for name, y in columns.items()}})
 
 
-def test_only_rows_that_are_mixtures_themselves_differ_from_the_law() -> None:
-    """One row beside a reversal may be interpolated by the logger; resampling makes no further mixtures of it."""
+def _residuals(fit: pd.DataFrame, validate: pd.DataFrame, *effects: str) -> np.ndarray:
+    """Residuals of the held-out record."""
     experiment = stagecad.Experiment.from_dataframes(
-        {"fit": _record(1), "validate": _record(2)},
+        {"fit": fit, "validate": validate},
         rig="velocity-drive",
-        model=["coulomb", "viscous"],
+        model=effects,
         noise={"friction_force": "0.02 N"},
         validate=["validate"],
     )
-    residuals = stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+    return stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+
+
+def test_only_rows_that_are_mixtures_themselves_differ_from_the_law() -> None:
+    """One row beside a reversal may be interpolated by the logger; resampling makes no further mixtures of it."""
+    residuals = _residuals(_record(1), _record(2), "coulomb", "viscous")
     reversals = int(np.sum(np.diff(np.sign(_record(2)["velocity [m/s]"])) != 0.0))
     assert reversals > 10
     assert np.sum(np.abs(residuals) > 10.0 * NOISE) <= reversals
@@ -165,14 +163,7 @@ def _turning(seed: int, even: bool) -> pd.DataFrame:
 @pytest.mark.parametrize("even", [True, False])
 def test_direction_at_a_row_after_a_turning_point_between_two_rows(even: bool) -> None:
     """The difference to the row before has the old sign at half of the reversals; the velocity at the row has not."""
-    experiment = stagecad.Experiment.from_dataframes(
-        {"fit": _turning(1, even), "validate": _turning(2, even)},
-        rig="velocity-drive",
-        model=["coulomb", "viscous"],
-        noise={"friction_force": "0.02 N"},
-        validate=["validate"],
-    )
-    residuals = stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+    residuals = _residuals(_turning(1, even), _turning(2, even), "coulomb", "viscous")
     assert np.sum(np.abs(residuals) > 10.0 * NOISE) == 0
 
 
@@ -191,14 +182,7 @@ def _resting(seed: int) -> pd.DataFrame:
 
 def test_direction_at_rest_after_uneven_rows_is_that_of_the_motion_before() -> None:
     """A cubic through the rows would turn back by a nanometre where the body stops."""
-    experiment = stagecad.Experiment.from_dataframes(
-        {"fit": _resting(1), "validate": _resting(2)},
-        rig="velocity-drive",
-        model=["coulomb"],
-        noise={"friction_force": "0.02 N"},
-        validate=["validate"],
-    )
-    residuals = stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
+    residuals = _residuals(_resting(1), _resting(2), "coulomb")
     assert np.mean(np.abs(residuals) > 10.0 * NOISE) < 0.02
 
 
@@ -206,25 +190,26 @@ SCALE, INERTIA = 0.12, 0.02
 """Torque constant, N*m/A, and inertia, kg*m^2, of the rig."""
 
 
-def _write(folder: Path, scale: str, known: str = f'mass = "{INERTIA} kg*m^2"', channel: str = "drive_force") -> Path:
+def _write(folder: Path, scale: str, mass: str = f"{INERTIA} kg*m^2", channel: str = "drive_force") -> Path:
     """Current of a motor that turns an inertia against Coulomb and viscous friction, by Newton's law."""
-    random = np.random.default_rng(6)
+    random, records = np.random.default_rng(6), {}
     for name, phase in (("fit", 0.0), ("validate", 1.3)):
         t = np.arange(4000) * 1e-3
         angle = 0.5 * np.sin(9.0 * t + phase) + 0.1 * np.sin(23.0 * t)
         rate = 4.5 * np.cos(9.0 * t + phase) + 2.3 * np.cos(23.0 * t)
         torque = INERTIA * (-40.5 * np.sin(9.0 * t + phase) - 52.9 * np.sin(23.0 * t))
         torque += 0.15 * np.tanh(rate / 1e-4) + 0.01 * rate
-        log = np.column_stack([t, angle, torque / SCALE + 0.01 * random.normal(size=t.size)])
-        np.savetxt(folder / f"{name}.csv", log, "%.9g", ",", header="time [s],position [rad],current [A]", comments="")
-    records = "".join(f'[[record]]\nfile = "{n}.csv"\nrole = "{n}"\n' for n in ("fit", "validate"))
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\n{known}\n'
-        '[model]\neffects = ["coulomb", "viscous"]\n'
-        f'[channels]\n{channel} = {{column = "current", scale = "{scale}"}}\n'
-        f'{records}[noise]\nposition = "1e-7 rad"\n'
+        current = torque / SCALE + 0.01 * random.normal(size=t.size)
+        records[name] = {"time [s]": t, "position [rad]": angle, "current [A]": current}
+    return write_rig(
+        folder,
+        {"kind": "force-drive", "input_hold": "linear"},
+        records,
+        ["coulomb", "viscous"],
+        known={"mass": mass} if mass else None,
+        noise={"position": "1e-7 rad"},
+        rest=f'[channels]\n{channel} = {{column = "current", scale = "{scale}"}}\n',
     )
-    return folder
 
 
 @pytest.mark.parametrize("scale", ["0.1 +- 0.03 N*m/A", "fit N*m/A"])
@@ -241,7 +226,7 @@ def test_a_known_inertia_determines_the_scale(tmp_path: Path, scale: str) -> Non
 
 
 def test_without_a_known_mass_the_stated_uncertainty_is_what_is_known(tmp_path: Path) -> None:
-    document = comparison_json(compare(_write(tmp_path, "0.12 +- 0.006 N*m/A", known="")))
+    document = comparison_json(compare(_write(tmp_path, "0.12 +- 0.006 N*m/A", mass="")))
     ratio = document["parameters"]["rig.scale_drive_force"]
     assert ratio["value"] == pytest.approx(1.0, abs=0.05)
     assert ratio["std"] == pytest.approx(0.05, rel=0.2)
@@ -277,12 +262,8 @@ def test_simulations_use_the_fitted_scale(tmp_path: Path) -> None:
     assert np.abs(fitted["position"] - true["position"]).max() < 0.02 * travel
     # A motion of another file is in its own units.
     motion = {"time [s]": np.arange(400) * 1e-3, "drive_force [N*m]": np.full(400, 0.5)}
-    other = simulate_experiment(folder_of(tmp_path), motion=MemoryTable("motion", motion))
+    other = simulate_experiment(_write(tmp_path, "0.1 +- 0.03 N*m/A"), motion=MemoryTable("motion", motion))
     assert other.records[0].channels["drive_force"] == pytest.approx(0.5)
-
-
-def folder_of(folder: Path) -> Path:
-    return _write(folder, "0.1 +- 0.03 N*m/A")
 
 
 @pytest.mark.parametrize(
@@ -296,11 +277,8 @@ def folder_of(folder: Path) -> Path:
 def test_a_scale_that_cannot_be_fitted_is_refused_in_one_line(tmp_path, scale: str, channel: str, message: str) -> None:
     folder = _write(tmp_path, scale, channel=channel)
     if channel != "drive_force":
-        text = (folder / "experiment.toml").read_text().replace("[[record]]", DRIVE, 1)
-        (folder / "experiment.toml").write_text(text)
+        with (folder / "experiment.toml").open("a") as file:
+            file.write('drive_force = {column = "current", scale = "0.12 N*m/A"}\n')
     with pytest.raises(InputError, match=message) as caught:
         compare(folder)
     assert "\n" not in str(caught.value)
-
-
-DRIVE = 'drive_force = {column = "current", scale = "0.12 N*m/A"}\n[[record]]'

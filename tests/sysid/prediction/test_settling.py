@@ -1,6 +1,5 @@
 """Rows whose state is unknown are left out; errors of simulation of true and of wrong models."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -13,22 +12,18 @@ from sysid.prediction.model import predict, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, load_problem
 from sysid.prediction.simulation_error import HORIZONS, simulation_errors
-from workbench.cli import run
+from tests.experiments import replace_in, write_rig
 
 ROWS, STEP, NOISE = 4000, 1e-3, 0.01
 TIME = STEP * np.arange(ROWS)
 
 
-def _problem(folder: Path, kind: str, columns: dict[str, np.ndarray], known: str = "", effects: str = "") -> Problem:
-    folder.mkdir(exist_ok=True)
-    table = np.column_stack([TIME, *columns.values()])
-    names = ",".join(["time [s]", *columns])
-    text = f'schema = 1\n[rig]\nkind = "{kind}"\n[rig.known]\n{known}\n[model]\neffects = [{effects}]\n'
-    for role in ("fit", "validate"):
-        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=names, comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (folder / "experiment.toml").write_text(text)
-    return load_problem(folder)
+def _problem(
+    folder: Path, kind: str, columns: dict[str, np.ndarray], known: dict[str, str] | None = None, *effects: str
+) -> Problem:
+    """Two records of the same columns."""
+    log = {"time [s]": TIME, **columns}
+    return load_problem(write_rig(folder, kind, {"fit": log, "validate": log}, effects, known=known))
 
 
 def _scored(record: PreparedRecord) -> int:
@@ -59,7 +54,7 @@ def test_a_single_stroke_loses_a_part_of_its_travel(tmp_path: Path) -> None:
 
 def test_the_voltage_of_a_tip_turns_first(tmp_path: Path) -> None:
     voltage = np.where(TIME < 0.05, 60.0, 60.0 + 20.0 * np.sin(2.0 * np.pi * (TIME - 0.05) / 0.6))
-    known = 'piezo_spacing = "46 mm"\ntip_height = "20 mm"\nbias_voltage = "60 V"'
+    known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "60 V"}
     tip = 1e-7 * (voltage - 60.0) + 1e-10 * np.random.default_rng(2).standard_normal(ROWS)
     columns = {"voltage_1 [V]": voltage, "voltage_2 [V]": voltage, "tip_x [m]": 0.0 * tip, "tip_y [m]": tip}
     record = _problem(tmp_path, "actuator-tip", columns, known).fit_records[0]
@@ -86,7 +81,7 @@ def test_the_state_of_bristles_before_the_first_row_does_not_count(tmp_path: Pat
     assert misfit(model, problem.fit_records)["friction_force"].rms == pytest.approx(NOISE, rel=0.05)
 
 
-def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], str]:
+def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """Columns of a log that rests in nineteen of twenty rows, and what is known of the rig."""
     rng = np.random.default_rng(4)
     t = np.clip(TIME - 1.0, 0.0, 0.2)
@@ -96,15 +91,14 @@ def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], str]:
     if kind == "velocity-drive":
         # An imposed motion leaves the friction of the last motion.
         force = np.where(t >= 0.2, force[t < 0.2][-1], force)
-        return {**quiet, "friction_force [N]": force + 1e-3 * rng.standard_normal(ROWS)}, ""
+        return {**quiet, "friction_force [N]": force + 1e-3 * rng.standard_normal(ROWS)}, {}
     if kind == "force-drive":
         drive = force + 0.5 * np.gradient(np.gradient(position, STEP), STEP)
-        return {**quiet, "drive_force [N]": drive}, 'mass = "0.5 kg"'
+        return {**quiet, "drive_force [N]": drive}, {"mass": "0.5 kg"}
     pull = position + force / 1e3
     spring = force + 1e-3 * rng.standard_normal(ROWS)
-    return {**quiet, "pull_position [m]": pull, "spring_force [N]": spring}, (
-        'mass = "0.01 kg"\npull_stiffness = "1000 N/m"'
-    )
+    known = {"mass": "0.01 kg", "pull_stiffness": "1000 N/m"}
+    return {**quiet, "pull_position [m]": pull, "spring_force [N]": spring}, known
 
 
 @pytest.mark.parametrize("kind", ["velocity-drive", "force-drive", "spring-pull"])
@@ -116,7 +110,7 @@ def test_a_log_at_rest_in_most_rows_is_evaluated(tmp_path: Path, kind: str, froz
         for values in columns.values():
             values[1300:] = values[1300]
             values[:900] = values[0]
-    found = compare(_problem(tmp_path, kind, columns, known, '"coulomb", "viscous"'))
+    found = compare(_problem(tmp_path, kind, columns, known, "coulomb", "viscous"))
     for part in (found.fit, found.validate):
         assert all(np.isfinite([m.rms, m.over_noise]).all() for m in part.values())
     if not frozen:
@@ -127,9 +121,8 @@ MASS, DRAG, SENSOR_NOISE = 2.0, 15.0, 1e-7
 INTERVAL = 1e-3
 
 
-def _pushed(folder: Path, effects: str = '"coulomb", "viscous"') -> Problem:
+def _pushed(folder: Path, *effects: str) -> Problem:
     """A mass under a force held from row to row and viscous drag alone, exact from row to row."""
-    folder.mkdir()
     time = INTERVAL * np.arange(6000)
     force = 8.0 * np.sin(2.0 * np.pi * 0.7 * time) + 4.0 * np.sin(2.0 * np.pi * 3.1 * time)
     decay, x, v = np.exp(-DRAG / MASS * INTERVAL), 0.0, 0.0
@@ -140,18 +133,16 @@ def _pushed(folder: Path, effects: str = '"coulomb", "viscous"') -> Problem:
         v = end + (v - end) * decay
         position[k] = x
     noisy = position + SENSOR_NOISE * np.random.default_rng(1).standard_normal(time.size)
-    table = np.column_stack([time, force, noisy])
-    np.savetxt(folder / "a.csv", table, "%.12g", ",", header="time [s],drive_force [N],position [m]", comments="")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = [{effects}]\n'
-        f'[model.parameters]\n"viscous.coefficient" = "{DRAG} N*s/m"\n'
-        f'[[record]]\nfile = "a.csv"\nrole = "fit"\n[noise]\nposition = "{SENSOR_NOISE} m"\n'
+    log = {"time [s]": time, "drive_force [N]": force, "position [m]": noisy}
+    known, start = {"mass": f"{MASS} kg"}, {"viscous.coefficient": f"{DRAG} N*s/m"}
+    noise = {"position": f"{SENSOR_NOISE} m"}
+    return load_problem(
+        write_rig(folder, "force-drive", {"a": log}, effects, known=known, noise=noise, parameters=start)
     )
-    return load_problem(folder)
 
 
 def test_a_true_model_simulates_the_record_and_a_wrong_one_drifts(tmp_path: Path) -> None:
-    problem = _pushed(tmp_path / "rig", '"viscous"')
+    problem = _pushed(tmp_path / "rig", "viscous")
     true = simulation_errors(problem, problem.start)
     wrong = simulation_errors(problem, problem.start.at({"viscous.coefficient": 1.05 * DRAG}))
     for part in ("fit", "validate"):
@@ -165,30 +156,15 @@ def test_a_true_model_simulates_the_record_and_a_wrong_one_drifts(tmp_path: Path
 
 
 def test_a_model_that_cannot_be_simulated_says_so(tmp_path: Path) -> None:
-    problem = _pushed(tmp_path / "rig", '"coulomb", "viscous", "frictional_lag:relaxation"')
+    problem = _pushed(tmp_path / "rig", "coulomb", "viscous", "frictional_lag:relaxation")
     found = simulation_errors(problem, problem.start)
     assert found.free_run == {}
     assert "frictional_lag:relaxation" in found.note
 
 
 def test_a_record_shorter_than_a_horizon_has_none(tmp_path: Path) -> None:
-    problem = _pushed(tmp_path / "rig", '"viscous"')
-    text = (tmp_path / "rig" / "experiment.toml").read_text()
-    (tmp_path / "rig" / "experiment.toml").write_text(text.replace('role = "fit"', 'role = "fit"\nto = "0.9 s"'))
+    problem = _pushed(tmp_path / "rig", "viscous")
+    replace_in(tmp_path / "rig" / "experiment.toml", 'role = "fit"', 'role = "fit"\nto = "0.9 s"')
     found = simulation_errors(load_problem(tmp_path / "rig"), problem.start)
     assert found.horizon["1 s"]["fit"] == {}
     assert found.horizon["0.1 s"]["fit"]["position"].rms < 0.2 * SENSOR_NOISE / INTERVAL * 0.1
-
-
-def test_the_documents_have_them_and_the_report_shows_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    _pushed(tmp_path / "rig", '"viscous"')
-    target = tmp_path / "found.json"
-    assert run(["compare", str(tmp_path / "rig"), "--out", str(tmp_path / "out"), "--json", str(target)]) == 0
-    document = json.loads(target.read_text())
-    assert set(document["horizon"]) == {"0.1 s", "1 s"}
-    for errors in (document["free_run"], *document["horizon"].values()):
-        assert set(errors) == {"fit", "validate"}
-        assert errors["fit"]["position"]["rms"]["unit"] == "m"
-        assert 99.0 < errors["fit"]["position"]["fit_percent"] <= 100.0
-    assert "Error of simulation" in (tmp_path / "out" / "rig" / "report.html").read_text()
-    assert "Error of simulation" in capsys.readouterr().err

@@ -10,6 +10,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import predict
 from sysid.prediction.problem import Problem, load_problem
+from tests.experiments import write_rig
 
 STEP = 1e-3
 MASS, STIFFNESS, LEVEL = 1.5, 3000.0, 0.8
@@ -38,19 +39,13 @@ def _pulled(bristles: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return time, pull, force
 
 
-def _written(folder: Path, stiffness: str, effects: str, bristles: float = BRISTLES, bent: float = 0.0) -> Problem:
+def _written(folder: Path, stiffness: str, *effects: str, bristles: float = BRISTLES, bent: float = 0.0) -> Problem:
     """An experiment on that body, in which its own position is not logged."""
-    folder.mkdir()
     time, pull, force = _pulled(bristles)
     force = force + bent * force**2 / 3.0 + NOISE * np.random.default_rng(2).standard_normal(force.size)
-    np.savetxt(folder / "fit.csv", np.column_stack([time, pull, force]), "%.10g", ",",
-               header="time [s],pull_position [m],spring_force [N]", comments="")  # fmt: skip
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "spring-pull"\n[rig.known]\nmass = "{MASS} kg"\npull_stiffness = "{stiffness}"\n'
-        f'[model]\neffects = [{effects}]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-        f'[noise]\nspring_force = "{NOISE} N"\n'
-    )
-    return load_problem(folder)
+    log = {"time [s]": time, "pull_position [m]": pull, "spring_force [N]": force}
+    known, noise = {"mass": f"{MASS} kg", "pull_stiffness": stiffness}, {"spring_force": f"{NOISE} N"}
+    return load_problem(write_rig(folder, "spring-pull", {"fit": log}, effects, known=known, noise=noise))
 
 
 def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.ndarray, np.ndarray]:
@@ -67,22 +62,23 @@ def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.
 
 def test_rigid_friction_leaves_what_bristles_explain(tmp_path: Path) -> None:
     told = f"{STIFFNESS:g} N/m"
-    rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, '"coulomb", "viscous"'))
+    rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, "coulomb", "viscous"))
     assert rigid.stick_phases is not None
     assert rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
     assert np.std(shift) > 5.0 * rigid.stick_phases.noise
     assert not held.any()
     core = {"presliding.force": LEVEL, "presliding.stretch": LEVEL / BRISTLES, "presliding.curvature": 1.0}
-    problem = _written(tmp_path / "bristles", told, '"presliding", "viscous"')
+    problem = _written(tmp_path / "bristles", told, "presliding", "viscous")
     assert set(core) <= set(problem.start.values)
     _, shift, moved = _at_rest(problem, **core)
     assert np.std(shift - moved) < 0.3 * np.std(shift)
 
 
 def test_a_stiffness_error_of_the_spring_is_fitted_if_its_deviation_is_given(tmp_path: Path) -> None:
-    exact = _written(tmp_path / "exact", f"{1.005 * STIFFNESS:g} N/m", '"coulomb", "viscous"', 4e6)
+    exact = _written(tmp_path / "exact", f"{1.005 * STIFFNESS:g} N/m", "coulomb", "viscous", bristles=4e6)
     assert any("pull_stiffness" in note and "exact" in note for note in exact.notes)
-    problem = _written(tmp_path / "unsure", f"{1.005 * STIFFNESS:g} +- {0.01 * STIFFNESS:g} N/m", '"coulomb"', 4e6)
+    unsure = f"{1.005 * STIFFNESS:g} +- {0.01 * STIFFNESS:g} N/m"
+    problem = _written(tmp_path / "unsure", unsure, "coulomb", bristles=4e6)
     assert not any("pull_stiffness" in note for note in problem.notes)
     _, shift, _ = _at_rest(problem)
     _, _, of_spring = _at_rest(problem, **{"rig.pull_stiffness": STIFFNESS})
@@ -92,12 +88,8 @@ def test_a_stiffness_error_of_the_spring_is_fitted_if_its_deviation_is_given(tmp
 
 
 def test_a_bent_sensor_of_the_force_bends_the_position_it_tells(tmp_path: Path) -> None:
-    problem = _written(
-        tmp_path / "bent",
-        f"{STIFFNESS:g} N/m",
-        '"presliding", "viscous", "sensor_nonlinearity@spring_force"',
-        bent=0.05,
-    )
+    effects = "presliding", "viscous", "sensor_nonlinearity@spring_force"
+    problem = _written(tmp_path / "bent", f"{STIFFNESS:g} N/m", *effects, bent=0.05)
     scale = problem.start.values["sensor_nonlinearity@spring_force.full_scale"]
     core = {"presliding.force": LEVEL, "presliding.stretch": LEVEL / BRISTLES, "presliding.curvature": 1.0}
     bend = {"sensor_nonlinearity@spring_force.second_order": 0.05 * scale / 3.0}

@@ -210,7 +210,7 @@ def test_a_file_that_would_be_no_effect_is_refused(tmp_path, capsys, name, wrong
 
 def test_models_of_earlier_rungs_have_the_errors_that_the_ladder_states(tmp_path: Path) -> None:
     force = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
-    write_slide(tmp_path / "rig", force, '"coulomb"', held_out=True)
+    write_slide(tmp_path / "rig", force, "coulomb", held_out=True)
     stagecad.add(tmp_path / "rig", "viscous")
     found = stagecad.compare(tmp_path / "rig")
     assert list(found.earlier) == ["rung 0"]

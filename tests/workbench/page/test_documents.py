@@ -30,7 +30,7 @@ FILES = {"file", "kept"}
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("project")
-    slide(made / "rig", FORCE, '"coulomb"', held_out=True)
+    slide(made / "rig", FORCE, "coulomb", held_out=True)
     return made
 
 

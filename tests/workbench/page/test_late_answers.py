@@ -21,8 +21,8 @@ FIELDS = """() => [...document.querySelectorAll('#simulation .row input[type=tex
 def launched(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str]]:
     """A browser, and a server in a folder with two experiments and two parameter files."""
     folder = tmp_path_factory.mktemp("project")
-    slide(folder / "one", FORCE, '"coulomb"', held_out=True)
-    slide(folder / "two", FORCE, '"coulomb", "viscous"', held_out=True)
+    slide(folder / "one", FORCE, "coulomb", held_out=True)
+    slide(folder / "two", FORCE, "coulomb", "viscous", held_out=True)
     for name, free in (("thin", "10 mm..14 mm"), ("thick", "14 mm..20 mm")):
         thickness = f'thickness = {{value = "14 mm", origin = "assumed: a test", free = "{free}"}}'
         (folder / f"{name}.toml").write_text(f'extends = "thesis"\n[stage]\n{thickness}\n')

@@ -35,7 +35,7 @@ def _descendants(process: int) -> set[int]:
 def test_a_killed_server_loses_nothing_saved_and_leaves_no_process(tmp_path: Path) -> None:
     folder = tmp_path / "project"
     force = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
-    slide(folder / "rig", force, '"coulomb"', held_out=True)
+    slide(folder / "rig", force, "coulomb", held_out=True)
     server, address = started(folder, "--port", "0")
     port = str(urlsplit(address).port)
     try:

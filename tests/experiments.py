@@ -1,0 +1,75 @@
+"""Experiments as folders: what a test states is written as `experiment.toml` and one CSV file a record."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(item)}" for key, item in value.items()) + "}"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _table(name: str, values: Mapping[str, Any] | None) -> str:
+    return f"[{name}]\n" + "".join(f"{json.dumps(k)} = {_toml(v)}\n" for k, v in values.items()) if values else ""
+
+
+def write_csv(file: Path, columns: Mapping[str, Any]) -> None:
+    """Write columns (n,) by header; numbers with twelve digits."""
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(file, table, "%.12g", ",", header=",".join(columns), comments="", encoding="utf-8")
+
+
+def write_rig(
+    folder: Path,
+    kind: str | Mapping[str, Any],
+    records: Mapping[str, Mapping[str, Any]],
+    effects: Sequence[str] = (),
+    *,
+    known: Mapping[str, str] | None = None,
+    noise: Mapping[str, str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    rest: str = "",
+) -> Path:
+    """Write an experiment into `folder`, which is made where it is missing, and return it.
+
+    Args:
+        folder: of the experiment.
+        kind: of the rig, or the keys of `[rig]`.
+        records: columns (n,) by header, by the name of the record; those whose name begins with `validate` are held
+            out.
+        effects: of the model.
+        known: `[rig.known]`.
+        noise: `[noise]`.
+        parameters: `[model.parameters]`.
+        rest: further tables as text.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    text = "schema = 1\n" + _table("rig", {"kind": kind} if isinstance(kind, str) else kind)
+    text += _table("rig.known", known) + _table("model", {"effects": list(effects)})
+    text += _table("model.parameters", parameters)
+    for name, columns in records.items():
+        write_csv(folder / f"{name}.csv", columns)
+        role = "validate" if name.startswith("validate") else "fit"
+        text += f'[[record]]\nfile = "{name}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(f"{text}{_table('noise', noise)}{rest}", encoding="utf-8")
+    return folder
+
+
+def replace_in(file: Path, old: str, new: str) -> None:
+    """Replace a text that occurs in a file once or more."""
+    text = file.read_text(encoding="utf-8")
+    assert old in text, f"{file} has no {old!r}"
+    file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def change_column(file: Path, column: int, change: Any, rows: int | None = None) -> None:
+    """Put other values in a column of a CSV file, or what a function makes of them, and keep no more than `rows`."""
+    header = file.read_text(encoding="utf-8").splitlines()[0]
+    table = np.loadtxt(file, delimiter=",", skiprows=1)
+    table[:, column] = change(table[:, column]) if callable(change) else change
+    np.savetxt(file, table[:rows], "%.12g", ",", header=header, comments="")
